@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.assembly import Body, Operators, StressedBody, assemble
-from fem.linalg import Array, SingularMatrix, Solver, lanczos, rounding
+from fem.linalg import Array, Factor, SingularMatrix, Solver, lanczos, less, rounding
 from fem.plate import ElasticRoot
 from fem.rotor import in_rpm
 
@@ -182,7 +182,8 @@ def newton(
 ) -> tuple[Array, Solver] | None:
     """Equilibrium near a state with the last factor used, or None.
 
-    Close to the end a factor is used again as long as that brings the energy down at once. Unless an unstable
+    Close to the end a factor is used again as long as that brings the energy down at once; conjugate gradients, which
+    cost as much again, are not. Unless an unstable
     equilibrium will do, it is given up as soon as it strays: off the stable branch, or on to another one, Newton's
     method is as content as on it; smaller parts of the load are not.
     """
@@ -211,7 +212,7 @@ def newton(
             return None
         before = energy
         further, settled = state, False
-        if energy <= CLOSE * work:
+        if energy <= CLOSE * work and isinstance(factor, Factor):
             enough = max(converged**2, ROUNDED) * work, ROUNDED * work
             further, settled = _again(operators, load, state, factor, energy, enough)
         if settled:
@@ -253,7 +254,7 @@ def _stiffness(operators: Body, load: float, stressed: StressedBody, stress: Any
     """Tangent stiffness (n, n) under its stress, or another, under load times the unit load."""
     stiffness = stressed.stiffness(stress)
     if operators.softening is not None:
-        stiffness = (stiffness - load * operators.softening).tocsc()
+        stiffness = less(stiffness, load, operators.softening)
     return stiffness
 
 

@@ -47,7 +47,10 @@ BENT = 0.01
 """Displacement, relative to the mesh's extent, by which a change of stiffness is found."""
 
 AT_ONCE = 2_000_000
-"""Numbers in the largest intermediate array for each of its 27 components."""
+"""Pairs of nodes, nine numbers each, whose stiffness is summed at once."""
+
+IN_CACHE = 20_000
+"""Pairs of nodes of cells that are integrated at once: what lies between points and stiffness stays in the cache."""
 
 
 @cache
@@ -90,11 +93,12 @@ class Cells:
     gradients: Array
     weights: Array
 
-    def parts(self) -> Iterator[slice]:
-        """Cells that are integrated together."""
-        step = max(AT_ONCE // (self.gradients.shape[1] * self.gradients.shape[3]), 1)
-        for begin in range(0, len(self.nodes), step):
-            yield slice(begin, begin + step)
+    def parts(self, numbers: int, whole: slice | None = None) -> Iterator[slice]:
+        """Slices of the cells, or of some of them, that have so many pairs of nodes."""
+        begin, end, _ = (whole or slice(None)).indices(len(self.nodes))
+        step = max(numbers // self.nodes.shape[1] ** 2, 1)
+        for first in range(begin, end, step):
+            yield slice(first, min(first + step, end))
 
 
 def mapped(kind: str, corners: Array, points: Array, weights: Array) -> tuple[Array, Array, Array]:
@@ -139,7 +143,7 @@ class Pattern:
         return total[:-1]
 
     def matrix(self, blocks: Array) -> csc_array:
-        """The matrix of blocks (nblock, 3, 3), or (nblock, 9)."""
+        """The matrix of blocks of 3 x 3, (9, nblock)."""
         from scipy.sparse import csc_array as sparse
 
         return sparse((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
@@ -165,7 +169,7 @@ def pattern(tables: list[Indices], held: Indices, count: int) -> Pattern:
     source = np.empty(9 * keys.size, dtype=np.int32)
     indices = np.empty(9 * keys.size, dtype=np.int32)
     for k, c in product(range(3), repeat=2):
-        source[begin[:, c] + k] = 9 * np.arange(keys.size) + 3 * k + c
+        source[begin[:, c] + k] = (3 * k + c) * keys.size + np.arange(keys.size)
         indices[begin[:, c] + k] = 3 * row + k
     return Pattern(number, places, keys.size, indptr, indices, source)
 
@@ -238,16 +242,20 @@ class SolidState:
         operators = self.operators
         blocks = np.zeros((9, operators.pattern.count + 1))
         for number, (cells, f, s) in enumerate(zip(operators.cells, self.deformation, under, strict=True)):
-            for part in cells.parts():
-                own = _cell_stiffness(cells, part, f[part], s[part], operators.lame)
-                places = operators.pattern.places[number][part].ravel()
-                for k in range(9):
-                    blocks[k] += np.bincount(places, own[..., k].ravel(), blocks.shape[1])
-        return operators.pattern.matrix(blocks[:, :-1].T)
+            for part in cells.parts(AT_ONCE):
+                places = operators.pattern.places[number][part]
+                own = np.empty((9, *places.shape))
+                for few in cells.parts(IN_CACHE, part):
+                    own[:, few.start - part.start : few.stop - part.start] = _cell_stiffness(
+                        cells, few, f[few], s[few], operators.lame
+                    )
+                for total, values in zip(blocks, own, strict=True):
+                    total += np.bincount(places.ravel(), values.ravel(), total.size)
+        return operators.pattern.matrix(blocks[:, :-1])
 
 
 def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[float, float]) -> Array:
-    """Stiffness (ncell, nnode, nnode, 9) of cells with deformation F and stress S."""
+    """Stiffness (9, ncell, nnode, nnode) of cells with deformation F and stress S."""
     slopes, weights = cells.gradients[part], cells.weights[part]
     first, second = (value * weights[..., None, None] for value in lame)
     ncell, npoint, _, nnode = slopes.shape
@@ -264,7 +272,7 @@ def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[f
     moved = moved.reshape(ncell, npoint * 3, 9 * nnode)
     flat = slopes.reshape(ncell, npoint * 3, nnode)
     own = np.matmul(flat.swapaxes(1, 2), moved).reshape(ncell, nnode, 9, nnode)
-    return np.asarray(own.swapaxes(2, 3))
+    return np.asarray(own.transpose(2, 0, 1, 3))
 
 
 def _gradient(cells: Cells, moved: Array) -> Array:
@@ -396,7 +404,7 @@ class SolidOperators:
             state = omega**2 * self.prestress
             total = self.stressed(state).stiffness(self.stressed(np.zeros_like(state)).ahead(state))
         if self.softening is not None:
-            total = (total - omega**2 * self.softening).tocsc()
+            total = linalg.less(total, omega**2, self.softening)
         return total
 
     def with_deflection(self, large: bool) -> SolidOperators:
@@ -428,7 +436,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:
-        return places.matrix(inertia[:, None, None] * matrix)
+        return places.matrix(np.outer(matrix, inertia))
 
     mass = through(np.eye(3)).copy()
     mass.eliminate_zeros()

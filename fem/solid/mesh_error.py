@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.meshes.cells import cell
-from fem.solid.assembly import mapped, rule
+from fem.solid.assembly import AT_ONCE, mapped, rule
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +44,7 @@ def mesh_errors(operators: SolidOperators, shapes: Array, values: Array, state: 
     missed = np.zeros((2, shapes.shape[1]))
     for cells in operators.cells:
         for number, (points, weights) in enumerate((rule(cells.kind), cell(cells.kind).rule)):
-            for part in cells.parts():
+            for part in cells.parts(AT_ONCE):
                 nodes = cells.nodes[part]
                 shape, slopes, volumes = mapped(cells.kind, operators.blade.mesh.points[nodes], points, weights)
                 rough = _stress(operators, slopes, moved[nodes], rest[nodes])
@@ -89,7 +89,7 @@ def _average(operators: SolidOperators, cells: Cells, moved: Array, rest: Array,
     if cells.kind.startswith("hexahedron"):
         terms = [np.column_stack([t, t[:, [1, 2, 3]] * t[:, [2, 3, 1]], t[:, 1:].prod(axis=1)]) for t in terms]
     carried = terms[1] @ np.linalg.pinv(terms[0])
-    for part in cells.parts():
+    for part in cells.parts(AT_ONCE):
         numbers = cells.nodes[part]
         stress = _stress(operators, cells.gradients[part], moved[numbers], rest[numbers])
         volume = cells.weights[part].sum(axis=1)

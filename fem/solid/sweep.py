@@ -29,7 +29,7 @@ from fem.linalg import lowest_modes, orthonormal
 from fem.modal_model import TRACKED, ModalModel, ModesAtSpeed, continued, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
-from fem.statics import check_speed, equilibrium, tangent, unbalanced
+from fem.statics import check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -66,6 +66,12 @@ ALONE = 3
 
 SETTLED = 1e-10
 """Relative error of the eigenvalues that Davidson's method leaves."""
+
+SETTLED_SPARE = 1e-6
+"""The same of the spare modes."""
+
+BALANCED = 1e-8
+"""Energy of the last Newton step of a state between the ends, relative to that of the load; the square is left."""
 
 
 FLOOR = 1e-7
@@ -219,14 +225,14 @@ class _Solved:
 
     def foretold(self, square: float) -> Array:
         """The state (n,) at another speed, by the polynomial that has the states solved and their slopes."""
-        from scipy.interpolate import KroghInterpolator
-
-        low, bend = min(self.states), self.bend
-        at, values = [], []
-        for each in self.near(square):
-            at += [np.log1p((each - low) / bend)] * 2
-            values += [self.states[each], self.slopes[each] * (bend + each - low)]
-        return np.asarray(KroghInterpolator(at, values)(np.log1p((square - low) / bend)))
+        near, low, bend = self.near(square), min(self.states), self.bend
+        at, nodes = (np.log1p((np.array(each) - low) / bend) for each in (square, near))
+        weights, off = lagrange(nodes, float(at)) ** 2, at - nodes
+        apart = nodes[:, None] - nodes[None, :]
+        np.fill_diagonal(apart, np.inf)
+        states, slopes = (np.array([every[each] for each in near]) for every in (self.states, self.slopes))
+        turned = weights * off * (bend + np.array(near) - low)
+        return np.asarray(weights * (1.0 - 2.0 * off * (1.0 / apart).sum(axis=1)) @ states + turned @ slopes)
 
     @property
     def bend(self) -> float:
@@ -276,7 +282,7 @@ def sweep_blade(
             guess = foretelling.modes(square**0.5)[0]
             off = _project(operators, square, known, foretelling)
             if not off <= PROJECTED * tolerance:
-                _solve_between(operators, square, known)
+                _solve_between(operators, square, count, known)
                 off = 0.0
             left = max(left, off)
             missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
@@ -357,15 +363,18 @@ def _project(operators: SolidOperators, square: float, known: _Solved, foretelli
     return float((0.5 * (np.abs(changes) + np.abs(bent)) / values[:wanted]).max())
 
 
-def _solve_between(operators: SolidOperators, square: float, known: _Solved) -> None:
+def _solve_between(operators: SolidOperators, square: float, count: int, known: _Solved) -> None:
     """Solve a speed from what is known of it by others, with one factor for state and modes."""
     omega, start = square**0.5, known.shapes[square]
     operators.known.clear()
-    state = _rest(operators, omega, known.states[square])
+    state = known.states[square]
+    if operators.prestress is None:
+        state, _ = settle(operators, omega, state, BALANCED)
     stiffness = _about(operators, omega, state)
     solver = operators.solver(stiffness)
     slope = _slope(operators, state, solver)
-    found = lowest_modes(stiffness, operators.mass, start, operators.known[-1], SETTLED)
+    settled = np.where(np.arange(start.shape[1]) < count, SETTLED, SETTLED_SPARE)
+    found = lowest_modes(stiffness, operators.mass, start, operators.known[-1], settled)
     if found is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
         found = modes.eigenvalues, modes.shapes
