@@ -118,10 +118,10 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
     from workflows.io.modes import save_modes
     from workflows.progress import Stages
 
-    found = pipeline.modes(opened(scene), Stages(visible=False))
+    model = pipeline.modes(opened(scene), Stages(visible=False))
     if file is not None:
-        save_modes(found, file)
-    return found
+        save_modes(model, file)
+    return model
 
 
 @lawful()

@@ -12,7 +12,8 @@ The heavy parts (compiled kernels) load at the first ring-down.
 from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
 from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
-from damper.damping_curve import Working
+from damper.curve_measurement import damping_curve
+from damper.curves import DampingCurve
 from damper.fixed_step import SteppedRingDown, stepped_ringdown
 from damper.laws import LawViolation
 from damper.model import Formulation, Harmonic, Mode, ParticleDamper
@@ -20,13 +21,13 @@ from damper.motion import EnergyBooks, Outcome, RingDown
 from damper.ringdown import History, ringdown, sample
 from damper.starts import Start, moves_from
 from damper.steady_state import Forced, Regime, forced
-from damper.working import working
 
 __all__ = [
     "Backbone",
     "Batch",
     "Branch",
     "Capacity",
+    "DampingCurve",
     "EnergyBooks",
     "Forced",
     "Formulation",
@@ -41,10 +42,10 @@ __all__ = [
     "Start",
     "SteppedRingDown",
     "Way",
-    "Working",
     "backbone",
     "ball_density",
     "capacity",
+    "damping_curve",
     "forced",
     "intrinsic_sdc",
     "moves_from",
@@ -54,5 +55,4 @@ __all__ = [
     "stepped_ringdown",
     "two_hit_bound",
     "work_bound",
-    "working",
 ]

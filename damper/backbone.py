@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.damping_curve import Working
+from damper.curve_measurement import damping_curve, swinging, undamped
+from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
-from damper.working import swinging, undamped, working
 
 if TYPE_CHECKING:
     from damper.model import Floats, ParticleDamper
@@ -107,7 +107,7 @@ class Backbone:
         """
         if not 0 < number("force", force) < math.inf:
             raise ValueError(f"force must be positive and finite, got {force:g}")
-        found: list[float] = []
+        crossings: list[float] = []
         turns: list[float] = []
         for branch in self.branches:
             scan = self._scan(branch, force, frequency)
@@ -117,9 +117,9 @@ class Backbone:
             crossed = np.flatnonzero((miss[:-1] < 0) != (miss[1:] < 0))
             share = miss[crossed] / (miss[crossed] - miss[crossed + 1])
             amplitudes = scan[crossed] * (scan[crossed + 1] / scan[crossed]) ** share
-            found += amplitudes.tolist()
+            crossings += amplitudes.tolist()
             turns += branch.at(amplitudes)[1].tolist()
-        return tuple(sorted(zip(found, turns, strict=True)))
+        return tuple(sorted(zip(crossings, turns, strict=True)))
 
     def peaks(self, force: Floats) -> Floats:
         """The largest amplitude that forces keep up at any frequency [m], shape (n,).
@@ -168,14 +168,14 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
         damper: what is measured; the structure's own damping is set aside for it.
         threads: see :func:`damper.ringdowns`.
     """
-    growing, bare = working(damper, threads=threads), undamped(damper)
-    found = growing.descending
+    growing, bare = damping_curve(damper, threads=threads), undamped(damper)
+    branch = growing.descending
     still = np.array([damper.stuck_frequency])
     resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff))
     branches = [resting] if growing.cutoff > 0 else []
-    if found.peak > 0:
-        branches.append(_hitting(bare, found))
-    rolling = _rolling(bare, found.cutoff)
+    if branch.peak > 0:
+        branches.append(_hitting(bare, branch))
+    rolling = _rolling(bare, branch.cutoff)
     if rolling is not None:
         branches.append(rolling)
     return Backbone(
@@ -192,17 +192,17 @@ def _own(damper: ParticleDamper) -> float:
     return damper.damping_ratio if own is None else own
 
 
-def _hitting(bare: ParticleDamper, found: Working) -> Branch:
+def _hitting(bare: ParticleDamper, curve: DampingCurve) -> Branch:
     """What sweeps down through the amplitudes meet."""
-    which = np.unique(np.linspace(0, len(found.amplitude) - 1, _POINTS).astype(int))
+    which = np.unique(np.linspace(0, len(curve.amplitude) - 1, _POINTS).astype(int))
     frequency = []
-    for amplitude, ratio in zip(found.amplitude[which], found.damping_ratio[which], strict=True):
+    for amplitude, ratio in zip(curve.amplitude[which], curve.damping_ratio[which], strict=True):
         cycles = max(min(_CYCLES, int(0.4 / (2 * math.pi * ratio)) if ratio > 0 else _CYCLES), 2)
         run = _released(bare, amplitude, min(_SETTLING, cycles) + cycles + 1, (0.0, 0.0))
         frequency.append(_turns(run, min(_SETTLING, cycles)))
-    free = np.interp(np.log(found.amplitude), np.log(found.amplitude[which]), frequency)
-    low = max(found.cutoff, float(found.amplitude[0]) * (1 - 1e-9))
-    return Branch(Way.HITS, found.amplitude, found.damping_ratio, free, (low, math.inf))
+    free = np.interp(np.log(curve.amplitude), np.log(curve.amplitude[which]), frequency)
+    low = max(curve.cutoff, float(curve.amplitude[0]) * (1 - 1e-9))
+    return Branch(Way.HITS, curve.amplitude, curve.damping_ratio, free, (low, math.inf))
 
 
 def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:

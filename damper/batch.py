@@ -158,7 +158,7 @@ def ringdowns(
     run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)
     status, initial, final = run.by_kinds(kind, rows, prepared, progress)
-    batch = _summary(rows, prepared, status, (initial, final), asked=cycles is not None)
+    batch = _summary(rows, prepared, status, (initial, final), fixed_cycles=cycles is not None)
     velocity = np.maximum(prepared.clocks["first_speed"], prepared.cycles["last_speed"])
     extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
@@ -217,9 +217,9 @@ class _Run:
             yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
-def _amplitudes(damper: ParticleDamper, given: npt.ArrayLike, start: Floats) -> Floats:
+def _amplitudes(damper: ParticleDamper, amplitudes: npt.ArrayLike, start: Floats) -> Floats:
     """Amplitudes of the modes, shape (n, k), the cavity's displacement by them filled into the start."""
-    modal = table("amplitudes", given)
+    modal = table("amplitudes", amplitudes)
     count = len(damper.modes or ())
     if not count or modal.shape != (len(start), count):
         raise ValueError(f"amplitudes must have shape {(len(start), count)}, got {modal.shape}")
@@ -232,7 +232,7 @@ def _further(progress: Progress, before: int, done: int) -> None:
 
 
 def _summary(
-    rows: Parameters, prepared: Prepared, status: Integers, energies: tuple[Floats, Floats], *, asked: bool
+    rows: Parameters, prepared: Prepared, status: Integers, energies: tuple[Floats, Floats], *, fixed_cycles: bool
 ) -> Batch:
     from damper.engine import DONE
 
@@ -243,7 +243,7 @@ def _summary(
     demand = prepared.axes["demand"].max(axis=1)
     booked: dict[str, Any] = {name: books[name].copy() for name in BOOKS.names or ()}
     counted: dict[str, Any] = {name: clocks[name].copy() for name in COUNTED}
-    outcomes = [outcome_of(s == DONE, asked, clock) for s, clock in zip(status, clocks, strict=True)]
+    outcomes = [outcome_of(s == DONE, fixed_cycles, clock) for s, clock in zip(status, clocks, strict=True)]
     return Batch(
         outcome=np.array(outcomes, dtype=object),
         duration=clocks["time"].copy(),

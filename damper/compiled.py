@@ -37,10 +37,10 @@ def versions() -> tuple[str, ...]:
 
 def _place() -> Path | None:
     try:
-        found = nb.njit(cache=True)(versions)  # a folder is looked for here, compiled is nothing
+        probe = nb.njit(cache=True)(versions)  # a folder is looked for here, compiled is nothing
     except RuntimeError:  # no locator available
         return None
-    return Path(found.stats.cache_path) if COMPILES and found.stats.cache_path is not None else None
+    return Path(probe.stats.cache_path) if COMPILES and probe.stats.cache_path is not None else None
 
 
 FOLDER = _place()

@@ -132,11 +132,11 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
     Returns:
         The slope [-]: 0 below first yield, nan where yield strength or hardness is not known.
     """
-    found, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
+    contact, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
     strength, hardness = _strengths(ball, floor)
-    if math.isnan(strength + hardness + found.dent_radius):
+    if math.isnan(strength + hardness + contact.dent_radius):
         return math.nan
-    if found.yield_ratio <= 1:
+    if contact.yield_ratio <= 1:
         return 0.0
     relative = 1 / (1 / radius - 1 / floor_radius)
     first = 2 / 3 * ONSET * strength

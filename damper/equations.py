@@ -89,8 +89,8 @@ def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
 
 
 def _coupled(structures: Structures, pull: Floats, curve: Floats) -> npt.NDArray[np.bool_]:
-    felt = (structures.shape != 0) | (pull != 0)
-    coupled: npt.NDArray[np.bool_] = (felt[:, 0] & felt[:, 1]).any(axis=1) | (curve[:, 0, 1] != 0)
+    active = (structures.shape != 0) | (pull != 0)
+    coupled: npt.NDArray[np.bool_] = (active[:, 0] & active[:, 1]).any(axis=1) | (curve[:, 0, 1] != 0)
     return coupled
 
 
@@ -130,9 +130,11 @@ def equations_of(
     lags = np.stack([np.zeros(n), inertia_ratio(rows), np.ones(n)])[list(np.ndindex(REGIMES, REGIMES))]
     beta = np.moveaxis(lags, 2, 0).reshape(-1, 2)
     each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
-    felt = _Felt(each, *(np.repeat(values, pairs, axis=0) for values in (pull, curve, ball, load, sway, printed)))
+    coupling = _Coupling(
+        each, *(np.repeat(values, pairs, axis=0) for values in (pull, curve, ball, load, sway, printed))
+    )
     stiffness, damping, resistance, force = (
-        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(felt, beta)
+        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(coupling, beta)
     )
     excess = np.zeros((n, 2))
     if printed.any():
@@ -153,7 +155,7 @@ def equations_of(
     )
 
 
-class _Felt(NamedTuple):
+class _Coupling(NamedTuple):
     """A structure, what the load and a harmonic do to the ball on it, the ball's mass, and whose equations hold."""
 
     structures: Structures
@@ -165,14 +167,14 @@ class _Felt(NamedTuple):
     printed: npt.NDArray[np.bool_]
 
 
-def _flight(felt: _Felt, beta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _flight(coupling: _Coupling, beta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Stiffness, damping, resistance and force in one pair of regimes.
 
     Along each axis the ball's acceleration in space is b = (1 - beta) u'' + h, h = -beta (E q + D s + resistance), and
     M q'' + C q' + K q + m Phi' b + m E's = 0: two equations for u'', the rest is substitution. In the printed equations
     the structure feels of a moving ball the rolling resistance alone, and one that is stuck adds to its dashpot.
     """
-    structures, pull, curve, ball, load, sway, printed = felt
+    structures, pull, curve, ball, load, sway, printed = coupling
     n, k = structures.mass.shape
     alone = printed & (beta > 0.0)
     carried = np.where(alone, 0.0, 1.0 - beta)[:, :, None]

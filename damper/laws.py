@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from damper.damping_curve import BINS
+from damper.curves import BINS
 from damper.equations import load_of, structures_by
 from damper.model import half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
 from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
 
 if TYPE_CHECKING:
-    from damper.damping_curve import Working
+    from damper.curves import DampingCurve
     from damper.equations import Structures
     from damper.model import Floats, Integers, Parameters, ParticleDamper, Records
     from damper.starts import Motions
@@ -327,7 +327,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     """Check the first velocity maximum after the ball's last motion [m/s].
 
     Where one mode moves each axis, abs(omega² - E) A is at most the rolling threshold, plus the floor's slope where the
-    ball rests: A is at most the cut-off of `damper.working`. The cut-off of a ring-down belongs to the cycle before,
+    ball rests: A is at most the cut-off of `damping_curve`. The cut-off of a ring-down belongs to the cycle before,
     before, whose decay is its resolution. A ball that keeps bouncing may have a much lower one.
 
     Raises:
@@ -355,7 +355,7 @@ def _drive_of_amplitude(damper: ParticleDamper) -> Floats:
 
 
 def check_rest_amplitude(damper: ParticleDamper, amplitude: float) -> None:
-    """Check the cut-off of `damper.working` [m]: there the drive that `check_cutoff` bounds is the rolling threshold.
+    """Check the cut-off of `damping_curve` [m]: there the drive that `check_cutoff` bounds is the rolling threshold.
 
     Raises:
         LawViolation: it is another.
@@ -401,7 +401,7 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
     require(_WORK, "energy taken [J]", taken.sum(axis=1), most, where)
 
 
-def check_curve(damper: ParticleDamper, curve: Working) -> None:
+def check_curve(damper: ParticleDamper, curve: DampingCurve) -> None:
     """Check the damping ratio over amplitude.
 
     Raises:
@@ -423,12 +423,12 @@ def check_curve(damper: ParticleDamper, curve: Working) -> None:
     require("amplitudes ascend", "amplitude [m]", amplitude[:-1], amplitude[1:], where)
 
 
-def check_readings(curve: Working, samples: Floats) -> None:
+def check_readings(curve: DampingCurve, samples: Floats) -> None:
     """Check what is read off a damping curve, and its ratios by the samples that they are means of.
 
     Args:
         curve: the curve and its figures.
-        samples: see `damper.working.samples_of`.
+        samples: see `curve_measurement.samples_of`.
 
     Raises:
         LawViolation: a figure is not what it is said to be.

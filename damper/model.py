@@ -160,14 +160,14 @@ def validate(rows: Parameters) -> None:
     e, zeta = rows["restitution"], rows["damping_ratio"]
     _require((e >= 0) & (e <= 1), "restitution", e, "between 0 and 1")
     speeds, ratios = np.moveaxis(rows["restitution_by_speed"], 2, 0)
-    given = speeds < np.inf
-    rises = np.diff(np.where(given, speeds, 0.0), axis=1, prepend=0.0) > 0
+    finite = speeds < np.inf
+    rises = np.diff(np.where(finite, speeds, 0.0), axis=1, prepend=0.0) > 0
     for holds, values, rule in (
         (rises, speeds, "in ascending order of positive, finite speeds"),
         ((ratios >= 0) & (ratios <= 1), ratios, "restitutions between 0 and 1"),
         (ratios[:, :1] == e[:, None], ratios[:, :1], "restitution up to its first speed"),
     ):
-        here = given[:, : values.shape[1]]
+        here = finite[:, : values.shape[1]]
         _require(holds | ~here, "restitution_by_speed", np.where(here, values, 0.0), rule)
     _require(zeta < 1, "damping_ratio", zeta, "at least 0 and below 1")
     fits = rows["cavity"] >= 2 * rows["ball_radius"][:, None] * (1 - 1e-12)
@@ -358,7 +358,7 @@ class ParticleDamper:
             as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
             One pair thus stands for a yield speed; none: e is the same at all speeds.
         break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
-            up of `working`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
+            up of `damping_curve`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
         lateral_acceleration: part of the load along x and y, which pulls the ball along the floor at all times, as on a
             floor that is not square to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
             Displacements are counted from where the structure stands with the ball in the middle of its cavity.
@@ -546,12 +546,12 @@ class ParticleDamper:
         return float(spin_mass(self.parameters)[0])
 
 
-def _speed_pairs(given: object) -> tuple[tuple[float, float], ...]:
+def _speed_pairs(pairs: object) -> tuple[tuple[float, float], ...]:
     """Pairs of impact speed and restitution."""
     name = "restitution_by_speed"
-    if not isinstance(given, tuple | list | np.ndarray) or len(given) > PAIRS:
-        raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {given!r}")
-    return tuple(pair(name, each) for each in given)
+    if not isinstance(pairs, tuple | list | np.ndarray) or len(pairs) > PAIRS:
+        raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {pairs!r}")
+    return tuple(pair(name, each) for each in pairs)
 
 
 def _row(damper: ParticleDamper) -> Parameters:

@@ -218,11 +218,11 @@ class RingDown(Counts[int]):
         return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
 
 
-def outcome_of(done: bool, asked: bool, clock: np.void) -> Outcome:
-    """Why a run ended that was done, or capped; `asked` for a number of cycles or not."""
+def outcome_of(done: bool, fixed_cycles: bool, clock: np.void) -> Outcome:
+    """Why a run ended that was done, or capped; `fixed_cycles` for a number of cycles or not."""
     if not done:
         return Outcome.EVENT_CAP
-    if asked:
+    if fixed_cycles:
         return Outcome.CYCLES_DONE
     if not math.isfinite(clock["rest"]):
         return Outcome.CYCLE_CAP

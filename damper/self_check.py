@@ -85,7 +85,7 @@ class Sweep(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """What `damper.working.falling` returns for so many sweeps and cycles an octave."""
+    """What `damper.curve_measurement.falling` returns for so many sweeps and cycles an octave."""
 
     damper: ParticleDamper
     sweeps: int
@@ -158,7 +158,7 @@ SWEEPS = {
     "sweeps on a level floor": Sweep(_LEVEL, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.96454254615}),
     "sweeps on a tilting floor": Sweep(_TILTING, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.67000214447}),
 }
-WORKING = {
+CURVES = {
     "curve on a level floor": Curve(
         replace(_LEVEL, restitution=0.3),
         2,
@@ -202,7 +202,7 @@ STEADY = {
 FAMILIES: dict[str, dict[str, Any]] = {
     "ring-downs": RINGDOWNS,
     "sweeps": SWEEPS,
-    "curves": WORKING,
+    "curves": CURVES,
     "forced": STEADY,
 }
 """Families of kernels, and what they must reproduce."""
@@ -233,7 +233,7 @@ def once(family: str, run: Callable[..., Any]) -> None:
 
     Args:
         family: see `FAMILIES`.
-        run: what computes its motions: `damper.ringdown`, `damper.working.samples_of`, `damper.working` or
+        run: what computes its motions: `damper.ringdown`, `curve_measurement.samples_of`, `damper.damping_curve` or
             `damper.forced`.
 
     Raises:
@@ -285,10 +285,10 @@ def figures_of(motion: Motion | Sweep | Curve | SteadyState, run: Callable[..., 
     """Figures of a reference motion as computed here; see `once`."""
     damper = motion.damper
     if isinstance(motion, Motion):
-        found = run(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
-        energy = found.energy
+        result = run(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
+        energy = result.energy
         shares = {"energy left": energy.final, "rolling work": energy.rolling, "work": energy.work}
-        return {"hits": float(found.impacts)} | {name: value / energy.initial for name, value in shares.items()}
+        return {"hits": float(result.impacts)} | {name: value / energy.initial for name, value in shares.items()}
     if isinstance(motion, Sweep):
         samples = run(damper, motion.low, motion.high, STARTS, motion.stay, 1)
         return {"cycles": float(len(samples)), "decrements": float(np.sum(samples[:, 0] - samples[:, 1]))}

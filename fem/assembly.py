@@ -46,13 +46,13 @@ def elastic_energies(model: Discretisation, shapes: Array) -> Array:
     """
     strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
     gradients = model.gradient.evaluate(shapes)
-    found = np.zeros((shapes.shape[1],) * 2)
+    energies = np.zeros((shapes.shape[1],) * 2)
     for weight, matrix in strains:
         strain = np.einsum("sg,gcpk->scpk", matrix, gradients)
-        found += _energies(weight * model.stiffness, strain, model.gradient.dx)
+        energies += _energies(weight * model.stiffness, strain, model.gradient.dx)
     for fields, coefficients in model.extra:
-        found += _energies(coefficients, fields.evaluate(shapes), fields.dx)
-    return found
+        energies += _energies(coefficients, fields.evaluate(shapes), fields.dx)
+    return energies
 
 
 def _energies(coefficients: Array, strain: Array, dx: Array) -> Array:
@@ -255,12 +255,12 @@ class Operators:
     @property
     def points(self) -> list[tuple[Array, float]]:
         """Places (k, 2) in m, and the mass in kg at each of them: the plate's point mass, and the metal of a cavity."""
-        plate, found = self.plate, []
+        plate, masses = self.plate, []
         if plate.tip_mass > 0.0 and plate.tip_at is not None:
-            found.append((np.array([plate.tip_at]), plate.tip_mass))
+            masses.append((np.array([plate.tip_at]), plate.tip_mass))
         if self.cavity is not None:
-            found.append((self.cavity[0], -self.cavity[1]))
-        return found
+            masses.append((self.cavity[0], -self.cavity[1]))
+        return masses
 
     def stressed(self, state: Array) -> StressedPlate:
         """The elastic energy at a displacement (n,)."""
@@ -305,11 +305,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     density = plate.material.density
     stiffness = elastic_stiffness(model)
     load = np.zeros(model.dofs)
-    prestress = geometric = softening = gyroscopic = held = None
+    prestress = geometric = softening = gyroscopic = factor = None
     if effects.stress_stiffening:
         load = centrifugal_load(model, density, rotor)
-        held = _held(model, stiffness)
-        prestress, geometric = _stiffening(model, held, load)
+        factor = _held(model, stiffness)
+        prestress, geometric = _stiffening(model, factor, load)
     if effects.spin_softening:
         softening = inertia(model, density, rotor.projector)
     if effects.coriolis:
@@ -319,7 +319,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         plate, rotor, effects, model, stiffness, mass, geometric, softening, gyroscopic, load, prestress
     )
     for places, each in operators.points:
-        operators = _with_masses(operators, places, each, held)
+        operators = _with_masses(operators, places, each, factor)
     return operators
 
 
@@ -338,19 +338,19 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
 
 def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
     """Add a mass in kg, which may be negative, at each of some places (k, 2) in m."""
-    held = None if operators.prestress is None else _held(operators.model, operators.stiffness)
-    return _with_masses(operators, places, mass, held)
+    factor = None if operators.prestress is None else _held(operators.model, operators.stiffness)
+    return _with_masses(operators, places, mass, factor)
 
 
-def _with_masses(operators: Operators, places: Array, mass: float, held: Factor | None) -> Operators:
+def _with_masses(operators: Operators, places: Array, mass: float, factor: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
     rows = rows_at(model, places)
     load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
     changed: dict[str, Any] = {
         "mass": operators.mass + mass * _through(rows, np.eye(3)),
     }
-    if held is not None and operators.prestress is not None and operators.geometric is not None:
-        prestress, geometric = _stiffening(model, held, load)
+    if factor is not None and operators.prestress is not None and operators.geometric is not None:
+        prestress, geometric = _stiffening(model, factor, load)
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
@@ -450,10 +450,10 @@ def _held(model: Discretisation, stiffness: csc_array) -> Factor:
     return factorise(stiffness[model.membrane][:, model.membrane].tocsc())
 
 
-def _stiffening(model: Discretisation, held: Factor, load: Array) -> tuple[Array, csc_array]:
+def _stiffening(model: Discretisation, factor: Factor, load: Array) -> tuple[Array, csc_array]:
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
     displacement = np.zeros(model.dofs)
-    displacement[model.membrane] = held.solve(load[model.membrane])
+    displacement[model.membrane] = factor.solve(load[model.membrane])
     return displacement, geometric_stiffness(model, linear_stress(model, displacement))
 
 
@@ -464,13 +464,13 @@ AT_ONCE = 500
 """Points looked up together: neighbours, which have few cells to choose from."""
 
 
-def transfer(state: Array, known: Operators, asked: Operators) -> Array | None:
+def transfer(state: Array, known: Operators, target: Operators) -> Array | None:
     """The displacement (n,) on the mesh asked for nearest to one known on another.
 
     Nearest in the mean square of u, v, w, and of the rotations times the thickness. None for solids, and where a point
     is not found in the known mesh.
     """
-    model = asked.model
+    model = target.model
     if kind(model.theory) is Kind.SOLID:
         return None
     points = model.points[:2].reshape(2, -1)
@@ -480,7 +480,7 @@ def transfer(state: Array, known: Operators, asked: Operators) -> Array | None:
     except Exception:  # scikit-fem's search tolerates next to no rounding, and raises what it likes
         return None
     values = np.concatenate(pieces, axis=1).reshape(len(FIELDS), *model.points.shape[1:])
-    thickness = of(asked.plate.thickness, model.points[:2])
+    thickness = of(target.plate.thickness, model.points[:2])
     weigh = np.ones(len(FIELDS))
     if isinstance(thickness, float):
         weigh[3:] = thickness**2

@@ -90,8 +90,10 @@ class Factor:
 
         n = self.lu.shape[0]
         one = eye_array(n, format="csc")
-        found, _ = krylov(lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE)
-        return int(np.count_nonzero(found < 0.0))
+        eigenvalues, _ = krylov(
+            lambda _, heavy: self.solve(heavy), one, random_block(n), BLOCK, np.abs, tolerance=GLANCE
+        )
+        return int(np.count_nonzero(eigenvalues < 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,8 +186,8 @@ def _frd(data: bytes) -> ModalModel:
         raise ModesFileError("two nodes have the same number")
     lookup = labels[order], order
     cells = _elements(data, lookup)
-    found = _results(data, labels, lookup)
-    return ModalModel(points, (found,), np.array([0.0, 0.0, 1.0]), np.zeros(3), cells, {}, labels)
+    results = _results(data, labels, lookup)
+    return ModalModel(points, (results,), np.array([0.0, 0.0, 1.0]), np.zeros(3), cells, {}, labels)
 
 
 def _table(data: bytes, begin: int, count: int, what: str) -> tuple[Ints, Array]:
@@ -248,11 +248,11 @@ def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints],
         if isinstance(error, ModesFileError):
             raise
         raise ModesFileError(f"the block of elements cannot be read: {error}") from error
-    found = []
+    elements = []
     for name, every in by_kind.items():
         rows = _rows(np.array(every).ravel(), lookup, "an element").reshape(len(every), -1)
-        found.append((name, rows[:, _ORDER.get(name, slice(None))]))
-    return tuple(found)
+        elements.append((name, rows[:, _ORDER.get(name, slice(None))]))
+    return tuple(elements)
 
 
 def _words(line: bytes) -> list[bytes]:
@@ -287,17 +287,17 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
         if kind not in (_STATIC, _FREQUENCY):
             continue
         own, moved = _table(data, head.end(), len(labels), what)
-        placed = np.full((len(labels), 3), np.nan)
-        placed[_rows(own, lookup, what)] = moved
-        if np.isnan(placed).any():
+        ordered = np.full((len(labels), 3), np.nan)
+        ordered[_rows(own, lookup, what)] = moved
+        if np.isnan(ordered).any():
             raise ModesFileError(f"{what} holds values that are not numbers, or lacks nodes")
         if kind == _STATIC:
-            static = placed
+            static = ordered
             continue
         steps.add(_parameter(before, b"1PSTEP", 2) or b"1")
         numbers.append(int(_parameter(before, b"1PMODE", 0) or len(numbers) + 1))
         frequencies.append(value)
-        shapes.append(placed / _norm(before, value, len(frequencies)))
+        shapes.append(ordered / _norm(before, value, len(frequencies)))
     if not frequencies:
         only = "only a static step" if static is not None else "no displacements"
         raise ModesFileError(f"{only}: expected modes, of *FREQUENCY with *NODE FILE, U")
@@ -332,8 +332,8 @@ _AGREE = 1e-3
 
 def _parameter(before: bytes, name: bytes, place: int) -> bytes | None:
     """A word of the last parameter line of this name."""
-    found = re.findall(rb"^    " + name + rb" +(.*)$", before, re.M)
-    words = found[-1].split() if found else []
+    matches = re.findall(rb"^    " + name + rb" +(.*)$", before, re.M)
+    words = matches[-1].split() if matches else []
     return words[place] if len(words) > place else None
 
 
@@ -356,12 +356,12 @@ def _npz(data: bytes) -> dict[str, Any]:
 
 def _json(data: bytes) -> dict[str, Any]:
     try:
-        found = json.loads(data)
+        parsed = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise ModesFileError(f"not valid JSON: {error}") from error
-    if not isinstance(found, dict):
+    if not isinstance(parsed, dict):
         raise ModesFileError("expected an object with the keys of the neutral file")
-    return found
+    return parsed
 
 
 def _neutral(data: Mapping[str, Any]) -> Raw:
@@ -451,23 +451,23 @@ def _array(data: Mapping[str, Any], name: str, shape: tuple[int | None, ...]) ->
     try:
         if np.iscomplexobj(np.asarray(data[name])):
             raise ModesFileError(f"key '{name}': complex values, expected real modes, of the undamped structure")
-        found = np.asarray(data[name], dtype=np.float64)
+        array = np.asarray(data[name], dtype=np.float64)
     except (TypeError, ValueError) as error:
         if isinstance(error, ModesFileError):
             raise
         raise ModesFileError(f"key '{name}': expected numbers, rows of the same length") from error
-    if found.ndim != len(shape) or any(
-        want is not None and have != want for have, want in zip(found.shape, shape, strict=True)
+    if array.ndim != len(shape) or any(
+        want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
     ):
         wanted = " × ".join("any" if want is None else str(want) for want in shape)
-        have = " × ".join(map(str, found.shape))
+        have = " × ".join(map(str, array.shape))
         raise ModesFileError(f"key '{name}': expected {wanted} numbers, found {have}")
     if (
         name in ("static", "rotations", "damping_ratios", "frequency_errors", "drawn", "axis", "origin")
-        and not np.isfinite(found).all()
+        and not np.isfinite(array).all()
     ):
         raise ModesFileError(f"key '{name}': expected finite numbers")
-    return found
+    return array
 
 
 def _plain(data: Mapping[str, Any], name: str) -> Any:
@@ -479,21 +479,21 @@ def _plain(data: Mapping[str, Any], name: str) -> Any:
 
 def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int | None = None) -> Ints:
     """Whole numbers of the file."""
-    found = _plain(data, name)
+    numbers = _plain(data, name)
     if (
-        found.ndim != 1
-        or found.size == 0
-        or not np.issubdtype(found.dtype, np.integer)
-        or (count is not None and found.size != count)
+        numbers.ndim != 1
+        or numbers.size == 0
+        or not np.issubdtype(numbers.dtype, np.integer)
+        or (count is not None and numbers.size != count)
     ):
         raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
-    if below is not None and not (found.min() >= 0 and found.max() < below):
+    if below is not None and not (numbers.min() >= 0 and numbers.max() < below):
         raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
-    return np.asarray(found, dtype=np.int64)
+    return np.asarray(numbers, dtype=np.int64)
 
 
 def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
-    found = []
+    cells = []
     for name in (name for name in data if name.startswith("cells_")):
         kind = name.removeprefix("cells_")
         if kind not in KINDS:
@@ -504,8 +504,8 @@ def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
             raise ModesFileError(f"key '{name}': expected rows of {wanted} whole numbers")
         if values.size and not (values.min() >= 0 and values.max() < nodes):
             raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {nodes - 1}")
-        found.append((kind, values.astype(np.int64)))
-    return tuple(found)
+        cells.append((kind, values.astype(np.int64)))
+    return tuple(cells)
 
 
 def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
@@ -567,7 +567,7 @@ def document(model: ModalModel) -> dict[str, Any]:
     """
     speeds = model.speeds
     count = min(modes.frequencies_hz.size for modes in speeds)
-    found: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "format": FORMAT,
         "unit": "m",
         "mass_unit": "kg",
@@ -580,15 +580,15 @@ def document(model: ModalModel) -> dict[str, Any]:
         "modal_masses": np.ones((len(speeds), count)),
     }
     if model.labels is not None:
-        found["node_labels"] = model.labels
+        entries["node_labels"] = model.labels
     optional = ("static", "rotations", "damping_ratios", "errors", "drawn")
     for name in optional:
         parts = [getattr(modes, name) for modes in speeds]
         if all(part is not None for part in parts):
             cut = [part if name == "static" else part[:count] for part in parts]
-            found["frequency_errors" if name == "errors" else name] = np.array(cut)
-    found |= {f"cells_{name}": cells for name, cells in model.cells}
-    return found | {f"set_{name}": rows for name, rows in model.sets.items()}
+            entries["frequency_errors" if name == "errors" else name] = np.array(cut)
+    entries |= {f"cells_{name}": cells for name, cells in model.cells}
+    return entries | {f"set_{name}": rows for name, rows in model.sets.items()}
 
 
 def _rpm(omega: float) -> float:
@@ -606,12 +606,12 @@ def write(model: ModalModel, path: Path) -> None:
         ValueError: another end of the name.
         OSError: it cannot be written.
     """
-    found = document(model)
+    entries = document(model)
     if path.suffix.lower() == ".npz":
         with path.open("wb") as file:
-            np.savez_compressed(file, **found)
+            np.savez_compressed(file, **entries)
     elif path.suffix.lower() == ".json":
-        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in found.items()}
+        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in entries.items()}
         path.write_text(json.dumps(plain, allow_nan=False) + "\n", encoding="utf-8")
     else:
         raise ValueError(f"expected a name that ends in .npz or .json, got {path.name}")

@@ -146,13 +146,13 @@ class ModalModel:
         tracks = self._tracks(omega, vectors)
         if exact.size:
             count = len(vectors)
-            found = chosen(self.speeds[int(exact[0])], np.arange(count), np.ones(count))
-            return replace(found, omega=omega, interpolation=np.zeros(count), tracks=tracks)
-        found = self._between(omega, near)
+            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count), np.ones(count))
+            return replace(chosen_modes, omega=omega, interpolation=np.zeros(count), tracks=tracks)
+        chosen_modes = self._between(omega, near)
         if not fewer and near.size > 2:
-            changes = self.at(omega, fewer=True).frequencies_hz / found.frequencies_hz - 1.0
-            found = replace(found, interpolation=np.full(changes.size, np.abs(changes).max()))
-        return replace(found, tracks=tracks)
+            changes = self.at(omega, fewer=True).frequencies_hz / chosen_modes.frequencies_hz - 1.0
+            chosen_modes = replace(chosen_modes, interpolation=np.full(changes.size, np.abs(changes).max()))
+        return replace(chosen_modes, tracks=tracks)
 
     def _near(self, omega: float, *, fewer: bool = False) -> Ints:
         """Numbers of the speeds that a polynomial goes through, ascending."""
@@ -230,9 +230,9 @@ def continued(before: Array, after: Array, tracks: Ints) -> Ints:
     from scipy.optimize import linear_sum_assignment
 
     rows, order = linear_sum_assignment(-np.abs(before.T @ after))
-    found = np.empty_like(tracks)
-    found[order] = tracks[rows]
-    return found
+    numbers = np.empty_like(tracks)
+    numbers[order] = tracks[rows]
+    return numbers
 
 
 SAME_SPEED = 1e-9
@@ -333,18 +333,18 @@ def place(model: ModalModel, point: Array) -> Place:
         nodes, value, slopes, tangent, rough = _fitted(model.points, point)
         how = f"fitted to {nodes.size} nodes around it"
         return _on_a_node(model, Place(point, 0.0, nodes, value, slopes, rough, tangent, how))
-    found, where, distance = inside
+    hit, where, distance = inside
     if distance > FAR * model.size:
         raise _far(model, point, distance)
-    nodes, value, slopes, tangent = _of_cells(model, found)
+    nodes, value, slopes, tangent = _of_cells(model, hit)
     around, _, fit, _, _ = _fitted(model.points, where)
     every = np.union1d(nodes, around)
     own, mean, other = np.zeros(every.size), np.zeros((3, every.size)), np.zeros((3, every.size))
     own[np.searchsorted(every, nodes)] = value
     mean[:, np.searchsorted(every, nodes)], other[:, np.searchsorted(every, around)] = slopes, fit
-    if all(cell(name).powers.max() == 1 for name, _, _ in found):
+    if all(cell(name).powers.max() == 1 for name, _, _ in hit):
         mean, other = other, mean  # the slopes of linear cells jump from one to the next
-    how = "in one cell" if len(found) == 1 else f"where {len(found)} cells meet"
+    how = "in one cell" if len(hit) == 1 else f"where {len(hit)} cells meet"
     return _on_a_node(model, Place(where, distance, every, own, mean, other, tangent, how))
 
 
@@ -371,16 +371,16 @@ _TOUCHING = 1e-6
 
 def _in_cells(model: ModalModel, point: Array) -> tuple[list[tuple[str, Ints, Array]], Array, float] | None:
     """The cells that a point lies in, or the nearest, with the reference place in each; the place, and its distance."""
-    tried = []
+    candidates = []
     for name, cells in model.cells:
         corners = model.points[cells]
         low, high = corners.min(axis=1), corners.max(axis=1)
         off = np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0), axis=1)
-        tried += [(float(off[k]), name, cells[k]) for k in np.argsort(off)[:_TRIED]]
-    if not tried:
+        candidates += [(float(off[k]), name, cells[k]) for k in np.argsort(off)[:_TRIED]]
+    if not candidates:
         return None
     nearest: list[tuple[float, str, Ints, Array]] = []
-    for off_box, name, nodes in sorted(tried, key=lambda each: each[0]):
+    for off_box, name, nodes in sorted(candidates, key=lambda each: each[0]):
         if nearest and off_box > nearest[0][0] + _TOUCHING * model.size:
             break
         at, distance = cell(name).nearest(model.points[nodes], point)
@@ -389,27 +389,27 @@ def _in_cells(model: ModalModel, point: Array) -> tuple[list[tuple[str, Ints, Ar
     least, name, nodes, at = nearest[0]
     where = cell(name).shape(at[None])[0] @ model.points[nodes]
     again = [(name, nodes, *cell(name).nearest(model.points[nodes], where)) for _, name, nodes, _ in nearest]
-    found = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
-    return found, np.asarray(where), least
+    hits = [(n, c, a) for n, c, a, d in again if d <= _TOUCHING * np.ptp(model.points[c], axis=0).max()]
+    return hits, np.asarray(where), least
 
 
 _TRIED = 60
 """Cells of a kind in which a place is looked for."""
 
 
-def _of_cells(model: ModalModel, found: Sequence[tuple[str, Ints, Array]]) -> tuple[Ints, Array, Array, Array]:
+def _of_cells(model: ModalModel, hits: Sequence[tuple[str, Ints, Array]]) -> tuple[Ints, Array, Array, Array]:
     """Nodes, their weights in value and derivatives, means over cells, and what of directions these reach into."""
-    every = np.unique(np.concatenate([nodes for _, nodes, _ in found]))
+    every = np.unique(np.concatenate([nodes for _, nodes, _ in hits]))
     value, slopes, tangent = np.zeros(every.size), np.zeros((3, every.size)), np.zeros((3, 3))
-    for name, nodes, at in found:
+    for name, nodes, at in hits:
         kind, columns = cell(name), np.searchsorted(every, nodes)
         gradients, size = kind.gradients(model.points[nodes][None], at[None])
         if not np.isfinite(size).all() or size[0, 0] == 0.0:
             raise OffTheStructure("a cell at this place has no size")
-        value[columns] += kind.shape(at[None])[0] / len(found)
-        slopes[:, columns] += gradients[0, 0].T / len(found)
-        tangent += (model.points[nodes].T @ gradients[0, 0]) / len(found)
-    return every, value, slopes, np.eye(3) if cell(found[0][0]).dimension == 3 else _projector(tangent)
+        value[columns] += kind.shape(at[None])[0] / len(hits)
+        slopes[:, columns] += gradients[0, 0].T / len(hits)
+        tangent += (model.points[nodes].T @ gradients[0, 0]) / len(hits)
+    return every, value, slopes, np.eye(3) if cell(hits[0][0]).dimension == 3 else _projector(tangent)
 
 
 def _projector(rough: Array) -> Array:
@@ -499,10 +499,10 @@ def _polynomial(local: Array, reach: float, degree: int) -> tuple[Array, Array]:
     terms = next(t for k in range(degree, 0, -1) if (t := _terms(local, k)).shape[1] <= len(local))
     weights = (1.0 - (np.linalg.norm(local, axis=1) / reach) ** 2) ** 2
     weighted = terms * weights[:, None]
-    kept = _independent(weighted)
-    if kept[: 1 + dimension] != list(range(1 + dimension)):
+    columns = _independent(weighted)
+    if columns[: 1 + dimension] != list(range(1 + dimension)):
         raise OffTheStructure("the nodes around it do not determine a slope")
-    solved = np.linalg.pinv(weighted[:, kept]) * weights
+    solved = np.linalg.pinv(weighted[:, columns]) * weights
     return solved[0], solved[1 : 1 + dimension]
 
 
@@ -512,16 +512,16 @@ _DEPENDENT = 1e-4
 
 def _independent(columns: Array) -> list[int]:
     """Which columns are not made of those before them: a term that nodes cannot tell from lower ones is left out."""
-    kept: list[int] = []
+    chosen: list[int] = []
     basis = np.zeros((len(columns), 0))
     for number, column in enumerate(columns.T):
         left = column - basis @ (basis.T @ column)
         left -= basis @ (basis.T @ left)
         size = float(np.linalg.norm(left))
         if size > _DEPENDENT * float(np.linalg.norm(column)):
-            kept.append(number)
+            chosen.append(number)
             basis = np.column_stack([basis, left / size])
-    return kept
+    return chosen
 
 
 _SAMPLES = 48
@@ -757,11 +757,11 @@ def edges(points: Array, triangles: Ints) -> Ints:
     one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
     normals = np.cross(one, other)
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    found, first, inverse, times = np.unique(sides, axis=0, return_index=True, return_inverse=True, return_counts=True)
-    last = np.zeros(len(found), dtype=np.int64)
+    unique, first, inverse, times = np.unique(sides, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    last = np.zeros(len(unique), dtype=np.int64)
     last[inverse.ravel()] = np.arange(len(sides))
     turn = np.abs((normals[first // 3] * normals[last // 3]).sum(axis=1))
-    return np.asarray(found[(times != 2) | (turn < _SHARP)])
+    return np.asarray(unique[(times != 2) | (turn < _SHARP)])
 
 
 _SECTIONS = 12

@@ -367,8 +367,8 @@ def _projected(mass: Array, turned: Array, shift: float, count: int) -> tuple[Ar
     soft = np.maximum(1.0 - shift * squares, np.finfo(float).eps) ** -0.5
     turning = axes.T @ turned @ axes
     heavy = np.diag(soft * np.sqrt(np.maximum(squares, 0.0)))
-    felt = -0.5j * soft[:, None] * (turning - turning.T) * soft
-    inverse, vectors = np.linalg.eigh(np.block([[felt, heavy], [heavy, np.zeros_like(heavy)]]))
+    gyroscopic = -0.5j * soft[:, None] * (turning - turning.T) * soft
+    inverse, vectors = np.linalg.eigh(np.block([[gyroscopic, heavy], [heavy, np.zeros_like(heavy)]]))
     count = min(count, squares.size)
     parts = soft[:, None] * vectors[: squares.size, : -count - 1 : -1]
     sizes = np.sqrt(np.maximum(squares, 0.0) @ np.abs(parts) ** 2)
@@ -405,9 +405,9 @@ def _damped(
     span = np.hstack([complex_shapes.real, complex_shapes.imag, still.shapes])
     basis, _, _, _ = orthonormal(span, empty, empty, stiffness)
     heavy = mass @ basis
-    felt = heavy.T @ still.shapes
+    overlap = heavy.T @ still.shapes
     rates = damping_ratio * np.sqrt(still.eigenvalues)
-    damping = basis.T @ (coriolis @ basis) + 2.0 * (felt * rates) @ felt.T
+    damping = basis.T @ (coriolis @ basis) + 2.0 * (overlap * rates) @ overlap.T
     # In energy coordinates, of x and of the velocity, the largest 1 / lambda are the lowest frequencies.
     squares, directions = np.linalg.eigh(_even(basis.T @ heavy))
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
@@ -493,5 +493,5 @@ def solve_modes(
     stiffness, state = linearise(operators, omega, start, state)
     if operators.gyroscopic is not None and omega != 0.0:
         return solve_gyroscopic(operators, omega, stiffness, count, state, damping_ratio)
-    found = solve_real(operators, omega, stiffness, count, state)
-    return replace(found, damping_ratios=np.full(found.eigenvalues.size, damping_ratio))
+    modes = solve_real(operators, omega, stiffness, count, state)
+    return replace(modes, damping_ratios=np.full(modes.eigenvalues.size, damping_ratio))

@@ -96,30 +96,30 @@ def _numbers(mesh: Any, grid: _Grid) -> Indices:
     ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
     _, side = np.unique(np.sort(ends, axis=2).reshape(-1, 2), axis=0, return_inverse=True)
     side = side.reshape(cells.shape)
-    found = np.full((len(cells), len(grid.points)), -1)
+    numbers = np.full((len(cells), len(grid.points)), -1)
     along = np.arange(per_side)
     for k, chain in enumerate(grid.sides):
         forward = ends[:, k, 0] < ends[:, k, 1]
         places = np.where(forward[:, None], along, along[::-1])
-        found[:, chain[1:-1]] = mesh.p.shape[1] + side[:, [k]] * per_side + places
-        found[:, grid.corners[k]] = cells[:, k]
-    inner = np.flatnonzero(found[0] < 0)
+        numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, [k]] * per_side + places
+        numbers[:, grid.corners[k]] = cells[:, k]
+    inner = np.flatnonzero(numbers[0] < 0)
     begun = mesh.p.shape[1] + (int(side.max()) + 1) * per_side
-    found[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
-    return found
+    numbers[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
+    return numbers
 
 
 def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
     """Edges along the sides of the plate's own cells, which a model may have split."""
     cells = operators.model.mesh.t.T
     own = {(int(a), int(b)) for a, b in np.sort(operators.plate.mesh.facets, axis=0).T}
-    found = []
+    lines = []
     for k, chain in enumerate(grid.sides):
         ends = np.sort(np.stack([cells[:, k], np.roll(cells, -1, axis=1)[:, k]], axis=1), axis=1)
-        kept = np.array([(int(a), int(b)) in own for a, b in ends])
-        on = numbers[kept][:, chain]
-        found.append(np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2))
-    return np.asarray(np.unique(np.sort(np.concatenate(found), axis=1), axis=0))
+        inside = np.array([(int(a), int(b)) in own for a, b in ends])
+        on = numbers[inside][:, chain]
+        lines.append(np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2))
+    return np.asarray(np.unique(np.sort(np.concatenate(lines), axis=1), axis=0))
 
 
 def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -> Array:

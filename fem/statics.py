@@ -70,8 +70,8 @@ def check_rest(operators: Body) -> float:
         return lowest
     root = operators.plate.elastic_root if isinstance(operators, Operators) else None
     if root is not None and isinstance(operators, Operators):
-        held = replace(operators.plate, elastic_root=None)
-        clamped = assemble(held, operators.rotor, operators.effects, operators.theory)
+        fixed = replace(operators.plate, elastic_root=None)
+        clamped = assemble(fixed, operators.rotor, operators.effects, operators.theory)
         root = root if _uncertain(clamped)[0] <= LOST else None
     raise Unresolved(operators.theory, uncertain, root)
 
@@ -149,27 +149,27 @@ def settle(
     if start is not None and np.shape(start) != operators.load.shape:
         raise ValueError(f"start must be of shape {operators.load.shape}, got {np.shape(start)}")
     target = omega**2
-    if start is not None and (found := newton(operators, target, start, converged=converged)) is not None:
-        return found
+    if start is not None and (equilibrium := newton(operators, target, start, converged=converged)) is not None:
+        return equilibrium
     state, reached, part = np.zeros(operators.load.size), 0.0, 1.0
     while True:
         attempt = min(1.0, reached + part)
         begin = state
         if operators.prestress is not None:
             begin = state + (attempt - reached) * target * operators.prestress
-        found = newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
-        if found is not None and attempt == 1.0:
-            return found
-        if found is not None:
-            state, reached, part = found[0], attempt, 2.0 * part
+        equilibrium = newton(operators, attempt * target, begin, converged=converged if attempt == 1.0 else ON_THE_WAY)
+        if equilibrium is not None and attempt == 1.0:
+            return equilibrium
+        if equilibrium is not None:
+            state, reached, part = equilibrium[0], attempt, 2.0 * part
             continue
         part *= 0.25
         if part < SMALLEST_PART:
-            found = newton(operators, target, state, unstable=True)
-            if found is None:
+            equilibrium = newton(operators, target, state, unstable=True)
+            if equilibrium is None:
                 check_rest(operators)
                 raise NoEquilibrium(omega)
-            return found
+            return equilibrium
 
 
 def tangent(operators: Body, omega: float, state: Array) -> csc_array:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 
-from damper import Harmonic, forced, ringdown, ringdowns, sample, stepped_ringdown, working
+from damper import Harmonic, damping_curve, forced, ringdown, ringdowns, sample, stepped_ringdown
 from tests.benchmarks.flights_speed import LEVEL
 
 
@@ -15,7 +15,7 @@ def free() -> None:
     """Ring-downs, sweeps, and the paper's fixed steps."""
     sample(ringdown(LEVEL, (1e-3, 0.0), 3, keep_events=True), [1e-4])
     ringdowns(LEVEL, [(1e-3, 0.0)], 3)
-    working(LEVEL)
+    damping_curve(LEVEL)
     stepped_ringdown(LEVEL, (1e-3, 0.0), 3)
 
 

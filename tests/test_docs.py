@@ -142,7 +142,10 @@ ANSWERS = {
         ("workflows/report/verdict.py", "def answer("),
     ],
     "Where does a sentence of the report come from?": [("workflows/report/verdict.py", 'f"At its best')],
-    "Where is the cut-off computed?": [("damper/capacity.py", "cutoff = "), ("damper/working.py", "cutoff = ")],
+    "Where is the cut-off computed?": [
+        ("damper/capacity.py", "cutoff = "),
+        ("damper/curve_measurement.py", "cutoff = "),
+    ],
     "What do I write for a new effect?": [
         ("workflows/scene/scene.py", "class Effects"),
         ("CONTRIBUTING.md", "workflows/effects/plate.py"),

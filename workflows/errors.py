@@ -51,10 +51,10 @@ class BadInput(SpindampError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        found = self.key if self.key is None or len(self.key) <= _LONGEST_KEY else self.key[:_LONGEST_KEY] + "…"
-        if found is not None and self.value is not None:
-            found = f"{found} = {shown(self.value)}"
-        return one_line(": ".join(part for part in (self.file, found, self.problem) if part))
+        place = self.key if self.key is None or len(self.key) <= _LONGEST_KEY else self.key[:_LONGEST_KEY] + "…"
+        if place is not None and self.value is not None:
+            place = f"{place} = {shown(self.value)}"
+        return one_line(": ".join(part for part in (self.file, place, self.problem) if part))
 
 
 @contextmanager
@@ -69,7 +69,7 @@ def read_from(file: str) -> Iterator[None]:
 
 
 class NotAvailable(BadInput):
-    """Asked for rightly, but not built in this version."""
+    """Request for rightly, but not built in this version."""
 
 
 class NoAnswer(SpindampError):

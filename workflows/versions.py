@@ -11,13 +11,13 @@ _PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba", "llv
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    found = [("python", platform.python_version())]
+    versions = [("python", platform.python_version())]
     for package in _PACKAGES:
         try:
-            found.append((package, version(package)))
+            versions.append((package, version(package)))
         except PackageNotFoundError:
-            found.append((package, "not installed"))
-    return tuple(found)
+            versions.append((package, "not installed"))
+    return tuple(versions)
 
 
 def versions() -> dict[str, str]:

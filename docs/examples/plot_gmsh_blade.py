@@ -12,7 +12,7 @@ import spindamp
 from workflows.report import viewer
 
 meshes = Path(spindamp.__file__).parent / "meshes"
-for name, words in viewer.sight_of_mesh(meshes / "plate_with_hole.msh").facts:
+for name, words in viewer.data_of_mesh(meshes / "plate_with_hole.msh").facts:
     print(f"{name:15} {words}")
 
 # %%

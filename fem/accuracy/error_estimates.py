@@ -84,13 +84,13 @@ def _climb(
 ) -> list[Probed]:
     each = dict(zip(speeds, starts, strict=False))
     first = _solve(operators, speeds[0], count, exact, each.get(speeds[0]))
-    found = [_kept(first)]
+    probes = [_kept(first)]
     for speed in speeds[1:]:
         try:
-            found.append(further(operators, first, speed, exact, each.get(speed)))
+            probes.append(further(operators, first, speed, exact, each.get(speed)))
         except (Divergence, NoEquilibrium):
             break
-    return found
+    return probes
 
 
 def complete(operators: Operators, speed: float, modes: Probed) -> bool:
@@ -144,7 +144,7 @@ SURELY = 3.0
 """Ratio of the sizes of two meshes at which a plate diverges that makes it believed; coarse ones may do so alone."""
 
 
-class Tried:
+class TrialMeshes:
     """Solves each mesh once, when it is first asked for.
 
     Attributes:
@@ -190,17 +190,17 @@ class Tried:
         """Frequencies (probes, count) in Hz, NaN at speeds that have none."""
         if size not in self._frequencies:
             operators = self._operators[size] = self._build(size)
-            found = self._modes(operators)
+            probes = self._modes(operators)
             frequencies, drifts, layered = (
                 np.full((len(self.probes), self.count), empty) for empty in (np.nan, 0.0, 0.0)
             )
-            for row, (omega, modes) in enumerate(zip(self.probes, found, strict=False)):
+            for row, (omega, modes) in enumerate(zip(self.probes, probes, strict=False)):
                 frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
                 drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
                 if kind(operators.model.theory) is Kind.MINDLIN:
                     layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
             self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
-            self._states[size], self._latest = tuple(modes.state for modes in found), size
+            self._states[size], self._latest = tuple(modes.state for modes in probes), size
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
@@ -213,8 +213,8 @@ class Tried:
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
         """Probes (k,) at which all of some meshes have modes."""
-        found = [np.isfinite(self.frequencies(size)).all(axis=1) for size in sizes]
-        return np.asarray(np.logical_and.reduce(found))
+        finite = [np.isfinite(self.frequencies(size)).all(axis=1) for size in sizes]
+        return np.asarray(np.logical_and.reduce(finite))
 
     def operators(self, size: int) -> Operators:
         """The matrices of a mesh tried."""
@@ -249,10 +249,10 @@ class Tried:
         starts, first = self._starts(operators), self._latest is None
         try:
             if not self._alone:
-                found = probe(operators, self.probes, self.count, self._exact, starts)
-                further = list(zip(self.probes, found, strict=False))[1:]
+                probed = probe(operators, self.probes, self.count, self._exact, starts)
+                further = list(zip(self.probes, probed, strict=False))[1:]
                 self._alone = first and not all(complete(operators, speed, modes) for speed, modes in further)
-            return alone(operators, self.probes, self.count, self._exact, starts) if self._alone else found
+            return alone(operators, self.probes, self.count, self._exact, starts) if self._alone else probed
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
             return []
@@ -299,7 +299,7 @@ class Estimates:
             says what is left.
     """
 
-    def __init__(self, meshes: Tried) -> None:
+    def __init__(self, meshes: TrialMeshes) -> None:
         self.meshes = meshes
         self.largest: dict[int, float] = {}
         self.slow = False
@@ -328,10 +328,10 @@ class Estimates:
         known = self.meshes.alive(below, coarse, fine)
         first, second = self.meshes.apart(below, coarse)[known], self.meshes.apart(coarse, fine)[known]
         seen = _falling(first, second, (below, coarse, fine), self._usual)
-        found = errors.copy()
-        found[known] = np.maximum(errors[known], second / ((fine / coarse) ** np.maximum(seen, SLOW) - 1.0))
-        self.largest[fine] = float(found.max())
-        return found
+        total = errors.copy()
+        total[known] = np.maximum(errors[known], second / ((fine / coarse) ** np.maximum(seen, SLOW) - 1.0))
+        self.largest[fine] = float(total.max())
+        return total
 
     def _errors(self, apart: Array, coarse: int, fine: int) -> Array:
         """Errors (probes, count) on the finer of two meshes that are so far apart.

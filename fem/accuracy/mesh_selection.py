@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.accuracy.error_estimates import Estimates, Tried
+from fem.accuracy.error_estimates import Estimates, TrialMeshes
 from fem.accuracy.tolerances import EXACT, FIRST, SURE
 from fem.assembly import Operators
 from fem.linalg import Array
@@ -94,7 +94,7 @@ def choose_mesh(
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
     probes = tuple(sorted({min(speeds), max(speeds)}))
-    search = Estimates(Tried(planform, build, probes, count, EXACT * tolerance))
+    search = Estimates(TrialMeshes(planform, build, probes, count, EXACT * tolerance))
     if len(planform.sizes) == 1 or _alone(search.meshes, most):
         return _unknown(search, planform.sizes[0], tolerance)
     coarse, fine = first_pair(planform, count)
@@ -118,7 +118,7 @@ def choose_mesh(
         coarse, fine = fine, following
 
 
-def _room(meshes: Tried, size: int, most: int | None) -> float:
+def _room(meshes: TrialMeshes, size: int, most: int | None) -> float:
     """How many times the unknowns of a mesh a finer one may have."""
     return min(_most(meshes.theory), most or np.inf) / meshes.unknowns(size)
 
@@ -153,7 +153,7 @@ def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
     return _end(search, size, np.full_like(search.meshes.frequencies(size), np.nan), tolerance)
 
 
-def _alone(meshes: Tried, most: int | None) -> bool:
+def _alone(meshes: TrialMeshes, most: int | None) -> bool:
     """Whether a planform's coarsest mesh is so large that no other is compared with it."""
     coarsest = meshes.planform.sizes[0]
     if _few_cells(meshes.planform):

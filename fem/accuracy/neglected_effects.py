@@ -73,8 +73,8 @@ def turned(
     operators = assemble(plate, rotor, replace(effects, coriolis=True), theory)
     gyroscopic = operators.gyroscopic
     assert gyroscopic is not None
-    asked = np.unique(np.asarray(speeds, dtype=float))
-    samples = _samples(operators, gyroscopic, asked, count + BEYOND)
+    requested = np.unique(np.asarray(speeds, dtype=float))
+    samples = _samples(operators, gyroscopic, requested, count + BEYOND)
     if not samples:
         return None
     basis = np.hstack([vectors for _, _, vectors in samples])
@@ -82,49 +82,49 @@ def turned(
     basis = orthonormal(basis, empty, empty, operators.mass)[0]
     stiffness = [basis.T @ (matrix @ basis) for _, matrix, _ in samples]
     known = np.array([omega for omega, _, _ in samples])
-    asked = asked[asked <= known.max()] if operators.effects.large_deflection else asked
-    small = np.tensordot(_lagrange(known**2, asked**2), np.array(stiffness), 1)
+    requested = requested[requested <= known.max()] if operators.effects.large_deflection else requested
+    small = np.tensordot(_lagrange(known**2, requested**2), np.array(stiffness), 1)
     turning = basis.T @ (gyroscopic @ basis)
     squares, vectors = np.linalg.eigh(0.5 * (small + small.transpose(0, 2, 1)))
     alive = squares[:, 0] > 0.0
     if not alive.any():
         return None
     coupled = np.swapaxes(vectors[alive], 1, 2) @ turning @ vectors[alive]
-    force = (asked[alive, None, None] * coupled) ** 2
-    return Turned(asked[alive], _shifts(squares[alive], force)[:, :count])
+    force = (requested[alive, None, None] * coupled) ** 2
+    return Turned(requested[alive], _shifts(squares[alive], force)[:, :count])
 
 
 def _samples(
-    operators: Operators, gyroscopic: csc_array, asked: Array, count: int
+    operators: Operators, gyroscopic: csc_array, requested: Array, count: int
 ) -> list[tuple[float, csc_array, Array]]:
     """Speeds that have modes, the stiffness there, and the modes with what answers their Coriolis forces.
 
     A linear prestress is known everywhere from two speeds, at which there need be no modes but at the lower.
     """
-    found: list[tuple[float, csc_array, Array]] = []
+    samples: list[tuple[float, csc_array, Array]] = []
     large = operators.effects.large_deflection
-    tried = np.linspace(asked[0] ** 2, asked[-1] ** 2, SAMPLES if large else 2) ** 0.5
+    trial_speeds = np.linspace(requested[0] ** 2, requested[-1] ** 2, SAMPLES if large else 2) ** 0.5
     state = None
-    for omega in np.unique(np.where(asked[-1] > asked[0], tried, asked[-1])):
+    for omega in np.unique(np.where(requested[-1] > requested[0], trial_speeds, requested[-1])):
         try:
             stiffness, state = linearise(operators, float(omega), state)
             modes = solve_real(operators, float(omega), stiffness, count, tolerance=ENOUGH)
         except (Divergence, NoEquilibrium):
-            if large or not found:
+            if large or not samples:
                 break
-            found.append((float(omega), operators.at(float(omega)), found[0][2][:, :0]))
+            samples.append((float(omega), operators.at(float(omega)), samples[0][2][:, :0]))
             break
         answers = modes.factor.solve(gyroscopic @ modes.shapes)
-        found.append((float(omega), stiffness, np.hstack([modes.shapes, answers])))
-    return found
+        samples.append((float(omega), stiffness, np.hstack([modes.shapes, answers])))
+    return samples
 
 
-def _lagrange(known: Array, asked: Array) -> Array:
+def _lagrange(known: Array, requested: Array) -> Array:
     """Weights (k, n) of values at n known places in the polynomial through them at k places."""
-    weights = np.ones((asked.size, known.size))
+    weights = np.ones((requested.size, known.size))
     for i, at in enumerate(known):
         for other in np.delete(known, i):
-            weights[:, i] *= (asked - other) / (at - other)
+            weights[:, i] *= (requested - other) / (at - other)
     return weights
 
 
@@ -193,12 +193,12 @@ def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...]
     large = assemble(plate, rotor, replace(effects, coriolis=False, large_deflection=True))
     flat = replace(large, effects=replace(large.effects, large_deflection=False))
     ascending = sorted(set(speeds))
-    found = _at(flat, large, ascending.pop(), count)
-    while found is None and ascending:  # past the critical speed
+    bending = _at(flat, large, ascending.pop(), count)
+    while bending is None and ascending:  # past the critical speed
         middle = len(ascending) // 2
-        found = _at(flat, large, ascending[middle], count)
+        bending = _at(flat, large, ascending[middle], count)
         ascending = ascending[:middle]
-    return found
+    return bending
 
 
 def _at(flat: Operators, large: Operators, omega: float, count: int) -> Bent | None:
@@ -220,15 +220,15 @@ def _apart(before: Modes, after: Modes, mass: csc_array) -> Array:
     left, _, right = np.linalg.svd(before.shapes.T @ (mass @ after.shapes))
     mixed = left @ right
     change = (mixed * after.eigenvalues) @ mixed.T - np.diag(squares)
-    found = np.abs(np.sqrt(after.eigenvalues / squares) - 1.0)
+    shifts = np.abs(np.sqrt(after.eigenvalues / squares) - 1.0)
     for k, own in enumerate(squares):
         gaps = np.abs(squares - own)
         least = np.maximum(gaps - 2.0 * UNCERTAIN * own, 0.0)
         alike = least == 0.0
         together = np.linalg.norm(change[np.ix_(alike, alike)], 2) if alike.sum() > 1 else 0.0
         nearer = np.where(alike, 0.0, _repelled(least, change[k]) - _repelled(gaps, change[k])).sum()
-        found[k] = max(found[k], 0.5 * together / own) + 0.5 * nearer / own
-    return np.asarray(found)
+        shifts[k] = max(shifts[k], 0.5 * together / own) + 0.5 * nearer / own
+    return np.asarray(shifts)
 
 
 def _repelled(gaps: Array, coupling: Array) -> Array:
@@ -301,7 +301,7 @@ def cut(
     cells = [locate(operators.model.mesh, (x, y))[0] for x, y in places]
     whole = operators.plate.material.density * volume
     masses = [with_masses(operators, where, whole / len(where)) for where in (np.array([at]), places)]
-    found = []
+    parts = []
     for number in numbers:
         omega, shapes = float(diagram.omega[number]), diagram.shapes(number)
         squares = (2.0 * np.pi * diagram.frequencies_hz[number]) ** 2
@@ -310,8 +310,8 @@ def cut(
             stiffer = omega**2 * _squares(heavy.spinning - operators.spinning, shapes) / squares
             shifts.append(0.5 * (_squares(heavy.mass - operators.mass, shapes) - stiffer))
         strained = energy_densities(operators.model, shapes)[cells].max(axis=1).mean(axis=0)
-        found.append((np.abs(shifts[0]), np.abs(shifts[1] - shifts[0]), 0.5 * volume * strained / squares))
-    return Cut(*np.array(found).reshape(len(numbers), 3, -1).transpose(1, 0, 2))
+        parts.append((np.abs(shifts[0]), np.abs(shifts[1] - shifts[0]), 0.5 * volume * strained / squares))
+    return Cut(*np.array(parts).reshape(len(numbers), 3, -1).transpose(1, 0, 2))
 
 
 def _squares(matrix: csc_array, shapes: Array) -> Array:

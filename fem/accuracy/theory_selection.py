@@ -116,10 +116,10 @@ def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
 
 def _gradient(model: Discretisation, plate: Plate, basis: Array) -> Array:
     """Fields of the gradient (10, ncell, npoint, r), those of the turning as such, not in parts of the thickness."""
-    found = model.gradient.evaluate(basis)
+    gradient = model.gradient.evaluate(basis)
     if isinstance(plate.thickness, float | int):
-        return found
-    return np.concatenate([found[: TURN.start], found[TURN] / _heights(model, plate)[:, :, None]])
+        return gradient
+    return np.concatenate([gradient[: TURN.start], gradient[TURN] / _heights(model, plate)[:, :, None]])
 
 
 def _heights(model: Discretisation, plate: Plate) -> Array:
@@ -283,8 +283,8 @@ def own_errors(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float
             modes = solve_real(operators, omega, operators.at(omega), count, tolerance=ENOUGH)
         except Divergence:
             break
-        found = [rule(operators, modes.eigenvalues, modes.shapes).max() for rule in (thin_errors, theory_errors)]
-        worst = np.maximum(worst, found)
+        errors = [rule(operators, modes.eigenvalues, modes.shapes).max() for rule in (thin_errors, theory_errors)]
+        worst = np.maximum(worst, errors)
     return {"kirchhoff": float(worst[0]), "mindlin": float(worst[1])}
 
 
@@ -298,19 +298,19 @@ STRAINED = 0.02
 
 def over_speeds(operators: Operators, diagram: Campbell) -> Array:
     """Relative errors (k, count) of frequencies against a solid."""
-    count, found = diagram.frequencies_hz.shape[1], []
+    count, errors = diagram.frequencies_hz.shape[1], []
     strained = _strained(operators, diagram.omega)[:, None]
     for part in diagram.parts:
         squares, vectors = part.rates[:, :count] ** 2, part.vectors[:, :, :count]
         if np.iscomplexobj(part.basis):  # of one speed by itself
-            found.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
+            errors.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
             continue
         stiff, heavy = (
             np.einsum("kri,rs,ksi->ki", vectors.conj(), rule(operators, part.basis), vectors, optimize=True).real
             for rule in (doubt, thick)
         )
-        found.append(stiff / squares + heavy + sloping(operators))
-    return np.vstack(found) + strained
+        errors.append(stiff / squares + heavy + sloping(operators))
+    return np.vstack(errors) + strained
 
 
 def _strained(operators: Operators, omega: Array) -> Array:

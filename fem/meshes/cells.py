@@ -53,20 +53,20 @@ class Cell:
 
     def slopes(self, at: Array) -> Array:
         """Their derivatives (p, k, d) by the reference coordinates."""
-        found = []
+        slopes = []
         for axis in range(self.dimension):
             lowered = self.powers.copy()
             lowered[:, axis] = np.maximum(lowered[:, axis] - 1, 0)
-            found.append((_monomials(at, lowered) * self.powers[:, axis]) @ self.inverse)
-        return np.stack(found, axis=2)
+            slopes.append((_monomials(at, lowered) * self.powers[:, axis]) @ self.inverse)
+        return np.stack(slopes, axis=2)
 
     def clipped(self, at: Array) -> Array:
         """The nearest reference place (d,) within the cell, coordinate by coordinate."""
-        found = np.clip(at, -1.0, 1.0)
+        clipped = np.clip(at, -1.0, 1.0)
         if self.simplex:
             share = np.maximum(at[: self.simplex], 0.0)
-            found[: self.simplex] = share / max(1.0, float(share.sum()))
-        return found
+            clipped[: self.simplex] = share / max(1.0, float(share.sum()))
+        return clipped
 
     def nearest(self, corners: Array, point: Array) -> tuple[Array, float]:
         """Where in a cell with nodes (k, 3) a point (3,) lies, or what of the cell is nearest to it.
@@ -200,7 +200,7 @@ def cell(name: str) -> Cell:
     wedge15 = [(*p, k) for p in _up_to(2, 2) for k in range(2)] + [(*p, 2) for p in _up_to(1, 2)]
     linear, quadratic, flat, flat9 = (list(product(range(n), repeat=d)) for d, n in ((3, 2), (3, 3), (2, 2), (2, 3)))
     hex20_faces = _around(_HEX_FACES, _HEX_EDGES, 8)
-    found: dict[str, tuple[Array, list[tuple[int, ...]], int, tuple[tuple[int, ...], ...]]] = {
+    table: dict[str, tuple[Array, list[tuple[int, ...]], int, tuple[tuple[int, ...], ...]]] = {
         "hexahedron": (cube, linear, 0, tuple(_HEX_FACES)),
         "hexahedron20": (cube20, _serendipity(3), 0, hex20_faces),
         "hexahedron27": (np.vstack([cube20, centres]), quadratic, 0, hex20_faces),
@@ -214,7 +214,7 @@ def cell(name: str) -> Cell:
         "quad8": (square8, _serendipity(2), 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
         "quad9": (np.vstack([square8, [(0.0, 0.0)]]), flat9, 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
     }
-    return _made(name, *found[name])
+    return _made(name, *table[name])
 
 
 KINDS = (

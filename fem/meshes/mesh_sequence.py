@@ -153,8 +153,8 @@ class Given:
     def corner(self) -> float:
         """Of its bluntest corners, at which strains grow as the power of the distance of Williams (1952)."""
         angles = inner_angles(self.given)
-        held = np.isin(self.given.boundary_nodes(), self.given.facets[:, root_facets(self.given)])
-        return min(corner_order(float(angles.max())), root_order(float(np.sort(angles[held])[:2].max())))
+        clamped = np.isin(self.given.boundary_nodes(), self.given.facets[:, root_facets(self.given)])
+        return min(corner_order(float(angles.max())), root_order(float(np.sort(angles[clamped])[:2].max())))
 
     @property
     def sides(self) -> tuple[float, float]:

@@ -72,10 +72,10 @@ def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float
     values = np.asarray(raw.point_data[field])
     if values.size != len(raw.points) or values.dtype.kind not in "fiu":
         raise FieldError(f"point data {field!r} is of shape {values.shape}: expected one number for each point")
-    found = values.reshape(-1).astype(float)[points]
-    if not np.isfinite(found).all():
+    floats = values.reshape(-1).astype(float)[points]
+    if not np.isfinite(floats).all():
         raise FieldError(f"point data {field!r} has values that are not finite")
-    return found
+    return floats
 
 
 def raw_mesh(path: Path, reader: ModuleType) -> Any:
@@ -88,16 +88,18 @@ def raw_mesh(path: Path, reader: ModuleType) -> Any:
     Raises:
         MeshError: it cannot be read.
     """
-    said = io.StringIO()
+    output = io.StringIO()
     try:
         _check_kind(path)
         _check_named_files(path)
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
             return reader.read(path)
     except MeshError:
         raise
     except SystemExit:
-        lines = [line for line in said.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))]
+        lines = [
+            line for line in output.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))
+        ]
         why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
         raise MeshError(f"not a mesh file that {reader.__name__} can read{why}") from None
     except reader.ReadError as error:
@@ -175,10 +177,10 @@ def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     kind = MeshTri if cells.shape[1] == 3 else MeshQuad
     mesh = kind(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.T))
     check_mesh(mesh)
-    held = np.unique(mesh.facets[:, root_facets(mesh)])
-    if np.ptp(mesh.p[0, held]) > 0.0:
+    clamped = np.unique(mesh.facets[:, root_facets(mesh)])
+    if np.ptp(mesh.p[0, clamped]) > 0.0:
         points = mesh.p.copy()
-        points[0, held] = root(mesh)
+        points[0, clamped] = root(mesh)
         mesh = kind(points, mesh.t)
     return mesh, used
 

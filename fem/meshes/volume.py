@@ -292,8 +292,8 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     renumbered = [(kind, _upright(kind, number[nodes], points)) for kind, nodes in cells]
     sets = {}
     for name, nodes in _sets(raw).items():
-        kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
-        sets[name] = np.unique(kept[kept >= 0])
+        nodes_kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
+        sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
     return VolumeMesh(points, tuple(renumbered), sets)
 
 
@@ -316,7 +316,7 @@ def _upright(kind: str, cells: Indices, points: Array) -> Indices:
 
 def _sets(raw: Any) -> dict[str, Indices]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
-    found = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
+    sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
         blocks = [
             block.data[np.asarray(part, dtype=np.int64)].ravel()
@@ -324,7 +324,7 @@ def _sets(raw: Any) -> dict[str, Indices]:
             if part is not None and len(part)
         ]
         if blocks and not str(name).startswith("gmsh:"):
-            found.setdefault(str(name), np.unique(np.concatenate(blocks)).astype(np.int64))
+            sets.setdefault(str(name), np.unique(np.concatenate(blocks)).astype(np.int64))
     tags = raw.cell_data.get("gmsh:physical")
     for name, value in raw.field_data.items() if tags is not None else ():
         tag, dimension = int(value[0]), int(value[1])
@@ -334,5 +334,5 @@ def _sets(raw: Any) -> dict[str, Indices]:
             if cell_dimension(block.type) == dimension
         ]
         if nodes:
-            found[str(name)] = np.unique(np.concatenate(nodes)).astype(np.int64)
-    return found
+            sets[str(name)] = np.unique(np.concatenate(nodes)).astype(np.int64)
+    return sets

@@ -158,7 +158,7 @@ def reduced_modes(
     if free[0] <= 0.0:
         raise Divergence(modes.omega, float(free[0]))
     stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
-    found = Reduced(
+    reduced = Reduced(
         f1_hz=float(np.sqrt(stuck) / (2.0 * np.pi)),
         M1=mass + ball,
         K1=stuck * (mass + ball),
@@ -170,12 +170,12 @@ def reduced_modes(
         slope=float(at.slope[0, index] / lift),
         floor_tilt=modes.omega**2 * at.radius * float(at.slope[0, index] / lift) / stuck,
     )
-    check_reduced(found)
+    check_reduced(reduced)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
     moved, slope, drawn = (np.asarray(part) for part in motion)
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned
-    return found, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
+    return reduced, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
 
 
 def _stuck(stiffness: Array, ball: float, pull: Pull, modes: ModesAtSpeed, index: int) -> float:

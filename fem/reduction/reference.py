@@ -80,9 +80,9 @@ def lines() -> Iterator[Line]:
         for name, reference in TIP.items():
             allowed = SHEARED if name == "slope" else SOFTENED
             yield Line(f"{theory}: beam at rest, {name} at its tip", tip[name], reference, allowed)
-        found = _frequencies(square, theory, np.zeros(1), 0.0)[0]
+        frequencies = _frequencies(square, theory, np.zeros(1), 0.0)[0]
         for k, reference in enumerate(SQUARE):
-            yield Line(f"{theory}: square plate, mode {k + 1}", float(found[k]), reference, MESH)
+            yield Line(f"{theory}: square plate, mode {k + 1}", float(frequencies[k]), reference, MESH)
 
 
 def check() -> None:
@@ -113,6 +113,6 @@ def _at_the_tip(beam: Plate, theory: str) -> dict[str, float]:
     unit = math.sqrt(_MODULUS * _THICKNESS**2 / (12.0 * _DENSITY))
     operators = assemble(beam, Rotor(), Effects(), theory)
     mass = _DENSITY * _THICKNESS * float(np.ptp(beam.mesh.p[1]))
-    (found,) = reduce_over(operators, campbell(operators, np.zeros(1), 4), (1.0, 0.0), ball_mass=BALL * mass)
-    values = found.M2 / mass, found.slope, 2.0 * np.pi * found.f1_hz / unit
+    (reduced,) = reduce_over(operators, campbell(operators, np.zeros(1), 4), (1.0, 0.0), ball_mass=BALL * mass)
+    values = reduced.M2 / mass, reduced.slope, 2.0 * np.pi * reduced.f1_hz / unit
     return dict(zip(TIP, map(float, values), strict=True))

@@ -98,8 +98,8 @@ def searched(operators: Operators, omega: float, start: Array | None = None) -> 
 
 def check_mass(ball_mass: float | None, mass_ratio: float | None) -> None:
     """Raise ValueError unless exactly one is given, finite and not negative."""
-    given = [value for value in (ball_mass, mass_ratio) if value is not None]
-    if len(given) != 1 or not 0.0 <= given[0] < np.inf:
+    masses = [value for value in (ball_mass, mass_ratio) if value is not None]
+    if len(masses) != 1 or not 0.0 <= masses[0] < np.inf:
         raise ValueError(
             f"give either ball_mass or mass_ratio, zero or more and finite, got {ball_mass!r} and {mass_ratio!r}"
         )
@@ -141,7 +141,7 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
     Raises:
         LawViolation: they do not belong together.
     """
-    found = Reduced(
+    system = Reduced(
         f1_hz=float(np.sqrt(stuck) / (2 * np.pi)),
         M1=mode.mass + ball_mass,
         K1=stuck * (mode.mass + ball_mass),
@@ -153,8 +153,8 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
         slope=mode.slope,
         floor_tilt=load * mode.slope / stuck,
     )
-    check_reduced(found)
-    return found
+    check_reduced(system)
+    return system
 
 
 def flap_index(names: list[str]) -> int:
@@ -267,8 +267,8 @@ class Reduction:
         self._family.check(stuck, masses, self._modes)
         every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
-            reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(held))
-            for omega, index, mode, mass, free, held in every
+            reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(fixed))
+            for omega, index, mode, mass, free, fixed in every
         ]
 
 

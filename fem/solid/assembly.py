@@ -149,17 +149,17 @@ class Pattern:
         return sparse((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
 
 
-def pattern(tables: list[Indices], held: Indices, count: int) -> Pattern:
+def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
     """The pattern of cells whose nodes are (ncell, nnode), with some nodes held."""
     free = np.ones(count, dtype=bool)
-    free[held] = False
+    free[clamped] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
     n = int(free.sum())
     keys = _distinct([_pairs(number[nodes], n) for nodes in tables])
     number = np.where(free, _dissected(keys // n, keys % n, n)[number], -1)
-    found = [_pairs(number[nodes], n) for nodes in tables]
-    keys = _distinct(found)
-    places = tuple(np.where(pairs >= 0, np.searchsorted(keys, pairs), keys.size) for pairs in found)
+    blocks = [_pairs(number[nodes], n) for nodes in tables]
+    keys = _distinct(blocks)
+    places = tuple(np.where(pairs >= 0, np.searchsorted(keys, pairs), keys.size) for pairs in blocks)
     column, row = np.divmod(keys, n)
     each = np.bincount(column, minlength=n)
     indptr = np.concatenate([[0], np.cumsum(np.repeat(3 * each, 3))]).astype(np.int32)
@@ -337,10 +337,10 @@ class SolidOperators:
 
     def gathered(self, nodal: Array) -> Array:
         """The unknowns (n,) of nodes' vectors (nnode, 3)."""
-        found = np.empty((self.pattern.free, 3))
+        rows = np.empty((self.pattern.free, 3))
         free = self.pattern.number >= 0
-        found[self.pattern.number[free]] = nodal[free]
-        return found.ravel()
+        rows[self.pattern.number[free]] = nodal[free]
+        return rows.ravel()
 
     def stress(self, strain: Array) -> Array:
         """Stress (..., 3, 3) in Pa of strains (..., 3, 3)."""
@@ -409,9 +409,9 @@ class SolidOperators:
 
     def with_deflection(self, large: bool) -> SolidOperators:
         """The same with large deflection or without, and the factor that is known."""
-        found = replace(self, effects=replace(self.effects, large_deflection=large))
-        found.known[:] = self.known
-        return found
+        operators = replace(self, effects=replace(self.effects, large_deflection=large))
+        operators.known[:] = self.known
+        return operators
 
 
 def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool = False) -> SolidOperators:

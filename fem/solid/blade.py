@@ -117,16 +117,16 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     heights = (mesh.points - origin) @ (outwards if inwards is None else -inwards)
     distances = np.linalg.norm(arm, axis=1)
     near = ON_THE_FACE * mesh.size
-    found = [
+    candidates = [
         np.flatnonzero(np.abs(each - (each.min() if radius is None else radius)) <= near)
         for each in (heights, distances)
     ]
-    if not max(each.size for each in found):
+    if not max(each.size for each in candidates):
         raise MeshError(
             f"no nodes lie at the radius {radius:.6g} m: the mesh is from {distances.min():.6g}"
             f" to {distances.max():.6g} m from the axis"
         )
-    return max(found, key=lambda each: each.size)
+    return max(candidates, key=lambda each: each.size)
 
 
 def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:

@@ -3,7 +3,7 @@
 State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
 would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
 frequencies differ, and go through nested Chebyshev-Lobatto points of it. The first four are solved: the two ends with
-factors of their own, those between with one factor each, by Davidson's method from the modes foretold
+factors of their own, those between with one factor each, by Davidson's method from the modes predicted
 (`fem.linalg.lowest_modes`). At the others state and modes are sought among the modes of speeds that are solved, and
 what their states change by speed, under the stiffness that is there: what this leaves of the frequencies is known by
 its residuals, and where it is too much, the speed is solved. The modes at each are turned, within their space, to be as
@@ -78,7 +78,7 @@ FLOOR = 1e-7
 """Least relative error of frequencies that is claimed: of what Davidson's method and rounding leave."""
 
 NEIGHBOURS = 5
-"""Speeds by whose states, and their slopes, another state is foretold."""
+"""Speeds by whose states, and their slopes, another state is predicted."""
 
 CAUTION = 5.0
 """Factor on what more points leave of the error: modes exchange theirs where they cross."""
@@ -155,8 +155,8 @@ class BladeSweep:
         rates = np.sqrt(np.maximum(values, np.finfo(float).tiny))
         # of (x, w / rate x) in the modes' energies: w z = ((-i Omega G, diag(rate)), (diag(rate), 0)) z
         cross = np.diag(rates)
-        found = np.linalg.eigvalsh(np.block([[-1j * omega * turned, cross], [cross, np.zeros_like(cross)]]))
-        return np.asarray(np.abs(np.sort(found[found > 0.0])[: self.count] / rates[: self.count] - 1.0))
+        eigenvalues = np.linalg.eigvalsh(np.block([[-1j * omega * turned, cross], [cross, np.zeros_like(cross)]]))
+        return np.asarray(np.abs(np.sort(eigenvalues[eigenvalues > 0.0])[: self.count] / rates[: self.count] - 1.0))
 
     @cached_property
     def _tracks(self) -> tuple[Array, NDArray[np.int64], Array]:
@@ -223,7 +223,7 @@ class _Solved:
             self.spaces = {near: orthonormal(some, empty, empty, mass)[:2]}
         return self.spaces[near]
 
-    def foretold(self, square: float) -> Array:
+    def predicted(self, square: float) -> Array:
         """The state (n,) at another speed, by the polynomial that has the states solved and their slopes."""
         near, low, bend = self.near(square), min(self.states), self.bend
         at, nodes = (np.log1p((np.array(each) - low) / bend) for each in (square, near))
@@ -252,35 +252,35 @@ def sweep_blade(
 ) -> BladeSweep:
     """Solve a blade for all speeds from the lowest to the highest of some (k,) in rad/s.
 
-    tolerance: of frequencies at speeds that are not solved themselves. progress: is told how many speeds are solved.
+    tolerance: of frequencies at speeds that are not solved themselves. progress: gets how many speeds are solved.
 
     Raises:
         ValueError: for no speeds or one that is not finite.
         NoEquilibrium, Divergence: where the blade has no stable state at the highest speed.
     """
-    asked = np.unique(np.abs(np.asarray(speeds, dtype=float)))
-    if asked.size == 0:
+    requested = np.unique(np.abs(np.asarray(speeds, dtype=float)))
+    if requested.size == 0:
         raise ValueError("a sweep needs at least one speed")
-    for omega in map(float, asked):
+    for omega in map(float, requested):
         check_speed(omega)
     known = _Solved()
-    alone = asked if asked.size <= ALONE else asked[[0, -1]]
+    alone = requested if requested.size <= ALONE else requested[[0, -1]]
     for omega in map(float, alone):
         _solve_alone(operators, omega, count, known)
         if progress is not None:
             progress(len(known.states))
-    if asked.size <= ALONE:
+    if requested.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
-    low, high, bend = float(asked[0] ** 2), float(asked[-1] ** 2), known.bend
+    low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
     reach = float(np.log1p((high - low) / bend))
     parts, errors, missed, had = FIRST, np.full(count, np.inf), np.ones(count), 1
     while parts <= FINEST:
-        foretelling, have = _gathered(operators, known, count, errors), len(known.states)
+        prediction, have = _gathered(operators, known, count, errors), len(known.states)
         before, missed, left = missed, np.zeros(count), 0.0
         for k in range(parts - 1, 0, -1 if parts == FIRST else -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
-            guess = foretelling.modes(square**0.5)[0]
-            off = _project(operators, square, known, foretelling)
+            guess = prediction.modes(square**0.5)[0]
+            off = _project(operators, square, known, prediction)
             if not off <= PROJECTED * tolerance:
                 _solve_between(operators, square, count, known)
                 off = 0.0
@@ -335,7 +335,7 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(operators: SolidOperators, square: float, known: _Solved, foretelling: BladeSweep) -> float:
+def _project(operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep) -> float:
     """Know a speed by state and modes among the modes and slopes of solved speeds.
 
     Returns the largest relative error that this leaves of a wanted frequency, to first order.
@@ -343,7 +343,7 @@ def _project(operators: SolidOperators, square: float, known: _Solved, foretelli
     omega, mass = square**0.5, operators.mass
     basis, image = known.space(square, mass)
     linear = operators.prestress is not None
-    state = known.foretold(square)
+    state = known.predicted(square)
     if not linear:
         reduced = basis.T @ (tangent(operators, omega, state) @ basis)
         for _ in range(CORRECTIONS):
@@ -351,7 +351,7 @@ def _project(operators: SolidOperators, square: float, known: _Solved, foretelli
             state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
     pushed = _about(operators, omega, state) @ basis
     values, vectors = np.linalg.eigh(basis.T @ pushed)
-    count, wanted = foretelling.shapes.shape[2], foretelling.count
+    count, wanted = prediction.shapes.shape[2], prediction.count
     values, vectors = values[:count], vectors[:, :count]
     shapes = basis @ vectors
     residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
@@ -374,11 +374,11 @@ def _solve_between(operators: SolidOperators, square: float, count: int, known: 
     solver = operators.solver(stiffness)
     slope = _slope(operators, state, solver)
     settled = np.where(np.arange(start.shape[1]) < count, SETTLED, SETTLED_SPARE)
-    found = lowest_modes(stiffness, operators.mass, start, operators.known[-1], settled)
-    if found is None:
+    pairs = lowest_modes(stiffness, operators.mass, start, operators.known[-1], settled)
+    if pairs is None:
         modes = solve_real(operators, omega, stiffness, start.shape[1], state)
-        found = modes.eigenvalues, modes.shapes
-    known.add(square, state, slope, *found)
+        pairs = modes.eigenvalues, modes.shapes
+    known.add(square, state, slope, *pairs)
 
 
 def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Array) -> BladeSweep:

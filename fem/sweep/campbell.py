@@ -168,7 +168,7 @@ def campbell(
     """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
 
     damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
-    speeds, where the deflection is large and they are known. progress: is told how many speeds are done, where each is
+    speeds, where the deflection is large and they are known. progress: gets how many speeds are done, where each is
     solved by itself. What was achieved is in `bounds`, for the caller to see:
     they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
 
@@ -178,19 +178,19 @@ def campbell(
         Unresolved: for a plate too thin for the theory.
         LawViolation: a frequency is impossible: see `fem.sweep.laws`.
     """
-    asked = np.unique(np.asarray(omega, dtype=float))
-    if asked.size == 0 or not np.isfinite(asked).all() or asked[0] < 0.0:
+    requested = np.unique(np.asarray(omega, dtype=float))
+    if requested.size == 0 or not np.isfinite(requested).all() or requested[0] < 0.0:
         raise ValueError("campbell needs at least one speed, finite and not negative")
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
     check_count(operators, count)
     check_damping(damping_ratio)
-    if operators.effects.large_deflection or hardly_any(asked.size, count):
-        parts = _speed_by_speed(operators, asked, count, damping_ratio, dict(states), progress)
+    if operators.effects.large_deflection or hardly_any(requested.size, count):
+        parts = _speed_by_speed(operators, requested, count, damping_ratio, dict(states), progress)
     else:
-        found = _below_critical(operators, asked, count, tolerance, damping_ratio)
-        parts = [piece for part in found for piece in _mended(operators, part, count, damping_ratio)]
-    below = asked[: sum(part.rates.shape[0] for part in parts)]
+        sweep = _below_critical(operators, requested, count, tolerance, damping_ratio)
+        parts = [piece for part in sweep for piece in _mended(operators, part, count, damping_ratio)]
+    below = requested[: sum(part.rates.shape[0] for part in parts)]
     branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
     diagram = Campbell(
         omega=below,
@@ -200,7 +200,7 @@ def campbell(
         branches=branches,
         shares=np.concatenate([part.shares for part in parts]),
         veerings=veerings,
-        diverged=asked[below.size :],
+        diverged=requested[below.size :],
         sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
         parts=tuple(parts),
     )
@@ -273,13 +273,13 @@ def _speed_by_speed(
 
 def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Swept:
     """One speed's own modes, of which one more than count are known, as an answer of a basis that is theirs."""
-    kept, values = modes.shapes[:, :count], modes.eigenvalues[:count]
+    shapes, values = modes.shapes[:, :count], modes.eigenvalues[:count]
     return Swept(
         omega=np.array([speed]),
         rates=np.sqrt(values)[None],
-        bounds=CONVERGED + rounding(operators.at(speed), np.abs(kept), values)[None],
+        bounds=CONVERGED + rounding(operators.at(speed), np.abs(shapes), values)[None],
         damping=modes.damping_ratios[None, :count],
-        shares=energy_shares(operators, kept)[None],
+        shares=energy_shares(operators, shapes)[None],
         vectors=np.eye(modes.shapes.shape[1])[None],
         basis=modes.shapes,
         reduced=False,

@@ -88,15 +88,15 @@ def _quotients(matrix: Any, shapes: NDArray[Any]) -> Array:
     return np.asarray(np.einsum("nk,nk->k", shapes.conj(), matrix @ shapes).real)
 
 
-def check_reduced(found: Any) -> None:
+def check_reduced(reduced: Any) -> None:
     """Check what belongs together in a `fem.Reduced`: K = M (2 pi f)², with the ball stuck and without it.
 
     Raises:
         LawViolation: it does not.
     """
-    pairs = {"K1 is M1 (2 pi f1)²": (found.K1, found.M1 * (2.0 * np.pi * found.f1_hz) ** 2)}
-    pairs["K2 is M2 (2 pi f2)²"] = found.K2, found.M2 * (2.0 * np.pi * found.f2_hz) ** 2
-    pairs["M1 is M2 with the ball"] = found.M1, found.M2 + found.ball_mass
+    pairs = {"K1 is M1 (2 pi f1)²": (reduced.K1, reduced.M1 * (2.0 * np.pi * reduced.f1_hz) ** 2)}
+    pairs["K2 is M2 (2 pi f2)²"] = reduced.K2, reduced.M2 * (2.0 * np.pi * reduced.f2_hz) ** 2
+    pairs["M1 is M2 with the ball"] = reduced.M1, reduced.M2 + reduced.ball_mass
     for law, (value, other) in pairs.items():
         if not abs(value - other) <= ROUNDING * other:
             raise LawViolation(f"{law}, but they are {value:.6g} and {other:.6g}")
@@ -111,10 +111,10 @@ def require(law: str, excess: Array, allowed: Array | float, omega: Array) -> No
     holds = np.atleast_2d(excess <= allowed)
     if not holds.all():
         row, mode = (int(k) for k in np.argwhere(~holds)[0])
-        found, most = (
+        value, most = (
             float(np.broadcast_to(np.atleast_2d(each), holds.shape)[row, mode]) for each in (excess, allowed)
         )
         raise LawViolation(
-            f"{law}, but mode {mode + 1} at {in_rpm(omega[row]):.6g} rpm misses that by {found:.6g},"
+            f"{law}, but mode {mode + 1} at {in_rpm(omega[row]):.6g} rpm misses that by {value:.6g},"
             f" beyond the bound of {most:.6g}"
         )

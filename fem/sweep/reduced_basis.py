@@ -159,8 +159,8 @@ def _extremes(a: Array, b: Array) -> tuple[float, float]:
     if not keep.any():
         return 0.0, 0.0
     whitened = vectors[:, keep] / np.sqrt(values[keep])
-    found = np.linalg.eigvalsh(whitened.T @ _symmetric(a) @ whitened)
-    return float(found[0]), float(found[-1])
+    eigenvalues = np.linalg.eigvalsh(whitened.T @ _symmetric(a) @ whitened)
+    return float(eigenvalues[0]), float(eigenvalues[-1])
 
 
 LEAST = float(np.finfo(float).eps)
@@ -181,9 +181,9 @@ def turning(basis: ReducedBasis, coriolis: Array, omega: Array, count: int) -> t
     r, soft = basis.size, _softness(basis, omega)
     squares, directions = np.linalg.eigh(basis.axes.T @ basis.mass @ basis.axes)
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
-    felt = soft[:, :, None] * (basis.axes.T @ coriolis @ basis.axes) * soft[:, None, :]
+    gyroscopic = soft[:, :, None] * (basis.axes.T @ coriolis @ basis.axes) * soft[:, None, :]
     state = np.zeros((omega.size, 2 * r, 2 * r), dtype=complex)
-    state[:, :r, :r] = -1j * omega[:, None, None] * felt
+    state[:, :r, :r] = -1j * omega[:, None, None] * gyroscopic
     state[:, r:, :r] = root * soft[:, None, :]
     state[:, :r, r:] = state[:, r:, :r].transpose(0, 2, 1)
     values, vectors = np.linalg.eigh(state)
@@ -330,11 +330,11 @@ def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray
     moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
     squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
     lost = PRECISION * (np.abs(c) @ np.sqrt(np.maximum(np.diagonal(basis.gram), 0.0))) ** 2
-    held = basis.held(omega)
+    states = basis.held(omega)
     energy = rates**2
     if basis.coriolis is not None:
-        energy = 0.5 * (energy + (held[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
-    floor = held.min(axis=1)[:, None]
+        energy = 0.5 * (energy + (states[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
+    floor = states.min(axis=1)[:, None]
     squared = (np.maximum(squared, 0.0) + lost) / (2.0 * energy * np.maximum(floor, LEAST))
     return np.where(floor > 0.0, np.sqrt(squared), np.inf)
 
@@ -440,21 +440,21 @@ def answer(
     """
     if omega.size > FEW:
         return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
-    basis, found, _ = grow(operators, omega, count, tolerance, SPARES[0])
-    return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+    basis, solved, _ = grow(operators, omega, count, tolerance, SPARES[0])
+    return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
 
 
 def _by_halves(
     operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
 ) -> list[Swept]:
     for spare in SPARES:
-        basis, found, gapless = grow(operators, omega, count, tolerance, spare)
-        if found.within(tolerance).all() or omega.size == 1:
-            return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+        basis, solved, gapless = grow(operators, omega, count, tolerance, spare)
+        if solved.within(tolerance).all() or omega.size == 1:
+            return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
         if not gapless:
             break
     if halvings == 0:
-        return [_collect(operators, basis, found, count, tolerance, damping_ratio)]
+        return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
     half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
     return [
         part
@@ -476,10 +476,10 @@ def grow(
     for _ in range(ROUNDS):
         trial = solve(basis, training, count)
         if trial.within(AIM * tolerance).all():
-            found = solve(basis, omega, count)
-            if found.within(tolerance).all():
-                return basis, found, False
-            training = np.append(training, omega[np.argsort(-found.bounds.max(axis=1))[:2]])
+            solved = solve(basis, omega, count)
+            if solved.within(tolerance).all():
+                return basis, solved, False
+            training = np.append(training, omega[np.argsort(-solved.bounds.max(axis=1))[:2]])
             trial = solve(basis, training, count)
         if (trial.floor <= 0.0).any():
             worst = float(training[trial.floor <= 0.0][0])
@@ -498,21 +498,21 @@ def grow(
 def _collect(
     operators: Operators,
     basis: ReducedBasis,
-    found: ReducedModes,
+    solved: ReducedModes,
     count: int,
     tolerance: float,
     damping_ratio: float,
 ) -> Swept:
-    rates, vectors = found.rates[:, :count], found.vectors[:, :, :count]
+    rates, vectors = solved.rates[:, :count], solved.vectors[:, :, :count]
     rows = vectors.transpose(0, 2, 1).reshape(-1, basis.size)
     moved = rows @ share_matrices(operators, basis.vectors)
     shares = np.einsum("nr,fnr->fn", rows.conj(), moved).real.reshape(len(FAMILIES), -1, count).swapaxes(0, 1)
     damping = np.full(rates.shape, damping_ratio)
     if basis.coriolis is not None and damping_ratio > 0.0:
-        damping = _shared_damping(basis, basis.coriolis, found.omega, rates, vectors, damping_ratio)
+        damping = _shared_damping(basis, basis.coriolis, solved.omega, rates, vectors, damping_ratio)
     parts = shares / shares.sum(axis=1, keepdims=True)
-    met = found.within(tolerance)
-    return Swept(found.omega, rates, found.bounds, damping, parts, found.vectors, basis.vectors, True, met)
+    met = solved.within(tolerance)
+    return Swept(solved.omega, rates, solved.bounds, damping, parts, solved.vectors, basis.vectors, True, met)
 
 
 def _shared_damping(

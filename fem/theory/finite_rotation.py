@@ -102,8 +102,8 @@ class SectionStress:
 
     def force(self) -> Array:
         """The internal force (n,)."""
-        felt = self.stress[:, None, :] @ self.turned
-        return self.energy.fields.load(_fieldwise((felt @ self.jacobian)[:, 0], self.energy.fields))
+        forces = self.stress[:, None, :] @ self.turned
+        return self.energy.fields.load(_fieldwise((forces @ self.jacobian)[:, 0], self.energy.fields))
 
     def ahead(self, step: Array) -> Array:
         """The stress (npoint, 6) that a step (n,) leads to, to first order."""
@@ -113,11 +113,11 @@ class SectionStress:
     def terms(self, stress: Array | None = None) -> Terms:
         """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
         stress = self.stress if stress is None else stress
-        felt = (stress[:, None, :] @ self.turned)[:, 0] * self.thickness
+        normal_force = (stress[:, None, :] @ self.turned)[:, 0] * self.thickness
         inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
         inner += np.tensordot(stress, FORMS, 1)
         total = self.jacobian.transpose(0, 2, 1) @ inner @ self.jacobian
-        for b, height in enumerate((felt[:, 8], felt[:, 11])):
+        for b, height in enumerate((normal_force[:, 8], normal_force[:, 11])):
             first, second = np.meshgrid(*[_lifting(b)] * 2, indexing="ij")
             total[:, first, second] += height[:, None, None] * _lift(self.values[:, _lifting(b)])[2]
         return ((self.energy.fields, _fieldwise(total, self.energy.fields)),)
@@ -250,11 +250,11 @@ class ShearStress:
     @property
     def _variation(self) -> Array:
         """How the covariant shears vary with the samples' fields, (2, 8, ncell, nsample)."""
-        found = np.zeros((2, 8, *self.felt.shape[1:]))
+        variation = np.zeros((2, 8, *self.felt.shape[1:]))
         for m in range(2):
-            found[m, m:6:2] = self.director
-            found[m, 6:] = self.edges[2, m] * self._slope - self.edges[:2, m]
-        return found
+            variation[m, m:6:2] = self.director
+            variation[m, 6:] = self.edges[2, m] * self._slope - self.edges[:2, m]
+        return variation
 
     @property
     def _slope(self) -> Array:
@@ -271,14 +271,14 @@ class ShearStress:
             yield shear.reshape(ncell, npoint, 2, -1)
             start += block.size
 
-    def _curvature(self, felt: Array) -> Array:
+    def _curvature(self, forces: Array) -> Array:
         """What the shears' second derivatives carry where the samples feel (2, ncell, nsample): (8, 8, ...)."""
-        total = np.zeros((8, 8, *felt.shape[1:]))
-        for m, part in enumerate(felt):
+        total = np.zeros((8, 8, *forces.shape[1:]))
+        for m, part in enumerate(forces):
             total[m, 6] = total[2 + m, 7] = -part
             total[4 + m, 6:] = part * self._slope
         total += total.transpose(1, 0, 2, 3)
         unit = np.eye(2)[:, :, None, None] / self.director[2]
         bend = unit + self._slope[:, None] * self._slope[None] / self.director[2]
-        total[6:, 6:] -= (felt * self.edges[2]).sum(axis=0) * bend
+        total[6:, 6:] -= (forces * self.edges[2]).sum(axis=0) * bend
         return total

@@ -52,11 +52,11 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = 
     quadrature = get_quadrature(mesh.elem.refdom, ORDER[element])
     membrane = Basis(mesh, ElementQuad2() if element == "bfs" else ElementTriP2(), quadrature=quadrature)
     size = float(np.sqrt(membrane.dx.sum(axis=1).mean()))
-    bending, held, bare = _bending(mesh, element, quadrature, size)
+    bending, fixed, bare = _bending(mesh, element, quadrature, size)
     if plate.elastic_root is not None:
-        held = held[:0]
+        fixed = fixed[:0]
     root = clamped(membrane, plate)
-    tables, total = number([(membrane, root), (membrane, root), (bending, held)])
+    tables, total = number([(membrane, root), (membrane, root), (bending, fixed)])
     u, v = (Space(membrane, t) for t in tables[:2])
     w = replace(bare, dofs=tables[2])
 
@@ -103,7 +103,7 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
 
     kind = {"bfs": ElementQuadBFS, "argyris": ElementTriArgyris, "morley": ElementTriMorley}[element]
     dofs = Dofs(mesh, kind())
-    held = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
+    fixed = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
     corners = mesh.p[:, mesh.t]
     local = (corners - corners.mean(axis=1, keepdims=True)) / size
     count, ncell = mesh.t.shape
@@ -116,7 +116,7 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
         second = mesh.f2t[1, mesh.t2f] == np.arange(ncell)
         signs[:, -3:] = np.where(second, -1.0, 1.0).T
     unnumbered = np.empty((0, 0), dtype=np.int64)
-    return dofs, held, Space(basis, unnumbered, scale=size, signs=signs)
+    return dofs, fixed, Space(basis, unnumbered, scale=size, signs=signs)
 
 
 def together(kind: Any) -> Any:
@@ -149,11 +149,11 @@ def together(kind: Any) -> Any:
             at = mapping.F(X, tind=tind)
             tables = []
             for order in range(self.derivatives + 1):
-                found = {}
+                parts = {}
                 for along in product(range(self.dim), repeat=order):
                     monomials = np.stack([monomial(*at) for monomial in self._pbasis[along]], axis=1)
-                    found[along] = combinations @ monomials
-                table = np.stack(list(found.values())).reshape((self.dim,) * order + found[along].shape)
+                    parts[along] = combinations @ monomials
+                table = np.stack(list(parts.values())).reshape((self.dim,) * order + parts[along].shape)
                 tables.append(np.moveaxis(table, -2, 0))
             return tuple(DiscreteField(value=u, grad=du, hess=ddu) for u, du, ddu in zip(*tables, strict=True))
 

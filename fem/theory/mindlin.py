@@ -193,8 +193,8 @@ def _samples(spaces: tuple[Space, ...], places: Array, total: int) -> Fields:
 def _slopes(space: Space, places: Array) -> Array:
     """Derivatives (nplace, 2, ndof) of a space's functions by the reference coordinates."""
     basis = space.basis
-    found = np.stack([basis.elem.lbasis(places, j)[1] for j in range(basis.Nbfun)], axis=-1)
-    return np.ascontiguousarray(found.transpose(1, 0, 2))
+    slopes = np.stack([basis.elem.lbasis(places, j)[1] for j in range(basis.Nbfun)], axis=-1)
+    return np.ascontiguousarray(slopes.transpose(1, 0, 2))
 
 
 def _values(space: Space, places: Array) -> Array:
@@ -231,8 +231,8 @@ def shift(plate: Plate) -> float:
 def seeming(plate: Plate) -> float:
     """The same (m) of springs too, as far as they hold the root from contracting: by k / (k + E)."""
     nu, springs = plate.material.poissons_ratio, plate.elastic_root
-    held = 1.0 if springs is None else springs.stiffness / (springs.stiffness + plate.material.youngs_modulus)
-    return HELD * nu**2 / (1.0 - nu) * held * at_root(plate)
+    share = 1.0 if springs is None else springs.stiffness / (springs.stiffness + plate.material.youngs_modulus)
+    return HELD * nu**2 / (1.0 - nu) * share * at_root(plate)
 
 
 def at_root(plate: Plate) -> float:

@@ -164,8 +164,8 @@ def _gauss() -> tuple[Array, Array]:
 
 def _heights(basis: Any, reference: Array, bricks: NDArray[np.int64]) -> Array:
     """Heights (layer, nedge, npoint, GAUSS) in m at reference points (3, nedge, npoint GAUSS) of bricks."""
-    found = [basis.mapping.F(reference, tind=layer)[2] for layer in bricks]
-    return np.stack(found).reshape(*bricks.shape, -1, GAUSS)
+    heights = [basis.mapping.F(reference, tind=layer)[2] for layer in bricks]
+    return np.stack(heights).reshape(*bricks.shape, -1, GAUSS)
 
 
 def _values(space: Space, reference: Array) -> Array:

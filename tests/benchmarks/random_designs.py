@@ -30,7 +30,7 @@ def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
     sign = 1 if free.design.amplitude is not None else -1
     unit = 100.0 if sign > 0 else 1e3
     with executor.local() as workers:
-        known = _known(best) if best else study.design(scene).found.scored.value
+        known = _known(best) if best else study.design(scene).optimum.scored.value
         print(f"the search: {unit * known:.5f}", flush=True)
         rows = study.sobol(len(free.axes), 1 << (count - 1).bit_length(), seed=12345)[:count]
         began, worth, near = time.perf_counter(), [], []

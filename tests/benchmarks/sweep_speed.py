@@ -62,7 +62,7 @@ def events_of_a_point(asked: study.Study) -> float:
         return found
 
     count = 0
-    with mock.patch("damper.working.prepare", watched), mock.patch("damper.batch.prepare", watched):
+    with mock.patch("damper.curve_measurement.prepare", watched), mock.patch("damper.batch.prepare", watched):
         for region in (asked.regions()[0], asked.regions()[-1]):
             evaluate.block(asked.source, asked.plan, region.begin, region.end, PlateCache(), quick=asked.quick)
             count += region.end - region.begin

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 import spindamp
-from damper import ParticleDamper, Working, working
+from damper import DampingCurve, ParticleDamper, damping_curve
 from tests.damper.ramps import led
 from workflows.scene.materials import KNOWN
 
@@ -55,7 +55,7 @@ def ramp(damper: ParticleDamper, first: float, last: float, place: float = 0.0) 
     return amplitudes * np.exp(-lost / 2), lost / (2 * math.pi)
 
 
-def at(curve: Working, amplitude: Floats) -> Floats:
+def at(curve: DampingCurve, amplitude: Floats) -> Floats:
     """Damping ratio of a curve."""
     ratio: Floats = np.interp(np.log(amplitude), np.log(curve.amplitude), curve.damping_ratio)
     return ratio
@@ -80,7 +80,7 @@ def swing(damper: ParticleDamper, amplitude: float) -> float:
     return float(lost / (4 * damper.ball_mass * damper.rolling_threshold))
 
 
-def stretches(paths: list[tuple[Floats, Floats]], curve: Working) -> Floats:
+def stretches(paths: list[tuple[Floats, Floats]], curve: DampingCurve) -> Floats:
     """Damping ratios of ramps and of a curve, means over eighths of an octave of 20 cycles at least, shape (n, 2)."""
     means = []
     for amplitude, shown in paths:
@@ -90,7 +90,7 @@ def stretches(paths: list[tuple[Floats, Floats]], curve: Working) -> Floats:
     return np.array(means).reshape(-1, 2)
 
 
-def farthest(paths: list[tuple[Floats, Floats]], curve: Working) -> float:
+def farthest(paths: list[tuple[Floats, Floats]], curve: DampingCurve) -> float:
     """The largest relative difference of a curve from the mean of ramps, in stretches of 2 % of its peak on."""
     amplitude, ratio = (np.concatenate(each) for each in zip(*paths, strict=True))
     shown, promised = stretches([(amplitude, ratio)], curve).T
@@ -100,7 +100,7 @@ def farthest(paths: list[tuple[Floats, Floats]], curve: Working) -> float:
 def compare(seed: int) -> str:
     """A damper's line: differences from eight ramps up and eight down, the largest in any stretch; folds; excess."""
     damper = drawn(seed)
-    found = working(damper, threads=1)
+    found = damping_curve(damper, threads=1)
     above, cutoff, (low, high) = found.descending, found.cutoff, found.folds
     if not low < high:
         return f"{seed:3d}  e {damper.restitution:.2f}  one motion throughout"
@@ -190,7 +190,7 @@ def designs() -> None:
             print(f"  {diameter} mm in {clearance} mm: {100 * shown[diameter, clearance]:.4f} %", flush=True)
         chosen = round(2e3 * best.radius, 6), round(1e3 * (best.cavity[0] - 2 * best.radius), 6)
         print(
-            f"e {restitution}: chosen {chosen}, promised {100 * found.found.scored.value:.4f} %, shown"
+            f"e {restitution}: chosen {chosen}, promised {100 * found.optimum.scored.value:.4f} %, shown"
             f" {100 * shown[chosen]:.4f} %; best by brute force {max(shown, key=lambda each: shown[each])}",
             flush=True,
         )

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from damper import ParticleDamper, self_check
-from damper.working import SETTLING
+from damper.curve_measurement import SETTLING
 from tests.damper.reference import Reference
 
 SAMPLES = (1024, 1500)
@@ -75,9 +75,9 @@ def ramp(
         yield amplitude, -0.5 * math.log1p((run.energy() - before) / now)
 
 
-def working(name: str, samples: int) -> dict[str, float]:
-    """What is read off the curve of sweeps at the slowest pace, as the fields of `damper.Working` are described."""
-    curve = self_check.WORKING[name]
+def damping_curve(name: str, samples: int) -> dict[str, float]:
+    """What is read off the curve of sweeps at the slowest pace, as the fields of `DampingCurve` are described."""
+    curve = self_check.CURVES[name]
     damper, gap = curve.damper, curve.damper.half_gap[0]
     square = damper.stiffness[0] / (damper.modal_mass + damper.ball_mass)
     held = abs(square - damper.centrifugal_acceleration * damper.floor_tilt[0])
@@ -148,7 +148,7 @@ def crest(u: list[float]) -> float:
 
 def main() -> None:
     ways = dict.fromkeys(self_check.RINGDOWNS, ringdown) | dict.fromkeys(self_check.SWEEPS, sweeps)
-    ways |= dict.fromkeys(self_check.WORKING, working)
+    ways |= dict.fromkeys(self_check.CURVES, damping_curve)
     ways |= dict.fromkeys(self_check.STEADY, steady)
     for name in sys.argv[1:] or ways:
         for samples in SAMPLES:

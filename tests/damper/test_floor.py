@@ -17,12 +17,12 @@ from damper import (
     ParticleDamper,
     RingDown,
     capacity,
+    damping_curve,
     ringdown,
     ringdowns,
     sample,
     stepped_ringdown,
     work_bound,
-    working,
 )
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler, some
@@ -167,7 +167,7 @@ def test_a_hinged_blade_never_drives_the_ball(release: float, rolling_friction: 
     assert (run.impacts, run.events) == (0, 0)
     assert run.energy.final == pytest.approx(run.energy.initial, rel=1e-13)
     assert ringdown(damper, (release, 0.0)).outcome is Outcome.AT_REST
-    assert working(damper).peak == 0.0
+    assert damping_curve(damper).peak == 0.0
     assert work_bound(damper, (release, 0.0)) <= 1e-12
 
 
@@ -299,11 +299,11 @@ def test_working_of_modes() -> None:
     """Given as modes, the same figures; a high mode beside them, at rest at first, moves them little."""
     damper = tilted(12337)
     bare = replace(damper, floor_tilt=(0.0, 0.0))
-    one, same = working(damper), working(replace(bare, modes=as_modes(damper)))
+    one, same = damping_curve(damper), damping_curve(replace(bare, modes=as_modes(damper)))
     assert same.peak == pytest.approx(one.peak, rel=0.01)
     assert same.cutoff == pytest.approx(one.cutoff, rel=1e-12)
     third = Mode(1.0, 40 * damper.stiffness[0], (0.5, 0.0), (-20.0, 0.0))
-    assert working(replace(bare, modes=(*as_modes(damper), third))).peak == pytest.approx(one.peak, rel=0.1)
+    assert damping_curve(replace(bare, modes=(*as_modes(damper), third))).peak == pytest.approx(one.peak, rel=0.1)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.8, 1.7])

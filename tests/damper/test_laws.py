@@ -21,13 +21,13 @@ from damper import (
     RingDown,
     Start,
     capacity,
+    damping_curve,
     forced,
     laws,
     ringdown,
     ringdowns,
     self_check,
     work_bound,
-    working,
 )
 from damper.equations import structures_by
 from damper.laws import bounds_of
@@ -154,7 +154,7 @@ def test_a_ball_said_to_rest_that_is_driven_off(tilt: tuple[float, float], monke
 def test_cut_off_of_a_ring_down_and_of_the_sweeps() -> None:
     """The velocity maximum after the last motion is just below what the sweeps' cut-off gives, not above."""
     damper = replace(DAMPER, damping_ratio=1e-3)
-    run, amplitude = ringdown(damper, (16e-3, 0.0)), working(damper, sweeps=2, stay=4).cutoff
+    run, amplitude = ringdown(damper, (16e-3, 0.0)), damping_curve(damper, sweeps=2, stay=4).cutoff
     found = capacity(run)
     assert found.cutoff == pytest.approx(amplitude * damper.stuck_frequency**2, rel=0.02)
     laws.check_cutoff(damper, 0.999 * amplitude * damper.stuck_frequency)
@@ -184,10 +184,10 @@ SWEPT = replace(DAMPER, damping_ratio=0.0)
 
 @pytest.fixture(scope="module")
 def energies() -> np.ndarray:
-    seen, module = [], importlib.import_module("damper.working")
+    seen, module = [], importlib.import_module("damper.curve_measurement")
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(module.laws, "check_sweeps", lambda damper, energies, excursion: seen.append(energies.copy()))
-        working(SWEPT, sweeps=2, stay=4)
+        damping_curve(SWEPT, sweeps=2, stay=4)
     return seen[-1]
 
 
@@ -223,7 +223,7 @@ def test_a_sweep_that_takes_too_much(energies: np.ndarray) -> None:
 
 @needs_compiler
 def test_impossible_damping_ratios() -> None:
-    curve = working(DAMPER, sweeps=2, stay=30)
+    curve = damping_curve(DAMPER, sweeps=2, stay=30)
     laws.check_curve(DAMPER, curve)
     for ratio, said in ((curve.damping_ratio + 1.0, "less than critically"), (-curve.damping_ratio, "every loss")):
         with pytest.raises(LawViolation, match=f"{said}.* at an amplitude of "):
@@ -263,13 +263,13 @@ def test_a_curve_read_wrongly(
     name: str, broken: Callable[..., Any], law: str, figure: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A law knows, and so does the self-check without it."""
-    module = importlib.import_module("damper.damping_curve")
-    working(DAMPER, sweeps=2, stay=30)
+    module = importlib.import_module("damper.curves")
+    damping_curve(DAMPER, sweeps=2, stay=30)
     monkeypatch.setattr(module, name, broken(getattr(module, name)))
     with pytest.raises(LawViolation, match=law):
-        working(DAMPER, sweeps=2, stay=30)
+        damping_curve(DAMPER, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_readings", lambda *_: None)
-    wrong = [line.figure for line in self_check.lines("curves", working) if line.error > self_check.EXACT]
+    wrong = [line.figure for line in self_check.lines("curves", damping_curve) if line.error > self_check.EXACT]
     assert wrong.count(figure) == len(self_check.FAMILIES["curves"])
 
 
@@ -277,12 +277,12 @@ def test_a_curve_read_wrongly(
 def test_a_cutoff_that_the_load_does_not_have(monkeypatch: pytest.MonkeyPatch) -> None:
     """Were the tilt to push the ball where it pulls."""
     damper, right = replace(DAMPER, floor_tilt=(6.0, 0.0)), ParticleDamper.tilt_share
-    working(damper, sweeps=2, stay=30)
+    damping_curve(damper, sweeps=2, stay=30)
     monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.fget(d))))
     with pytest.raises(LawViolation, match="at its cut-off a ball is driven by the rolling threshold"):
-        working(damper, sweeps=2, stay=30)
+        damping_curve(damper, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_rest_amplitude", lambda *_: None)
-    wrong = {line.figure for line in self_check.lines("curves", working) if line.error > self_check.EXACT}
+    wrong = {line.figure for line in self_check.lines("curves", damping_curve) if line.error > self_check.EXACT}
     assert "cut-off" in wrong
 
 
@@ -353,7 +353,7 @@ def test_wrong_energies_leave_no_public_call(monkeypatch: pytest.MonkeyPatch) ->
 def test_random_dampers_obey(seed: int) -> None:
     """Sweeps and steady states of dampers of every kind; ring-downs of as many are in other tests."""
     damper, _, harmonic = scene(seed)
-    working(damper, sweeps=2, stay=6)
+    damping_curve(damper, sweeps=2, stay=6)
     push = harmonic or Harmonic(damper.stuck_frequency, (0.05, 0.0))
     forced(replace(damper, damping_ratio=max(damper.damping_ratio, 0.02)), [push], [Start.DOWN], max_cycles=256)
 
@@ -374,7 +374,7 @@ def test_rounding_of_a_ball_whose_energy_exceeds_that_of_the_structure_is_no_vio
         935.39, (6.5363e11, 2.3592e12), 172.74, radius, (2 * radius + gap[0], 2 * radius + gap[1]), 3.3283e8, 0.98649,
         0.0364, floor_radius=(floor, floor),
     )  # fmt: skip
-    curve = working(damper, sweeps=4, stay=20)
+    curve = damping_curve(damper, sweeps=4, stay=20)
     ball = damper.ball_mass * damper.centrifugal_acceleration * (gap[0] / 2) ** 2 / (2 * (floor - radius))
     share = ball / (0.5 * damper.stiffness[0] * curve.amplitude**2)
     assert share.max() > 1e3

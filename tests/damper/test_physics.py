@@ -14,12 +14,12 @@ from damper import (
     Outcome,
     ParticleDamper,
     capacity,
+    damping_curve,
     intrinsic_sdc,
     ringdown,
     sample,
     two_hit_bound,
     work_bound,
-    working,
 )
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, STUCK
 from tests.compiler import needs_compiler
@@ -392,8 +392,8 @@ def test_restitution_by_impact_speed(series: bool) -> None:
 def test_hits_that_lose_nothing_only_when_slow_still_damp() -> None:
     """Without rolling friction: at the peak hits are faster than those that are elastic."""
     free = ParticleDamper(1.0, (2.87e6, 2.87e6), 6e-3, 1e-3, (2.5e-3, 2.4e-3), 2e5, 1.0)
-    assert working(free).peak == 0.0
-    assert working(dataclasses.replace(free, restitution_by_speed=((1e-3, 1.0), (1e-2, 0.5)))).peak > 1e-3
+    assert damping_curve(free).peak == 0.0
+    assert damping_curve(dataclasses.replace(free, restitution_by_speed=((1e-3, 1.0), (1e-2, 0.5)))).peak > 1e-3
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from damper import LawViolation, compiled, forced, ringdown, self_check
+from damper.curve_measurement import falling, samples_of
 from damper.self_check import leave, stamp
-from damper.working import falling, samples_of
 from tests.compiler import COMPILED, needs_compiler
 from tests.damper import digits
 

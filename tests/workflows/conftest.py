@@ -85,9 +85,9 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def measured_quickly(system: Any) -> Any:
     """The damper's own figures as `sweep --quick` has them, to about a percent."""
-    from damper import working
+    from damper import damping_curve
 
-    return working(damper.leading(system), **QUICK)
+    return damping_curve(damper.leading(system), **QUICK)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from damper import Formulation, ringdown, stepped_ringdown, working
+from damper import Formulation, damping_curve, ringdown, stepped_ringdown
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
@@ -359,7 +359,7 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> timing.Compared[An
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times and damping ratios that nobody reads: each effect is switched once, the damper measured to a percent."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    monkeypatch.setattr(damper_stage, "figures", lambda system: working(damper_stage.leading(system), **QUICK))
+    monkeypatch.setattr(damper_stage, "figures", lambda system: damping_curve(damper_stage.leading(system), **QUICK))
 
 
 def point(rpm: float, *modes: tuple[str, float]) -> SpeedPoint:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import spindamp
-from damper import Working, work_bound, working
+from damper import DampingCurve, damping_curve, work_bound
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
@@ -19,7 +19,7 @@ from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.solve.excitation import held_well
 from workflows.studies import response
 from workflows.studies.design import objectives, report, study
-from workflows.studies.design.space import Found, Obstacle, Scored
+from workflows.studies.design.space import Obstacle, Optimum, Scored
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
@@ -73,7 +73,7 @@ def test_a_ball_denser_than_any_solid_is_no_design(slow, here):
     found = spindamp.design(changed(scene, design__ball_diameter=["3 mm", "4.5 mm", "6 mm"]), executor=here)
     density = 1e-3 / (4 / 3 * math.pi * found.scene.scene.damper.radius**3)
     assert density <= 22_600.0
-    with pytest.raises(BadInput, match=r"no design can be had: the one that comes nearest is 3\.13 times as dense as"):
+    with pytest.raises(BadInput, match=r"no design is possible: the nearest one is 3\.13 times as dense as"):
         spindamp.design(changed(scene, design__ball_diameter=["2 mm", "2.5 mm", "3 mm"]), executor=here)
 
 
@@ -85,7 +85,7 @@ def test_design_needs_its_table():
 def curve(amplitude, ratio, cutoff=0.0):
     best = int(np.argmax(ratio))
     ends = (amplitude[0], amplitude[-1])
-    return Working(np.array(amplitude), np.array(ratio), cutoff, ratio[best], amplitude[best], ends, ends, 0.01)
+    return DampingCurve(np.array(amplitude), np.array(ratio), cutoff, ratio[best], amplitude[best], ends, ends, 0.01)
 
 
 def test_the_least_damping_of_a_known_curve():
@@ -166,16 +166,20 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
     (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
-    said = report.verdict(space, Found(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
+    said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith("a blade, where the structure endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():
     space = objectives.space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Found(shares, objectives.scored(space, shares[None], PlateCache(), quick=True)[0], 1)
+    found = Optimum(shares, objectives.scored(space, shares[None], PlateCache(), quick=True)[0], 1)
     for each in report.of(space, found, space.goal):
-        assert objectives.cutoff_of(each.damper) == each.working.cutoff == working(each.damper, sweeps=2, stay=8).cutoff
+        assert (
+            objectives.cutoff_of(each.damper)
+            == each.working.cutoff
+            == damping_curve(each.damper, sweeps=2, stay=8).cutoff
+        )
         assert each.damper.floor_tilt[0] > 1.0
         ratio = objectives.bound_of(each.damper, 3e-3)
         assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(each.damper, (3e-3, 0.0)))
@@ -264,15 +268,15 @@ def test_nothing_better_among_all_designs(slow, here):
     shares = [[(a + 0.5) / 3, (b + 0.5) / 3, (c + 0.5) / 3] for a, b, c in product(range(3), repeat=3)]
     every = score_of(found.space)(shares, quick=False)
     best = max(every, key=lambda each: each.value)
-    assert found.found.scored.value == best.value > 0
+    assert found.optimum.scored.value == best.value > 0
     assert found.document()["value"] == best.value
-    assert best.value < found.found.scored.bound
+    assert best.value < found.optimum.scored.bound
     scene = parse(tomllib.loads(found.toml))
     assert scene.design is None
-    assert scene.damper.radius == found.space.values(found.found.shares)["damper.radius"]
+    assert scene.damper.radius == found.space.values(found.optimum.shares)["damper.radius"]
     point = spindamp.run(scene).speeds[0]
     assert objectives.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
-    assert report.verdict(found.space, found.found).startswith(
+    assert report.verdict(found.space, found.optimum).startswith(
         "The best design adds an equivalent damping ratio of at least"
     )
 
@@ -281,13 +285,13 @@ def test_why_none_works(slow, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
     scene = slow | {"design": FREE | {"amplitude": ["0.1 mm", "1 mm"]}}
     found = spindamp.design(scene, executor=here)
-    assert found.found.scored.value == 0.0
+    assert found.optimum.scored.value == 0.0
     said = " ".join(found.document()["why"])
     assert "the load holds every ball at rest below" in said
-    needed = 1e-4 * 1e-4 / found.found.scored.cutoff
+    needed = 1e-4 * 1e-4 / found.optimum.scored.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = objectives.scored(other, found.found.shares[None], PlateCache(), quick=True)
+        (again,) = objectives.scored(other, found.optimum.shares[None], PlateCache(), quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert not found.toml
@@ -422,7 +426,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
 
     monkeypatch.setattr(objectives, "scored", kept)
     found = spindamp.design(scene, executor=here)
-    best = found.found.scored
+    best = found.optimum.scored
     score_of(found.space)(np.array([[5 / 6]]), quick=False)
     ball = 7850 * 4 / 3 * math.pi * 3e-3**3
     stiffness = (0.05 + ball) * (2 * math.pi * 200) ** 2
@@ -550,7 +554,7 @@ def test_nothing_better_at_the_crossings(shaken, here):
     shares = [[(a + 0.5) / 2, (b + 0.5) / 3] for a, b in product(range(2), range(3))]
     every = score_of(found.space)(shares, quick=False)
     best = min(every, key=lambda each: each.value)
-    assert found.found.scored.value == best.value
+    assert found.optimum.scored.value == best.value
     assert best.works
     assert best.bound < best.value < best.without
     document = found.document()
@@ -569,12 +573,12 @@ def test_why_none_helps(shaken, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
     scene = changed(shaken, excitation__force="0.05 N")
     found = spindamp.design(scene, executor=here)
-    scored = found.found.scored
+    scored = found.optimum.scored
     assert not scored.works
     said = " ".join(found.document()["why"])
     assert "the load holds every ball at rest" in said
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / scored.grows)
-        (again,) = score_of(objectives.space(opened(other)))(found.found.shares[None])
+        (again,) = score_of(objectives.space(opened(other)))(found.optimum.shares[None])
         assert (again.grows < 1) is moves

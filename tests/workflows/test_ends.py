@@ -463,7 +463,7 @@ def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
     _fill(out, "mine", "report.html")
-    with pytest.raises(BadInput, match=r"report\.html that no run of ours wrote"):
+    with pytest.raises(BadInput, match=r"report\.html that no run wrote"):
         _publish(out, "new", "results.json", "report.html")
     assert _content(out) == {"report.html": "mine"}
 
@@ -488,7 +488,7 @@ def test_a_users_own_file_is_seen_before_the_work(
         monkeypatch.setattr(f"workflows.{work}", begun)
     (tmp_path / "out").mkdir()
     _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
-    refused(spindamp(command, "--out", "out"), "", f"holds a {NAMES[command]} that no run of ours wrote")
+    refused(spindamp(command, "--out", "out"), "", f"holds a {NAMES[command]} that no run wrote")
 
 
 def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:

@@ -297,10 +297,10 @@ def test_designs_keep_to_what_the_floor_carries(
     found = design(scene, pool=executor.given(here, 1))
     best = found.scene.scene.damper
     assert (best.ball_material, 2e3 * best.radius) == ("hardened steel", pytest.approx(diameter))
-    assert all(share <= 1 for _, share in found.found.scored.used)
+    assert all(share <= 1 for _, share in found.optimum.scored.used)
     told = " ".join(report.sentences(found))
     assert "Ball and floor carry the load at all speeds" in told
-    assert (limit in dict(found.found.scored.used)) is ("allowed in first yields" in told) is bool(limit)
+    assert (limit in dict(found.optimum.scored.used)) is ("allowed in first yields" in told) is bool(limit)
 
 
 def system(**changes: Any) -> damper.ParticleDamper:

@@ -17,7 +17,7 @@ MESHES = Path(__file__).parents[2] / "meshes"
 
 @pytest.fixture
 def quick(paper: Scene, tmp_path: Path) -> Path:
-    """The paper's plate at one speed, as soon as it can be had."""
+    """The paper's plate at one speed, as soon as it is possible."""
     soon = {"rotor__speeds": ["5000 rpm"], "release__cycles": 1, "accuracy__frequency": 0.05}
     return write(changed(paper, **soon), tmp_path / "scene.toml")
 

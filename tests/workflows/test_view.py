@@ -162,10 +162,10 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
-    sight = viewer.of(str(turning))
+    view_data = viewer.of(str(turning))
     kept = load_results(turning).surface
     assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
-    data = json.loads(viewer.view(sight).data)
+    data = json.loads(viewer.view(view_data).data)
     assert data["behind"]
 
 
@@ -212,9 +212,9 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
 
 @needs_chromium
 def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
-    for number, sight in enumerate((viewer.of(str(turning)), viewer.of(str(MESHES / "plate_with_hole.msh")))):
+    for number, view_data in enumerate((viewer.of(str(turning)), viewer.of(str(MESHES / "plate_with_hole.msh")))):
         path = tmp_path / f"{number}.html"
-        viewer.write(sight, path)
+        viewer.write(view_data, path)
         assert findings(path) == []
 
 

@@ -184,18 +184,18 @@ def sweep(
     """
     from workflows.studies.sweep import executor, report, sensitivity, store, study
 
-    asked = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
-    out = _folder(out, json, "spindamp-sweep", asked.source)
+    plan = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    out = _folder(out, json, "spindamp-sweep", plan.source)
     if out is not None:
         store.checked(out)
     if not json:
-        for axis in asked.plan.axes:
-            if instead := axis.key.displaced(asked.source.scene):
+        for axis in plan.plan.axes:
+            if instead := axis.key.displaced(plan.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
     with Stages(lines=True) as stages:
-        data = study.in_memory(asked, pool, stages) if out is None else study.complete(asked, out, pool, stages)
+        data = study.in_memory(plan, pool, stages) if out is None else study.complete(plan, out, pool, stages)
         if uncertain:
             data = sensitivity.analysed(data, seed)
         if out is not None:
@@ -203,7 +203,7 @@ def sweep(
                 report.write(data, out)
     _show(report.dumps(data) if json else report.text(data), out, json)
     if problem := report.no_answer(data):
-        raise NoAnswer(f"{asked.source.name}: {problem}")
+        raise NoAnswer(f"{plan.source.name}: {problem}")
 
 
 @_commands.command()
@@ -226,15 +226,17 @@ def design(
     from workflows.studies.sweep.executor import workers_of
 
     def solve(source: SceneFile, stages: Stages) -> report.Designed:
-        return study.design(source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=kept)
+        return study.design(
+            source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=partial_results
+        )
 
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
-    kept = None if out is None else out.with_name(f"{out.name}.partial")
+    partial_results = None if out is None else out.with_name(f"{out.name}.partial")
     best = _of_a_scene(source, solve, report, out, json)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
-    if not best.found.scored.works:
+    if not best.optimum.scored.works:
         raise NoAnswer(f"{source.name}: {report.in_short(best)}")
 
 
@@ -272,10 +274,10 @@ def modes(
     if out is not None:
         files.named(out, "--out")
     with Stages(lines=True) as stages:
-        found = pipeline.modes(_load(scene), stages)
+        model = pipeline.modes(_load(scene), stages)
     if out is not None:
-        files.save_modes(found, out, "--out")
-    typer.echo(files.dumps(found) if json else files.text(found, out))
+        files.save_modes(model, out, "--out")
+    typer.echo(files.dumps(model) if json else files.text(model, out))
 
 
 @_commands.command()
@@ -351,8 +353,8 @@ def check(
     with translated_errors(source):
         space = space_of(source, slowest=True)
     if json:
-        found = provenance.document(source, choice.effects, choice.theory, planform, space)
-        _print_json(found | {"sizes": vars(sizes)})
+        record = provenance.document(source, choice.effects, choice.theory, planform, space)
+        _print_json(record | {"sizes": vars(sizes)})
         return
     typer.echo("\n".join(provenance.heading(source, planform, space)))
     typer.echo(provenance.as_toml(source.scene, choice.effects, choice.theory))
@@ -458,14 +460,14 @@ def _announce_compiler() -> None:
         )
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(requested: bool) -> None:
+    if requested:
         typer.echo(f"spindamp {version('spindamp')}")
         raise typer.Exit
 
 
-def _self_check(asked: bool) -> None:
-    if asked:
+def _self_check(requested: bool) -> None:
+    if requested:
         from workflows.solve import self_check
 
         _announce_compiler()

@@ -73,8 +73,8 @@ def _run(arguments: list[str] | None) -> int:
 
 def _usage(error: Exception) -> str | None:
     """What typer says of options and arguments that make no sense; None where that is not what is wrong."""
-    said = getattr(error, "format_message", None)
-    return one_line(said()) if said is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT else None
+    formatter = getattr(error, "format_message", None)
+    return one_line(formatter()) if formatter is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT else None
 
 
 def _misused_or_defect(error: Exception) -> int:

@@ -57,9 +57,9 @@ def _rolling_resistance(case: Case) -> Called:
     return Called(True, "rolling_friction is above 0 and the load presses the ball on the floor")
 
 
-def _rolling_arguments(given: Damper, _: float, on: bool) -> dict[str, Any]:
+def _rolling_arguments(spec: Damper, _: float, on: bool) -> dict[str, Any]:
     """The lever arm of the resistance, where a scene gives it."""
-    lever = given.rolling_friction
+    lever = spec.rolling_friction
     return {"rolling_friction": lever if on and isinstance(lever, float) else 0.0}
 
 
@@ -70,9 +70,9 @@ def _impact_friction(case: Case) -> Called:
     return Called(True, "friction is above 0: it acts where the ball moves along a wall as it hits it")
 
 
-def _wall_friction_arguments(given: Damper, _: float, on: bool) -> dict[str, Any]:
+def _wall_friction_arguments(spec: Damper, _: float, on: bool) -> dict[str, Any]:
     """The cap on the tangential impulse."""
-    return {"friction": given.friction if on else 0.0}
+    return {"friction": spec.friction if on else 0.0}
 
 
 def _ball_slip(case: Case) -> Called:
@@ -103,9 +103,9 @@ def _slip_assumed(_: Scene, on: bool, __: str) -> Assumption:
     )
 
 
-def _slip_arguments(given: Damper, omega: float, on: bool) -> dict[str, Any]:
+def _slip_arguments(spec: Damper, omega: float, on: bool) -> dict[str, Any]:
     """The friction of the floor, which takes a load."""
-    return {"floor_friction": given.friction if on and omega > 0 else None}
+    return {"floor_friction": spec.friction if on and omega > 0 else None}
 
 
 def _floor_tilt(case: Case) -> Called:
@@ -117,16 +117,16 @@ def _floor_tilt(case: Case) -> Called:
         return Called(False, PRINTED)
     if scene.in_space:
         return Called(True, "as the structure bends, the floor tilts, and the load pulls the ball down the slope")
-    asked = scene.accuracy.damping
+    target = scene.accuracy.damping
     share, omega = max((_tilt_share(scene, case.form, speed), speed) for speed in scene.rotor.speeds)
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
     at = f"{whole(in_rpm(omega))} rpm" + (", estimated for a beam" if scene.given is None else "")
-    said = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
+    reason = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
-        return Called(True, f"as the structure bends, the floor tilts, and {said}")
-    return Called(False, f"{said}, less than the {significant(100 * asked)} % asked for")
+        return Called(True, f"as the structure bends, the floor tilts, and {reason}")
+    return Called(False, f"{reason}, less than the {significant(100 * target)} % asked for")
 
 
 def _tilt_assumed(_: Scene, on: bool, __: str) -> Assumption:
@@ -196,23 +196,23 @@ def _structural_modes(case: Case) -> Called:
         return Called(True, "the stagger couples the ball's motion in the bending plane with that across")
     if plate.mesh is not None or (damper.on_plate is not None and damper.on_plate[1] != 0.0):
         return Called(True, "the cavity is not on the centre line of a rectangle: modes that twist move it too")
-    ratio, asked = _mass_ratio(case), scene.accuracy.damping
-    said = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
+    ratio, target = _mass_ratio(case), scene.accuracy.damping
+    reason = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
     if ratio > scene.budget.scattered:
-        return Called(True, f"{said}: its hits scatter energy into modes beyond the first")
+        return Called(True, f"{reason}: its hits scatter energy into modes beyond the first")
     return Called(
         False,
-        f"release, load and cavity lie in the bending plane, and {said}: too light to scatter"
-        f" {significant(100 * asked)} % into modes beyond the first",
+        f"release, load and cavity lie in the bending plane, and {reason}: too light to scatter"
+        f" {significant(100 * target)} % into modes beyond the first",
     )
 
 
 def _modes_refused(scene: Scene) -> Refusal | None:
     """A structure's own modes where none are known."""
-    key, asked = "[effects] structural_modes", scene.effects.structural_modes
-    if (found := not_printed("structural_modes")(scene)) is not None:
-        return found
-    if asked is True and scene.given is not None:
+    key, switch = "[effects] structural_modes", scene.effects.structural_modes
+    if (refusal := not_printed("structural_modes")(scene)) is not None:
+        return refusal
+    if switch is True and scene.given is not None:
         return Refusal("the scene has no plate whose modes these could be", key, True)
     return None
 

@@ -32,9 +32,9 @@ class LeftOut:
         """Shifts (k, count) at speeds (k,) in rad/s: nothing at rest, and between speeds linear in their square."""
         square = np.concatenate([[0.0], self.omega**2]) if self.omega[0] > 0.0 else self.omega**2
         rows = np.vstack([np.zeros(self.shifts.shape[1]), self.shifts]) if self.omega[0] > 0.0 else self.shifts
-        found = np.stack([np.interp(omega**2, square, column) for column in rows.T], axis=-1)
-        beyond = np.repeat(found.max(axis=-1, keepdims=True), max(count - found.shape[-1], 0), axis=-1)
-        return np.asarray(np.concatenate([found, beyond], axis=-1)[..., :count])
+        values = np.stack([np.interp(omega**2, square, column) for column in rows.T], axis=-1)
+        beyond = np.repeat(values.max(axis=-1, keepdims=True), max(count - values.shape[-1], 0), axis=-1)
+        return np.asarray(np.concatenate([values, beyond], axis=-1)[..., :count])
 
     @property
     def largest(self) -> float:

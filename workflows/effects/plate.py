@@ -74,13 +74,13 @@ def _coriolis(case: Case) -> Called:
 
 
 def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
-    asked, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
+    target, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
     moved = _by_stretching(scene, form)
-    if moved > asked:
+    if moved > target:
         why = f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved, 1)} % at most"
         return Called(
             True,
-            f"{why}, more than the {significant(100 * asked)} % asked for",
+            f"{why}, more than the {significant(100 * target)} % asked for",
             everywhere(fastest, moved, scene.rotor.modes),
         )
     if scene.effects.coriolis != "auto":  # what is settled costs nothing
@@ -88,15 +88,15 @@ def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bo
             False, f"coupled to the plate's stretching it moves frequencies by {_percent(moved, 1)} % at most"
         )
     try:
-        found = _solved_with_coriolis(scene, form, large_deflection)
+        shift = _solved_with_coriolis(scene, form, large_deflection)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
         return Called(False, f"the modes have no solution on a coarse mesh: {error}")
-    if found is None:
+    if shift is None:
         return Called(False, "the plate diverges without it")
-    largest, omega = found.largest
+    largest, omega = shift.largest
     why = f"at {in_rpm(omega):.0f} rpm it moves frequencies by up to {_percent(largest, 1)} %"
-    beside = f"{'more' if largest > asked else 'less'} than the {significant(100 * asked)} % asked for"
-    return Called(largest > asked, f"{why}, {beside}", LeftOut(found.omega, found.shifts))
+    beside = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
+    return Called(largest > target, f"{why}, {beside}", LeftOut(shift.omega, shift.shifts))
 
 
 def _by_stretching(scene: Scene, form: Planform | None) -> float:
@@ -180,32 +180,32 @@ def _deflection_assumed(scene: Scene, on: bool, theory: str) -> Assumption | Non
 
 
 def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
-    asked = scene.accuracy.frequency
+    target = scene.accuracy.frequency
     strain = strain_of_a_flat_blade(scene)
     if form is None and scene.plate is not None and scene.plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    if strain is not None and (moved := moved_by_strain(scene, strain)) <= asked:
-        said = (
+    if strain is not None and (moved := moved_by_strain(scene, strain)) <= target:
+        reason = (
             f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
-            f" {_percent(moved)} % at most, less than the {significant(100 * asked)} % asked for"
+            f" {_percent(moved)} % at most, less than the {significant(100 * target)} % asked for"
         )
-        return Called(False, said, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
+        return Called(False, reason, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
     try:
-        found = _solved_with_deflection(scene, form)
+        bent = _solved_with_deflection(scene, form)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
         return Called(True, f"the static state has no solution on a coarse mesh: {error}")
-    if found is None:
+    if bent is None:
         return Called(False, "the plate diverges with it and without it")
-    if math.isinf(found.shift):
-        return Called(True, f"at {_rpm(found)} rpm the plate diverges either with it or without it")
+    if math.isinf(bent.shift):
+        return Called(True, f"at {_rpm(bent)} rpm the plate diverges either with it or without it")
     state = (
-        f"at {_rpm(found)} rpm the load turns parts of the plate by up to {significant(found.rotation, 2)} rad and"
-        f" strains it by up to {_percent(found.strain)} %, which moves frequencies by up to {_percent(found.shift)} %"
+        f"at {_rpm(bent)} rpm the load turns parts of the plate by up to {significant(bent.rotation, 2)} rad and"
+        f" strains it by up to {_percent(bent.strain)} %, which moves frequencies by up to {_percent(bent.shift)} %"
     )
-    moves = LeftOut(np.array([found.omega]), found.shifts[None])
-    if found.shift > scene.budget.left_out:
+    moves = LeftOut(np.array([bent.omega]), bent.shifts[None])
+    if bent.shift > scene.budget.left_out:
         return Called(True, f"{state}; the modes are those about that state", moves)
-    return Called(False, f"{state}, less than the {significant(100 * asked)} % asked for", moves)
+    return Called(False, f"{state}, less than the {significant(100 * target)} % asked for", moves)
 
 
 def strain_of_a_flat_blade(scene: Scene) -> float | None:
@@ -239,8 +239,8 @@ def _percent(part: float, digits: int = 2) -> str:
     return significant(100 * part, digits)
 
 
-def _rpm(found: Bent) -> str:
-    return f"{in_rpm(found.omega):.0f}"
+def _rpm(bent: Bent) -> str:
+    return f"{in_rpm(bent.omega):.0f}"
 
 
 def _rotary_inertia(case: Case) -> Called:

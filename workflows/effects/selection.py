@@ -40,17 +40,17 @@ def called_for(
     form: the planform of a plate from a mesh. settled: of a solid blade, beyond `SOLID`.
     """
     solid = {} if scene.blade is None else SOLID | dict(settled or {})
-    found: dict[str, Called] = {}
+    calls: dict[str, Called] = {}
     on: dict[str, bool] = {}
     for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
         case = Case(scene, form, on)
         if EFFECTS[name].of == "damper" and scene.damper is None:
-            found[name] = NO_DAMPER
+            calls[name] = NO_DAMPER
         else:
-            found[name] = solid[name] if name in solid else EFFECTS[name].called_for(case)
-        asked = getattr(scene.effects, name)
-        on[name] = found[name].called if asked == "auto" else asked is True
-    return {name: found[name] for name in names}
+            calls[name] = solid[name] if name in solid else EFFECTS[name].called_for(case)
+        switch = getattr(scene.effects, name)
+        on[name] = calls[name].called if switch == "auto" else switch is True
+    return {name: calls[name] for name in names}
 
 
 def of(source: SceneFile) -> dict[str, Effect]:
@@ -70,23 +70,23 @@ def resolve(
     for kind in EFFECTS.values():
         if (refusal := kind.refused(scene)) is not None:
             raise BadInput(refusal.problem, file=file, key=refusal.key, value=refusal.value)
-    decided = {}
+    effects = {}
     for name, (called, why, moves) in called_for(scene, form, settled=settled).items():
-        asked = getattr(scene.effects, name)
-        if asked == "auto":
-            decided[name] = Effect(called, why, None if called else moves)
-        elif asked is True:
-            decided[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
+        switch = getattr(scene.effects, name)
+        if switch == "auto":
+            effects[name] = Effect(called, why, None if called else moves)
+        elif switch is True:
+            effects[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
         else:
-            decided[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
-    return decided
+            effects[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
+    return effects
 
 
 def _check_plate(scene: Scene, file: str | None) -> None:
     """The effects of a plate need one: a structure's frequency is taken as it is given."""
     for name in OF_THE_PLATE if scene.plate is None else ():
-        asked = getattr(scene.effects, name)
-        if scene.blade is not None and name != "large_deflection" and asked not in ("auto", SOLID[name].called):
-            raise BadInput(f"{SOLID[name].why}: leave this out", file=file, key=f"[effects] {name}", value=asked)
-        if scene.blade is None and asked is True:
+        switch = getattr(scene.effects, name)
+        if scene.blade is not None and name != "large_deflection" and switch not in ("auto", SOLID[name].called):
+            raise BadInput(f"{SOLID[name].why}: leave this out", file=file, key=f"[effects] {name}", value=switch)
+        if scene.blade is None and switch is True:
             raise BadInput("the scene has no plate", file=file, key=f"[effects] {name}", value=True)

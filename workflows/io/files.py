@@ -58,13 +58,13 @@ class Curve:
 
 def campbell(results: Results) -> list[Curve]:
     """Frequency over speed, one curve for each branch."""
-    found = []
+    curves = []
     for branch in branches(results):
         points = [(results.speeds[at].rpm, results.speeds[at].modes[place].frequency_hz) for at, place in branch.places]
         rpm, frequency = np.array(points).T
         name = f"campbell_{_slug(branch.family)}_{branch.number}"
-        found.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
-    return found
+        curves.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
+    return curves
 
 
 def velocity(point: SpeedPoint) -> list[Curve]:
@@ -72,12 +72,12 @@ def velocity(point: SpeedPoint) -> list[Curve]:
     damping = point.damper
     if damping is None or damping.history is None:
         return []
-    tag, found = speed_tag(point), []
+    tag, curves = speed_tag(point), []
     for number, (axis, along) in enumerate(zip("xy", damping.history.velocity.T, strict=True), 1):
         if along.any():
             name = f"velocity_{axis}_{tag}"
-            found.append(Curve(name, f"axis {number}", "time_s", "velocity_m_s", damping.history.t, along))
-    return found
+            curves.append(Curve(name, f"axis {number}", "time_s", "velocity_m_s", damping.history.t, along))
+    return curves
 
 
 def ball_path(point: SpeedPoint) -> list[Curve]:
@@ -85,15 +85,15 @@ def ball_path(point: SpeedPoint) -> list[Curve]:
     path = None if point.damper is None else point.damper.path
     if path is None:
         return []
-    tag, found = speed_tag(point), []
+    tag, curves = speed_tag(point), []
     for name, column, motion in (
         ("ball", "position_m", path.ball),
         ("displacement", "displacement_m", path.structure),
     ):
         for i in moving(motion):
             label = f"axis {i + 1}"
-            found.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
-    return found
+            curves.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
+    return curves
 
 
 def moving(motion: Floats) -> list[int]:
@@ -171,16 +171,16 @@ def _table(results: Results) -> str:
 
     Unknown numbers are empty cells; the parts of the errors stand in `results.json` and `results.nc`.
     """
-    found: dict[str, list[Any]] = {}
+    table: dict[str, list[Any]] = {}
     for name, (dims, values, attributes) in _variables(results).items():
         unit = attributes.get("units", "")
         head = name if unit in ("", "1", name) else f"{name} [{unit}]"
         known = np.where(values == values, values.astype(object), "")  # nan differs from itself
         if dims == (_SPEED,):
-            found[head] = known.tolist()
+            table[head] = known.tolist()
         elif dims == (_SPEED, "mode") and (name == "error_estimate" or not name.startswith("error_")):
-            found |= {f"{head} {number}": column.tolist() for number, column in enumerate(known.T, 1)}
-    return as_table(found, (dict(zip(found, row, strict=True)) for row in zip(*found.values(), strict=True)))
+            table |= {f"{head} {number}": column.tolist() for number, column in enumerate(known.T, 1)}
+    return as_table(table, (dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)))
 
 
 def write_netcdf(results: Results, path: Path) -> None:
@@ -226,11 +226,11 @@ _Variable = tuple[tuple[str, ...], Any, dict[str, str]]
 
 def _variables(results: Results) -> dict[str, _Variable]:
     """Every quantity over speed by its name, all filled up to the same sizes."""
-    found = list(columns(SpeedPoint, results.speeds, _SPEED))
+    variables = list(columns(SpeedPoint, results.speeds, _SPEED))
     sizes: dict[str, int] = {}
-    for each in found:
+    for each in variables:
         sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
-    return {each.quantity.name: _variable(each, sizes) for each in found}
+    return {each.quantity.name: _variable(each, sizes) for each in variables}
 
 
 def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:

@@ -196,14 +196,14 @@ def _held(target: Path, names: str) -> str | None:
     foreign = _foreign(target)
     taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
     if taken:
-        return f"holds a {taken[0]} that no run of ours wrote: expected another folder"
+        return f"holds a {taken[0]} that no run wrote: expected another folder"
     if len(foreign) > _CARRIED_AT_MOST:
         return "holds too many files that are not results: expected a new folder or one with results"
     return None
 
 
 def _foreign(target: Path) -> list[Path]:
-    """What is in a folder besides results of ours: whatever the manifest of the last run does not list."""
+    """What is in a folder besides results of a run: whatever the manifest of the last run does not list."""
     ours = {MANIFEST}
     with contextlib.suppress(OSError, UnicodeDecodeError):
         ours |= set((target / MANIFEST).read_text(encoding="utf-8").splitlines())
@@ -297,7 +297,7 @@ def _carry_over(target: Path, scratch: Path) -> None:
     for path in _foreign(target) if target.is_dir() else []:
         new = scratch / path.name
         if os.path.lexists(new):
-            raise BadInput(f"holds a {path.name} that no run of ours wrote", key="--out", value=str(target))
+            raise BadInput(f"holds a {path.name} that no run wrote", key="--out", value=str(target))
         if path.is_dir() and not path.is_symlink():
             shutil.copytree(path, new, symlinks=True, copy_function=_link_or_copy)
         else:

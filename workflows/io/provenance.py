@@ -21,9 +21,9 @@ from workflows.solve.results import Results, Theory
 from workflows.versions import versions
 
 
-def resolved_scene(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
+def resolved_scene(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
     """The resolved scene as plain data; a material is its numbers, but for the strengths of the contact."""
-    data = given.model_dump(mode="json", exclude_none=True)
+    data = scene.model_dump(mode="json", exclude_none=True)
     name, damper = data.get("material", {}).pop("name", None), data.get("damper", {})
     both = damper.get("ball_material"), damper.get("floor_material", name)
     if None not in both and any(KNOWN[each].hardness for each in both):
@@ -50,19 +50,19 @@ def document(
     is the damper's seat: place, load and axes of its cavity, and what each mode does there.
     """
     root, place, _ = radii(source, form, space)
-    found: dict[str, Any] = {
+    record: dict[str, Any] = {
         "scene": resolved_scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
         "radii": {"root": root, "damper": place},
         "remarks": list(source.remarks),
     }
     if (known := _varying(source, form)) is not None:
-        found["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
+        record["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
     if (length := _root_length(source, form)) is not None:
-        found["root_length"] = length
+        record["root_length"] = length
     if space is not None and (seated := space.seated(min(source.scene.rotor.speeds))) is not None:
-        found["seat"] = asdict(seated)
-    return found if theory is None else found | {"theory": vars(theory)}
+        record["seat"] = asdict(seated)
+    return record if theory is None else record | {"theory": vars(theory)}
 
 
 def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, float] | None:
@@ -89,19 +89,19 @@ def _mesh(form: Planform | None) -> Any:
 
 def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructure | None = None) -> list[str]:
     """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
-    given, (root, place, at) = source.scene, radii(source, form, space)
-    lines = [f"{one_line(given.title)}: {revolutions(given.rotor.speeds)}", *source.remarks]
+    scene, (root, place, at) = source.scene, radii(source, form, space)
+    lines = [f"{one_line(scene.title)}: {revolutions(scene.rotor.speeds)}", *source.remarks]
     lines += () if space is None else space.remarks
-    what = "damper" if given.damper is not None else "tip mass" if given.point_mass else "tip"
-    held = "root" if given.plate is not None and given.plate.root is not None else "clamped root"
-    inner = "" if root is None else f"{_mm(root)} at the {held}, "
+    what = "damper" if scene.damper is not None else "tip mass" if scene.point_mass else "tip"
+    root_text = "root" if scene.plate is not None and scene.plate.root is not None else "clamped root"
+    inner = "" if root is None else f"{_mm(root)} at the {root_text}, "
     lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
     if (length := _root_length(source, form)) is not None:
-        lines.append(f"{held[0].upper()}{held[1:]}: {_mm(length)} long")
+        lines.append(f"{root_text[0].upper()}{root_text[1:]}: {_mm(length)} long")
     if (known := _varying(source, form)) is not None:
         least, greatest, there = map(_mm, known)
         lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
-    if given.damper is not None and given.plate is not None:
+    if scene.damper is not None and scene.plate is not None:
         lines += ["", *PICTURE.splitlines()]
     if space is not None:
         lines += [space.described, *_seated(space, source)]
@@ -160,13 +160,13 @@ def radii(
     return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
 
 
-def as_toml(given: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
+def as_toml(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
     """The resolved scene as TOML, the reasons in comments."""
     lines: list[str] = []
-    data = resolved_scene(given, effects, theory)
-    data["rotor"]["speeds"] = [f"{speed!r} rad/s" for speed in given.rotor.speeds]
-    reasons = _sources(given) | {("effects", name): effect.why for name, effect in effects.items()}
-    reasons["rotor", "speeds"] = revolutions(given.rotor.speeds)
+    data = resolved_scene(scene, effects, theory)
+    data["rotor"]["speeds"] = [f"{speed!r} rad/s" for speed in scene.rotor.speeds]
+    reasons = _sources(scene) | {("effects", name): effect.why for name, effect in effects.items()}
+    reasons["rotor", "speeds"] = revolutions(scene.rotor.speeds)
     if theory is not None:
         reasons["plate", "theory"] = theory.why
     for key, value in data.items():
@@ -187,18 +187,18 @@ def _table(key: str, table: dict[str, Any], reasons: dict[tuple[str, str], str])
     return lines
 
 
-def _sources(given: Scene) -> dict[tuple[str, str], str]:
+def _sources(scene: Scene) -> dict[tuple[str, str], str]:
     """Where the numbers of materials are from, and what balls of a density weigh."""
-    found: dict[tuple[str, str], str] = {}
-    material, damper = given.material, given.damper
+    sources: dict[tuple[str, str], str] = {}
+    material, damper = scene.material, scene.damper
     if material is not None and material.name is not None:
-        found["material", "youngs_modulus"] = f"{material.name}: {KNOWN[material.name].source}"
+        sources["material", "youngs_modulus"] = f"{material.name}: {KNOWN[material.name].source}"
     if damper is not None and damper.ball_density is not None:
         name = damper.ball_material
         known = "" if name is None else f"{name}: {KNOWN[name].source}; "
         balls = "the ball weighs" if damper.count == 1 else f"{damper.count} balls together weigh"
-        found["damper", "ball_density"] = f"{known}{balls} {significant(1e3 * (damper.balls or 0.0))} g"
-    return found
+        sources["damper", "ball_density"] = f"{known}{balls} {significant(1e3 * (damper.balls or 0.0))} g"
+    return sources
 
 
 def _line(key: str, value: object, reason: str | None) -> str:
@@ -225,11 +225,13 @@ def scene_sha256(results: Results) -> str:
 
 def hashes(results: Results) -> dict[str, str]:
     """What this was computed from, by the names that every file gives them."""
-    found = {"scene_sha256": scene_sha256(results)}
-    return found if results.mesh_sha256 is None else found | {"mesh_sha256": results.mesh_sha256}
+    digests = {"scene_sha256": scene_sha256(results)}
+    return digests if results.mesh_sha256 is None else digests | {"mesh_sha256": results.mesh_sha256}
 
 
 def line(results: Results) -> str:
     """All in one line of text, for files that take a remark."""
-    given, found = (", ".join(f"{name} {value}" for name, value in d.items()) for d in (hashes(results), versions()))
-    return f"{given}; {found}"
+    digests, packages = (
+        ", ".join(f"{name} {value}" for name, value in d.items()) for d in (hashes(results), versions())
+    )
+    return f"{digests}; {packages}"

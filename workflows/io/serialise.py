@@ -114,8 +114,8 @@ def document(results: Results) -> dict[str, Any]:
         TypeError: not results.
     """
     expect(results, "document")
-    found: dict[str, Any] = json.loads(_json(results, None))
-    return found
+    values: dict[str, Any] = json.loads(_json(results, None))
+    return values
 
 
 def dumps(results: Results) -> str:
@@ -127,9 +127,9 @@ class _Closed(GenerateJsonSchema):
     """Objects have no other keys; names say what titles would, and annotations what docstrings would."""
 
     def dataclass_schema(self, schema: Any) -> dict[str, Any]:
-        found = super().dataclass_schema(schema) | {"additionalProperties": False}
-        found.pop("description", None)
-        return found
+        closed = super().dataclass_schema(schema) | {"additionalProperties": False}
+        closed.pop("description", None)
+        return closed
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
@@ -137,12 +137,12 @@ class _Closed(GenerateJsonSchema):
 
 def schema(kind: type = Document) -> dict[str, Any]:
     """The schema of results.json, or of a part of it as data sets have it."""
-    found = adapter(kind).json_schema(mode="serialization", schema_generator=_Closed)
+    document = adapter(kind).json_schema(mode="serialization", schema_generator=_Closed)
     if kind is Document:
-        damping = found["$defs"]["Damping"]
+        damping = document["$defs"]["Damping"]
         del damping["properties"]["duration"]
         damping["required"].remove("duration")
-    return found
+    return document
 
 
 def text() -> str:
@@ -195,30 +195,30 @@ def _quantities(
     headline: bool,
 ) -> Iterator[Quantity]:
     parts = []
-    for key, said in record["properties"].items():
-        inner = next((each for each in said.get("anyOf", ()) if each.get("type") != "null"), said)
+    for key, annotation in record["properties"].items():
+        inner = next((each for each in annotation.get("anyOf", ()) if each.get("type") != "null"), annotation)
         row = inner.get("items", {}) if "prefixItems" not in inner else {}
         if (reference := inner.get("$ref") or row.get("$ref")) is not None:
-            parts.append((key, said, known[reference.rpartition("/")[2]]))
+            parts.append((key, annotation, known[reference.rpartition("/")[2]]))
             continue
-        name = prefix + key if prefix else said.get("alone", key)
+        name = prefix + key if prefix else annotation.get("alone", key)
         kind = inner["type"]
-        for end, suffix in enumerate(said.get("ends", ("x", "y"))) if kind == "array" else ((None, ""),):
-            meaning = said["description"]
+        for end, suffix in enumerate(annotation.get("ends", ("x", "y"))) if kind == "array" else ((None, ""),):
+            meaning = annotation["description"]
             yield Quantity(
                 name=f"{name}_{suffix}" if suffix else name,
-                unit=said["unit"],
+                unit=annotation["unit"],
                 meaning=f"{meaning}: {suffix}" if suffix else meaning,
                 kind=kind if isinstance(kind, str) and kind != "array" else "number",
                 path=(*path, key),
                 dims=dims,
                 end=end,
-                headline=headline and said.get("headline", False),
+                headline=headline and annotation.get("headline", False),
             )
-    for key, said, inner in parts:
-        along = (said["along"],) if "along" in said else ()
-        mine = headline and not along and said.get("headline", True)
-        yield from _quantities(inner, known, (*path, key), (*dims, *along), prefix + said.get("prefix", ""), mine)
+    for key, annotation, inner in parts:
+        along = (annotation["along"],) if "along" in annotation else ()
+        mine = headline and not along and annotation.get("headline", True)
+        yield from _quantities(inner, known, (*path, key), (*dims, *along), prefix + annotation.get("prefix", ""), mine)
 
 
 _NO_HEADLINES: Any = {
@@ -233,9 +233,9 @@ _NO_HEADLINES: Any = {
 
 def headlines(point: SpeedPoint) -> Iterator[tuple[str, Any]]:
     """The quantities of a speed that sweeps have, each by its name with its value, where it has one."""
-    found = adapter(SpeedPoint).dump_python(point, by_alias=True, exclude_defaults=True, exclude=_NO_HEADLINES)
+    values = adapter(SpeedPoint).dump_python(point, by_alias=True, exclude_defaults=True, exclude=_NO_HEADLINES)
     for each in quantities(SpeedPoint):
-        if each.headline and (value := each.of(found)) is not None:
+        if each.headline and (value := each.of(values)) is not None:
             yield each.name, value
 
 
@@ -256,8 +256,8 @@ class _Listed:
     def of(self, key: str) -> _Listed:
         """What stands in each under a key, where something does."""
         values = [record.get(key) for record in self.each]
-        kept = [place for place, value in enumerate(values) if value is not None]
-        return _Listed([values[place] for place in kept], tuple(places[kept] for places in self.at), self.shape)
+        present = [place for place, value in enumerate(values) if value is not None]
+        return _Listed([values[place] for place in present], tuple(places[present] for places in self.at), self.shape)
 
     def within(self) -> _Listed:
         """What stands in each of lists, one dimension more."""
@@ -304,8 +304,8 @@ def columns(kind: type, records: Sequence[Any], along: str) -> Iterator[Column]:
 def _owner(owners: dict[tuple[str, ...], _Listed], path: tuple[str, ...]) -> _Listed:
     """The records that a path leads to."""
     if path not in owners:
-        found = _owner(owners, path[:-1]).of(path[-1])
-        owners[path] = found.within() if found.each and isinstance(found.each[0], list | tuple) else found
+        owner = _owner(owners, path[:-1]).of(path[-1])
+        owners[path] = owner.within() if owner.each and isinstance(owner.each[0], list | tuple) else owner
     return owners[path]
 
 
@@ -344,17 +344,17 @@ def keep(results: Results, file: h5netcdf.File) -> None:
 
 def _unpublished(record: Any) -> dict[str, Any]:
     """The fields of a record, and of those within it, that JSON leaves out, as JSON is nested."""
-    found: dict[str, Any] = {}
+    rest: dict[str, Any] = {}
     for name, info in _fields(record.__class__).items():
-        value, said = getattr(record, name), info.json_schema_extra
-        if info.exclude or (isinstance(said, dict) and said.get("unpublished")):
-            if not isinstance(said, dict) or "column" not in said:
-                found[name] = value
+        value, annotation = getattr(record, name), info.json_schema_extra
+        if info.exclude or (isinstance(annotation, dict) and annotation.get("unpublished")):
+            if not isinstance(annotation, dict) or "column" not in annotation:
+                rest[name] = value
         elif is_dataclass(value):
-            found[info.alias or name] = _unpublished(value)
+            rest[info.alias or name] = _unpublished(value)
         elif isinstance(value, tuple) and value and is_dataclass(value[0]):
-            found[info.alias or name] = [_unpublished(each) for each in value]
-    return found
+            rest[info.alias or name] = [_unpublished(each) for each in value]
+    return rest
 
 
 @cache
@@ -379,7 +379,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
     """What a run left in a folder.
 
     Raises:
-        BadInput: there is no run of ours, or one of another version.
+        BadInput: the folder has no run, or one of another version.
         TypeError: not the name of a folder.
     """
     if not isinstance(folder, str | os.PathLike):
@@ -394,8 +394,10 @@ def read(folder: str | os.PathLike[str]) -> Results:
         if (version := published["schema_version"]) != SCHEMA_VERSION:
             raise _unreadable(path, f"has version {version} of {NAME}: expected {SCHEMA_VERSION}; run it again")
         name = DATA
-        kept = _kept(path)
-        found: Results = adapter(Results).validate_python(_merged(published, kept) | {"scene": parse(kept["scene"])})
+        stored = _kept(path)
+        results: Results = adapter(Results).validate_python(
+            _merged(published, stored) | {"scene": parse(stored["scene"])}
+        )
     except (FileNotFoundError, NotADirectoryError):
         problem = f"holds no run: expected a folder with {NAME} and {DATA}, as `spindamp run --out` writes"
         raise _unreadable(path, problem) from None
@@ -404,7 +406,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
     except Exception as error:  # what JSON, HDF5 and pydantic stumble over in a file with a few wrong bytes
         reason = getattr(error, "strerror", None) or type(error).__name__
         raise _unreadable(path, f"{name} is damaged, or not from spindamp ({reason}): run it again") from error
-    return found
+    return results
 
 
 def _kept(folder: Path) -> dict[str, Any]:
@@ -429,16 +431,16 @@ def _kept(folder: Path) -> dict[str, Any]:
             count = math.prod(value["shape"])
             return np.frombuffer(arrays, value["dtype"], count, value["begin"]).reshape(value["shape"])
 
-        found: dict[str, Any] = json.loads(group["records"][...].tobytes(), object_hook=placed)
-    return found
+        records: dict[str, Any] = json.loads(group["records"][...].tobytes(), object_hook=placed)
+    return records
 
 
-def _merged(published: Any, kept: Any) -> Any:
-    if isinstance(published, dict) and isinstance(kept, dict):
-        return published | {name: _merged(published.get(name), value) for name, value in kept.items()}
-    if isinstance(published, list) and isinstance(kept, list):
-        return [_merged(*pair) for pair in zip(published, kept, strict=True)]
-    return kept
+def _merged(published: Any, stored: Any) -> Any:
+    if isinstance(published, dict) and isinstance(stored, dict):
+        return published | {name: _merged(published.get(name), value) for name, value in stored.items()}
+    if isinstance(published, list) and isinstance(stored, list):
+        return [_merged(*pair) for pair in zip(published, stored, strict=True)]
+    return stored
 
 
 def _unreadable(path: Path, problem: str) -> BadInput:

@@ -125,19 +125,25 @@ def report(results: Results) -> dict[str, str]:
 
 
 def _at_which_speed(results: Results) -> str:
-    found = path_shown(results)
-    return "" if found is None else f" at {amount(found[1].rpm)} rpm, seen from above"
+    shown_path = path_shown(results)
+    return "" if shown_path is None else f" at {amount(shown_path[1].rpm)} rpm, seen from above"
 
 
 def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
     """Frequencies with their errors, which lead to the mode; then crossings with engine orders."""
-    (axes,), kept = figure.axes, () if results.surface is None else results.surface.at
+    (axes,), surface_speeds = figure.axes, () if results.surface is None else results.surface.at
     for branch in branches(results):
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
             title = f"{branch.label}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
-            yield Value(axes, rpm, mode.frequency_hz, title, (kept.index(at), number) if at in kept else None)
+            yield Value(
+                axes,
+                rpm,
+                mode.frequency_hz,
+                title,
+                (surface_speeds.index(at), number) if at in surface_speeds else None,
+            )
     for meeting in crossings(results):
         title = f"{meeting.order}× meets {meeting.label}: {meeting.rpm:.6g} rpm, {meeting.frequency_hz:.6g} Hz"
         yield Value(axes, meeting.rpm, meeting.frequency_hz, title)
@@ -327,12 +333,12 @@ def _order(axes: Axes, order: int, x: float, y: float) -> None:
 
 def _spread(values: list[float], gap: float) -> list[float]:
     """Label positions moved up just enough to be `gap` apart."""
-    placed: dict[int, float] = {}
+    positions: dict[int, float] = {}
     last = -np.inf
     for index in sorted(range(len(values)), key=values.__getitem__):
         last = max(values[index], last + gap)
-        placed[index] = last
-    return [placed[index] for index in range(len(values))]
+        positions[index] = last
+    return [positions[index] for index in range(len(values))]
 
 
 def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
@@ -413,15 +419,15 @@ def frequency(point: SpeedPoint) -> float:
 
 def cavity_path(results: Results) -> Figure | None:
     """The ball from above, and over time with the structure's motion below; None where no ball moved."""
-    found, given = path_shown(results), results.scene.damper
-    if found is None or given is None:
+    shown_path, spec = path_shown(results), results.scene.damper
+    if shown_path is None or spec is None:
         return None
-    path, point = found
+    path, point = shown_path
     figure, (above, ball, structure) = _square_above(2.6, 2)
-    _from_above(above, path, given.cavity, given.radius, _LINED / frequency(point))
+    _from_above(above, path, spec.cavity, spec.radius, _LINED / frequency(point))
     _over_time(ball, path, path.ball)
     for i in files.moving(path.ball):
-        half = 1e3 * (given.cavity[i] / 2 - given.radius)
+        half = 1e3 * (spec.cavity[i] / 2 - spec.radius)
         for side in (-half, half):
             ball.axhline(side, color=_AXES[i], lw=0.7, ls=plots.DASHED)
     at, axis = _hits(path)
@@ -446,11 +452,11 @@ def contacts(path: BallPath, radius: float) -> Floats:
 
 def _apart(places: Floats, least: float) -> list[int]:
     """Of places (n, 2) one after another those that lie at least so far from the last one taken, and both ends."""
-    kept = [0]
+    indices = [0]
     for k in range(1, len(places) - 1):
-        if np.hypot(*(places[k] - places[kept[-1]])) >= least:
-            kept.append(k)
-    return [*kept, len(places) - 1]
+        if np.hypot(*(places[k] - places[indices[-1]])) >= least:
+            indices.append(k)
+    return [*indices, len(places) - 1]
 
 
 def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius: float, line: float) -> None:
@@ -473,8 +479,8 @@ def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius:
 def _over_time(axes: Axes, path: BallPath, motion: Floats) -> None:
     t, reach = (path.t - path.t[0]) / (path.t[-1] - path.t[0]), np.abs(motion).max()
     for i in files.moving(motion):
-        kept = _apart(np.column_stack([_LENGTH * t, motion[:, i] / reach]), _FINE)
-        axes.plot(1e3 * path.t[kept], 1e3 * motion[kept, i], color=_AXES[i], lw=0.9, label=f"axis {i + 1}")
+        indices = _apart(np.column_stack([_LENGTH * t, motion[:, i] / reach]), _FINE)
+        axes.plot(1e3 * path.t[indices], 1e3 * motion[indices, i], color=_AXES[i], lw=0.9, label=f"axis {i + 1}")
     axes.set(xlim=(1e3 * path.t[0], 1e3 * path.t[-1]))
 
 
@@ -718,11 +724,11 @@ def chosen(
     Raises:
         BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
     """
-    kept = [speeds[number].rpm for number in surface.at]
+    speeds_shown = [speeds[number].rpm for number in surface.at]
     if rpm is not None:
-        row = min(range(len(kept)), key=lambda k: abs(kept[k] - rpm))
-        if abs(kept[row] - rpm) > _SAME * max(rpm, 1.0):
-            problem = f"expected a speed with shapes: {', '.join(map(amount, kept))} rpm"
+        row = min(range(len(speeds_shown)), key=lambda k: abs(speeds_shown[k] - rpm))
+        if abs(speeds_shown[row] - rpm) > _SAME * max(rpm, 1.0):
+            problem = f"expected a speed with shapes: {', '.join(map(amount, speeds_shown))} rpm"
             raise BadInput(problem, key=keys[0], value=typed(rpm))
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)

@@ -154,13 +154,13 @@ def _thickness(surface: Surface, drawn: Thinned, thickness: float | None) -> dic
     return {"largest": largest, "parts": shorts(surface.thickness[drawn.kept], largest)}
 
 
-def _shapes(surface: Surface, kept: Indices) -> tuple[Floats, Floats]:
+def _shapes(surface: Surface, nodes: Indices) -> tuple[Floats, Floats]:
     """Shapes (speeds × modes, n, 3) in phase, and a quarter of a period behind; each with a largest swing of 1.
 
     None of the latter where all points of a mode move in phase.
     """
     if not surface.shapes.size:
-        return np.zeros((0, len(kept), 3)), np.zeros((0, len(kept), 3))
+        return np.zeros((0, len(nodes), 3)), np.zeros((0, len(nodes), 3))
     shapes = surface.drawn(surface.shapes.reshape(-1, *surface.shapes.shape[2:]))
     behind = None if surface.behind is None else surface.behind.reshape(shapes.shape)
     squares = (shapes**2).sum(axis=2) if behind is None else (shapes**2 + behind**2).sum(axis=2)
@@ -168,7 +168,7 @@ def _shapes(surface: Surface, kept: Indices) -> tuple[Floats, Floats]:
     most = np.abs(shapes).reshape(len(shapes), -1).argmax(axis=1)
     sign = np.where(shapes.reshape(len(shapes), -1)[np.arange(len(shapes)), most] < 0, -1.0, 1.0)
     scale = (sign / np.where(largest > 0, largest, 1.0))[:, None, None]
-    return shapes[:, kept] * scale, np.zeros((0, len(kept), 3)) if behind is None else behind[:, kept] * scale
+    return shapes[:, nodes] * scale, np.zeros((0, len(nodes), 3)) if behind is None else behind[:, nodes] * scale
 
 
 def _speed(point: SpeedPoint, count: int) -> dict[str, Any]:
@@ -220,10 +220,10 @@ def _decimated(surface: Surface, most: int) -> Thinned:
     whole = pv.PolyData.from_regular_faces(surface.points, surface.cells[1])
     left = whole.decimate_pro(1.0 - most / len(surface.points), feature_angle=_FOLD, preserve_topology=True)
     triangles = np.asarray(left.regular_faces, dtype=np.int64)
-    kept = np.asarray(KDTree(surface.points).query(left.points)[1], dtype=np.int64)
-    outline = edges(surface.points[kept], triangles)
-    held = np.isin(kept, surface.root)
-    return Thinned(kept, triangles, None, outline, outline[held[outline].all(axis=1)])
+    nodes = np.asarray(KDTree(surface.points).query(left.points)[1], dtype=np.int64)
+    outline = edges(surface.points[nodes], triangles)
+    at_root = np.isin(nodes, surface.root)
+    return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
 
 
 def _sides(cells: Indices) -> Indices:
@@ -241,14 +241,14 @@ def _thinned(surface: Surface, most: int) -> Thinned:
     rim = np.concatenate(rims)
     inner = np.setdiff1d(_one_a_square(places, spacing), surface.outline)
     inner = inner[KDTree(places[rim]).query(places[inner])[0] > _CLEAR * spacing]
-    kept = np.concatenate([rim, inner])
-    number = {int(point): k for k, point in enumerate(kept)}
+    nodes = np.concatenate([rim, inner])
+    number = {int(point): k for k, point in enumerate(nodes)}
     outline = np.array([(number[a], number[b]) for loop in rims for a, b in zip(loop, np.roll(loop, -1), strict=True)])
-    triangles = np.asarray(Delaunay(places[kept]).simplices, dtype=np.int64)
-    middles = places[kept][triangles].mean(axis=1)
-    triangles = triangles[_inside(middles, places[kept][outline])]
-    held = np.isin(kept, surface.root)
-    return Thinned(kept, triangles, None, outline, outline[held[outline].all(axis=1)])
+    triangles = np.asarray(Delaunay(places[nodes]).simplices, dtype=np.int64)
+    middles = places[nodes][triangles].mean(axis=1)
+    triangles = triangles[_inside(middles, places[nodes][outline])]
+    at_root = np.isin(nodes, surface.root)
+    return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
 
 
 def _area(places: Floats, cells: Indices) -> float:
@@ -262,7 +262,7 @@ def loops(outline: Indices) -> list[Indices]:
     for a, b in outline.tolist():
         beside[a].append(b)
         beside[b].append(a)
-    found = []
+    rings = []
     while beside:
         start = at = next(iter(beside))
         loop = []
@@ -276,8 +276,8 @@ def loops(outline: Indices) -> list[Indices]:
             at = onwards
             if at == start:
                 break
-        found.append(np.array(loop))
-    return found
+        rings.append(np.array(loop))
+    return rings
 
 
 def _along(places: Floats, loop: Indices, spacing: float) -> Indices:
@@ -310,13 +310,13 @@ def _inside(points: Floats, edges: Floats) -> npt.NDArray[np.bool_]:
     """Which points (n, 2) the edges (k, 2, 2) enclose: a ray to the right meets an odd number of them."""
     (xa, ya), (xb, yb) = edges[:, 0].T, edges[:, 1].T
     rise = np.where(ya == yb, 1.0, yb - ya)
-    found = np.zeros(len(points), dtype=bool)
+    inside = np.zeros(len(points), dtype=bool)
     step = max(1, _AT_ONCE // len(edges))
     for start in range(0, len(points), step):
         x, y = points[start : start + step].T[..., None]
         met = (ya > y) != (yb > y)
-        found[start : start + step] = (met & (x < xa + (y - ya) / rise * (xb - xa))).sum(axis=1) % 2 == 1
-    return found
+        inside[start : start + step] = (met & (x < xa + (y - ya) / rise * (xb - xa))).sum(axis=1) % 2 == 1
+    return inside
 
 
 def _few(along: Floats) -> tuple[Floats, Floats]:

@@ -34,33 +34,33 @@ _STOPS = {"reversal": "comes to rest", "hit": "hits the wall and stays"}
 
 def data(results: Results) -> str:
     """The player's data as JSON that may stand in a page; nothing where no ball moved."""
-    found, given = figures.path_shown(results), results.scene.damper
-    if found is None or given is None:
+    shown_path, spec = figures.path_shown(results), results.scene.damper
+    if shown_path is None or spec is None:
         return ""
-    path, point = found
+    path, point = shown_path
     begin = float(path.t[0])
-    told: dict[str, Any] = {
+    content: dict[str, Any] = {
         "begin": 1e3 * begin,
         "t": mode_viewer.base64_of((1e3 * (path.t - begin)).astype("<f4")),
         "frequency": 1e-3 * figures.frequency(point),
-        "radius": 1e3 * given.radius,
+        "radius": 1e3 * spec.radius,
         "ball": _packed(path.ball),
         "structure": _packed(path.structure),
         "moving": [files.moving(path.ball), files.moving(path.structure)],
         "regime": "".join(str(3 * a + b) for a, b in path.regime.tolist()),
         "events": events(path),
     }
-    return json.dumps(told, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 def events(path: BallPath) -> list[tuple[int, str, int]]:
     """What happens: at which time of the path, in words, along which axis (1 or 2)."""
-    found = []
+    rows = []
     for at, kind, axis in zip(path.at.tolist(), path.kind, path.axis.tolist(), strict=True):
         words = _STOPS if path.regime[at, axis] == 0 and kind in _STOPS else _WORDS
         if kind in words:
-            found.append((at, words[kind], axis + 1))
-    return found
+            rows.append((at, words[kind], axis + 1))
+    return rows
 
 
 def _packed(motion: Floats) -> dict[str, Any]:
@@ -184,10 +184,10 @@ def _thick(results: Results) -> str:
 
 def _stretch(results: Results) -> dict[str, Any] | None:
     """What the figure of the ball's path says of the stretch that it shows; None without one."""
-    found = figures.path_shown(results)
-    if found is None:
+    shown_path = figures.path_shown(results)
+    if shown_path is None:
         return None
-    path, point = found
+    path, point = shown_path
     begin, end = (float(path.t[k]) for k in (0, -1))
     return {
         "point": point,
@@ -262,16 +262,16 @@ def load_results(folder: str | os.PathLike[str]) -> Results:
     """What `spindamp run --out` or `save` wrote into a folder, as it was when it was written.
 
     Raises:
-        BadInput: there is no run of ours.
+        BadInput: the folder has no run.
         TypeError: not the name of a folder.
     """
     return shown(serialise.read(folder))
 
 
-def _path(who: str, what: str, given: object) -> Path:
-    if not isinstance(given, str | os.PathLike):
-        raise TypeError(f"{who} takes the name of a {what} second, got {type(given).__name__}")
-    return Path(given)
+def _path(who: str, what: str, value: object) -> Path:
+    if not isinstance(value, str | os.PathLike):
+        raise TypeError(f"{who} takes the name of a {what} second, got {type(value).__name__}")
+    return Path(value)
 
 
 def writable(path: str | os.PathLike[str], key: str = "path") -> Path:

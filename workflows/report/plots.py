@@ -241,10 +241,10 @@ def coloured(drawn: Figure | Axes, count: int) -> None:
     known |= dict(zip(shades(count), _plasma(0.05, 0.76, count), strict=False))
     for artist in drawn.findobj():
         for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
-            found: Any = getattr(artist, f"get_{part}", lambda: None)()
+            colour: Any = getattr(artist, f"get_{part}", lambda: None)()
             with suppress(ValueError, TypeError):
-                to = known.get(to_hex(found))
-                if to is not None and to_rgba(found)[3] > 0:
+                to = known.get(to_hex(colour))
+                if to is not None and to_rgba(colour)[3] > 0:
                     getattr(artist, f"set_{part}")(to)
 
 
@@ -300,13 +300,13 @@ def _titles(figure: Figure, values: Iterable[Value]) -> str:
 def _frames(figure: Figure) -> list[dict[str, Any]]:
     """Where the axes are in the drawing (left, right, top, bottom), and what they run over."""
     width, height = (72.0 * side for side in figure.get_size_inches())
-    found = []
+    frames = []
     for axes in figure.axes:
         box = axes.get_position()
         sides = (box.x0 * width, box.x1 * width, (1 - box.y1) * height, (1 - box.y0) * height)
         ends = {"x": [float(end) for end in axes.get_xlim()], "y": [float(end) for end in axes.get_ylim()]}
-        found.append({"box": [round(float(side), 2) for side in sides]} | ends)
-    return found
+        frames.append({"box": [round(float(side), 2) for side in sides]} | ends)
+    return frames
 
 
 def _for_a_page(text: str, name: str) -> str:

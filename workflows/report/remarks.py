@@ -146,12 +146,12 @@ def too_dense(results: Results) -> tuple[str, str] | None:
 
 def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     """That the contact of the resting ball flows at some speeds, and how flat it becomes."""
-    pressed = [found for point in points if (found := limits.contact(results.scene, point)) is not None]
+    pressed = [contact for point in points if (contact := limits.contact(results.scene, point)) is not None]
     damper = results.scene.damper
     if not pressed or damper is None:
         return "ball or floor yields fully under the load"
-    last = max(pressed, key=lambda found: found.hardness_ratio)
-    times = span(min(found.hardness_ratio for found in pressed), last.hardness_ratio, 2)
+    last = max(pressed, key=lambda contact: contact.hardness_ratio)
+    times = span(min(contact.hardness_ratio for contact in pressed), last.hardness_ratio, 2)
     return (
         f"the resting ball presses on its floor with {times} times the hardness of the softer, and the contact yields"
         f" until it is up to {significant(2e3 * last.dent_radius, 2)} mm wide"
@@ -179,8 +179,10 @@ def dents(results: Results) -> str | None:
 def unknown_floor(results: Results) -> str | None:
     """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
     damper, material, made_of = results.scene.damper, results.scene.material, limits.solids(results.scene)
-    every = [(point, found) for point in results.speeds if (found := limits.contact(results.scene, point)) is not None]
-    every = [(point, found) for point, found in every if not found.hardness_ratio >= 1]
+    every = [
+        (point, contact) for point in results.speeds if (contact := limits.contact(results.scene, point)) is not None
+    ]
+    every = [(point, contact) for point, contact in every if not contact.hardness_ratio >= 1]
     if damper is None or made_of is None or not math.isnan(made_of[1].hardness) or not every:
         return None
     point, most = max(every, key=lambda pair: pair[1].peak_pressure)
@@ -261,12 +263,12 @@ def level_floor(results: Results) -> str | None:
 
 def turning_floor(results: Results) -> str | None:
     """The floor's turning, which is left out: (1/5) m (s' - r kappa u')² of the spin makes 2/5 r kappa of the drive."""
-    damper, asked = results.scene.damper, results.scene.accuracy.damping
+    damper, target = results.scene.damper, results.scene.accuracy.damping
     if damper is None or not results.effects["floor_tilt"].on:
         return None
     tilts = [abs(r.floor_tilt) for p, r, _ in ring_downs(results) if p.load_g > 0]
     share = 0.4 * damper.radius * max(tilts, default=0.0)
-    if share <= asked:
+    if share <= target:
         return None
     return (
         f"The turning floor also turns the ball, which is neglected: {percent(share)} % of the ball's drive, two fifths"
@@ -388,11 +390,11 @@ def leaning_load(results: Results) -> str | None:
     lean, rolls = across / point.radius, limits.lever(scene, point) / scene.damper.radius
     if point.load_g == 0 or lean <= 0.1 * rolls:
         return None
-    held = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"
+    consequence = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"
     return (
         f"At this place the load leans by {significant(math.degrees(math.atan(lean)), 2)}° from the plate's length,"
         f" away from its centre line: the cavity's floor is taken to face it. On one square to the length the ball"
-        f" {held}, which is not what is simulated."
+        f" {consequence}, which is not what is simulated."
     )
 
 
@@ -497,12 +499,12 @@ def _share(damping: Damping) -> float:
 def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
-    found: list[tuple[str, str]] = []
+    entries: list[tuple[str, str]] = []
     if scene.plate is not None:
-        held = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
-        found.append((f"The plate is linear elastic and {held} at the root.", "ours"))
+        root = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
+        entries.append((f"The plate is linear elastic and {root} at the root.", "ours"))
     if scene.blade is not None:
-        found.append(
+        entries.append(
             (
                 "The blade is linear elastic and perfectly clamped at the root. It vibrates about its equilibrium under"
                 " the load, without Coriolis forces.",
@@ -510,21 +512,21 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             )
         )
     if scene.material is not None and (name := scene.material.name) is not None:
-        found.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
+        entries.append((f"E, ν and ρ of {name}.", KNOWN[name].source))
     if scene.plate is not None:
-        found += _of_effects(results, "plate")
+        entries += _of_effects(results, "plate")
     if scene.damper is not None:
         hits = "constant e" if isinstance(scene.damper.restitution, float) else "e by the impact speed"
         if scene.damper.ball_material is not None:
-            found.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
+            entries.append((f"Density of {scene.damper.ball_material}.", KNOWN[scene.damper.ball_material].source))
         plate = None if scene.material is None else scene.material.name
         names = dict.fromkeys((scene.damper.ball_material, scene.damper.floor_material or plate))
-        found += [
+        entries += [
             (f"Yield strength and hardness of {name}.", KNOWN[name].strength)
             for name in names
             if name is not None and KNOWN[name].strength and limits.solids(scene) is not None
         ]
-        found += [
+        entries += [
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
@@ -538,18 +540,18 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             "ours: Newton's laws, where the printed equations do not keep them",
         )
         printed = ("Equations 2 to 4 as printed, which do not conserve energy.", "paper, eqs. 2 to 4")
-        found.append(consistent if scene.damper.formulation == "consistent" else printed)
+        entries.append(consistent if scene.damper.formulation == "consistent" else printed)
     if any(paper.row(scene, point.load_g) for point in results.speeds):
-        found += [
+        entries += [
             ("Rotation speeds, hub radius 0 and g = 10 m/s².", "read back from the loads of Table II, to every digit"),
             ("E/ρ of the plate, for ν = 0.3.", "ours: one number fitted to the seven frequencies of Table II"),
         ]
         if _is(results, "kirchhoff"):
             source = "ours: Table II fits it to 0.04 %, and Mindlin's theory to 0.11 %"
-            found.append(("The plate is thin: no transverse shear.", source))
+            entries.append(("The plate is thin: no transverse shear.", source))
         if scene.damper is not None and scene.damper.damping_ratio:
-            found.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
-    return found
+            entries.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
+    return entries
 
 
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
@@ -581,13 +583,13 @@ class Worst(NamedTuple):
 
 def worst(results: Results) -> list[Worst]:
     """Mode by mode, those whose error is known."""
-    found: dict[int, Worst] = {}
+    largest: dict[int, Worst] = {}
     for point in results.speeds:
         for number, mode in enumerate(point.modes, 1):
             whole, parts = mode.error_estimate, mode.error_parts
-            if whole is not None and parts is not None and (number not in found or whole > found[number].whole):
-                found[number] = Worst(number, whole, parts)
-    return [found[number] for number in sorted(found)]
+            if whole is not None and parts is not None and (number not in largest or whole > largest[number].whole):
+                largest[number] = Worst(number, whole, parts)
+    return [largest[number] for number in sorted(largest)]
 
 
 def met(results: Results) -> bool:
@@ -629,8 +631,8 @@ def sentence(results: Results) -> str | None:
     modes = worst(results)
     if not modes:
         return None
-    last, asked = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
-    wanted = f"{significant(100 * asked)} %"
+    last, target = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
+    wanted = f"{significant(100 * target)} %"
     verdict = f"within the {wanted} asked for" if met(results) else f"{wanted} was asked for; {cure(results)}"
     first = f"Mode {modes[0].number} is accurate to {percent(modes[0].whole)} %"
     others = "" if last is modes[0] else f", mode {last.number}, the least accurate, to {percent(last.whole)} %"
@@ -642,17 +644,17 @@ def cure(results: Results) -> str:
 
     The mesh is only as fine as what the rest leaves of the accuracy makes worth while, and else would be finer.
     """
-    modes, asked = worst(results), results.scene.accuracy.frequency
+    modes, target = worst(results), results.scene.accuracy.frequency
     left = {mode.number: mode.whole for mode in modes}
     sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
     keys = []
     for name in sorted(PARTS, key=lambda name: -max(sizes[name])):
-        if max(sizes[name]) > 0.0 and max(left.values()) > asked and (key := _remedy(results, name)) is not None:
+        if max(sizes[name]) > 0.0 and max(left.values()) > target and (key := _remedy(results, name)) is not None:
             keys.append(key)
             left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
-    if keys and rest <= asked / 2 and not (thin and _DEFLECTED in keys):
+    if keys and rest <= target / 2 and not (thin and _DEFLECTED in keys):
         return f"{' and '.join(keys)} would achieve it"
     attainable = upwards(max(mode.whole for mode in modes))
     return f"no setting achieves this, but [accuracy] frequency = {attainable} would be met"
@@ -680,9 +682,9 @@ def _is(results: Results, theory: str) -> bool:
 
 def _largest(mode: Worst) -> str:
     """The parts that make up most of an error."""
-    sizes = {said: getattr(mode.parts, name) or 0.0 for name, said in PARTS.items()}
-    shown = [said for said, size in sizes.items() if size >= 0.1 * mode.whole]
-    return ", ".join(f"{said} {percent(sizes[said])} %" for said in shown)
+    sizes = {phrase: getattr(mode.parts, name) or 0.0 for name, phrase in PARTS.items()}
+    shown = [phrase for phrase, size in sizes.items() if size >= 0.1 * mode.whole]
+    return ", ".join(f"{phrase} {percent(sizes[phrase])} %" for phrase in shown)
 
 
 _WIDE = 2.0
@@ -728,11 +730,11 @@ def frequency_error(results: Results) -> str | None:
             "Under a point mass the frequencies fall with every refinement: the estimate holds what cells down to a"
             f" tenth of the thickness would still take off. {own}"
         )
-    mesh, said = results.diagram.mesh, sentence(results)
-    if said is None:
+    mesh, accuracy = results.diagram.mesh, sentence(results)
+    if accuracy is None:
         unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
         return f"{unknown} {own}"
-    return f"{said} The mesh: {mesh}. {own}"
+    return f"{accuracy} The mesh: {mesh}. {own}"
 
 
 def real_modes(results: Results) -> str | None:
@@ -790,8 +792,8 @@ def remarked(results: Results) -> Results:
 
 def remarks(results: Results) -> tuple[str, ...]:
     """The remarks that the run calls for, those that bear most on the answer first."""
-    found = (remark(results) for remark in REMARKS)
-    return tuple(text for text in found if text)
+    texts = (remark(results) for remark in REMARKS)
+    return tuple(text for text in texts if text)
 
 
 def _capped(results: Results) -> str | None:
@@ -818,10 +820,10 @@ def _nothing_released(results: Results) -> str | None:
 def _held(results: Results) -> str | None:
     """Ring-downs in which the release is too small to set the ball rolling."""
     rung = [(p, d, p.level or p.working) for p, _, d in ring_downs(results) if p.load_g > 0 and d.events == 0]
-    held = [(p, d, own) for p, d, own in rung if own is not None and own.peak > 0]
-    if not held:
+    peaks = [(p, d, own) for p, d, own in rung if own is not None and own.peak > 0]
+    if not peaks:
         return None
-    point, damping, own = min(held, key=lambda entry: entry[0].load_g)
+    point, damping, own = min(peaks, key=lambda entry: entry[0].load_g)
     lift = significant(1e3 * math.hypot(*damping.release))
     needed = significant(1e3 * own.cutoff, 2)
     return (

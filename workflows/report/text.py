@@ -29,15 +29,15 @@ _ROWS_AT_MOST = 12
 
 def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
     """The summary, ready to print; remarks on how the scene is written come first wherever the notes are."""
-    found = verdict.answer(results)
+    answer = verdict.answer(results)
     parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
-    parts += _wrapped(" ".join((f"{found.verdict}.", *found.lead)))
+    parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
     legend = [*remarks.cutoff_legend(results), *remarks.legend(results)] if results.scene.damper is not None else []
     parts += [line for each in legend for line in _wrapped(each)]
-    if found.details:
-        parts += ["", *_wrapped(" ".join(found.details))]
+    if answer.details:
+        parts += ["", *_wrapped(" ".join(answer.details))]
     if results.notes and out is None:
         parts.append("")
         notes = [note for note in results.notes if note not in on_scene]
@@ -67,11 +67,11 @@ def rows(results: Results) -> list[tuple[str, ...]]:
         return [heads, *(_damped(results, point) for point in results.speeds)]
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    found = [
+    table = [
         (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
         for p in results.speeds
     ]
-    return [heads, *found]
+    return [heads, *table]
 
 
 def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
@@ -117,23 +117,25 @@ def shown(results: Results) -> Shown:
 
 def brief(results: Results) -> str:
     """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
-    found = verdict.answer(results)
-    said = remarks.sentence(results)
-    more = () if results.reductions else found.sentences[:1]  # a crossing's next sentences are on single levels
-    lines = [_head(results), " ".join((f"{found.verdict}.", *more)), *([] if said is None else [said])]
+    answer = verdict.answer(results)
+    accuracy = remarks.sentence(results)
+    more = () if results.reductions else answer.sentences[:1]  # a crossing's next sentences are on single levels
+    lines = [_head(results), " ".join((f"{answer.verdict}.", *more)), *([] if accuracy is None else [accuracy])]
     return "\n".join(lines)
 
 
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
-    found, said = verdict.answer(results), remarks.sentence(results)
-    sentences = " ".join(found.sentences if said is None or said in found.sentences else (*found.sentences, said))
+    answer, accuracy = verdict.answer(results), remarks.sentence(results)
+    sentences = " ".join(
+        answer.sentences if accuracy is None or accuracy in answer.sentences else (*answer.sentences, accuracy)
+    )
     heads, *lines = rows(results)
     left_out = len(lines) - _ROWS_AT_MOST
     more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
     table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
     return (
-        f"<p>{escape(_head(results))}</p><p><b>{escape(found.verdict)}.</b> {escape(sentences)}</p>"
+        f"<p>{escape(_head(results))}</p><p><b>{escape(answer.verdict)}.</b> {escape(sentences)}</p>"
         f"<table>{table}</table>{more}"
     )
 

@@ -59,12 +59,12 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
         half = "" if ranges else "the ball gives at least half of its best damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
-    held = [
+    sustained = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
         for p, w in ends
         if w.cutoff > 0
     ]
-    rests = [f"The load holds the ball at rest {', '.join(held)}."] if held else []
+    rests = [f"The load holds the ball at rest {', '.join(sustained)}."] if sustained else []
     return [f"{capital(', '.join(ranges))}.", *rests]
 
 
@@ -131,11 +131,11 @@ def _rounded(value: float, *, up: bool = False) -> str:
 
 def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     """That a ball in motion does more than one at rest does as the vibration grows, where it does most."""
-    asked = results.scene.accuracy.damping
+    target = results.scene.accuracy.damping
     parted = [
         (p, w)
         for p in points
-        if (w := p.working) is not None and w.parted and w.from_above.peak > (1 + asked) * w.peak > 0
+        if (w := p.working) is not None and w.parted and w.from_above.peak > (1 + target) * w.peak > 0
     ]
     if not parted:
         return []
@@ -324,8 +324,8 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
 
 def _how_little(results: Results, points: list[SpeedPoint]) -> str:
     """How little the damper adds at its best, and where it is locked."""
-    found = [(best.damping_ratio, p) for p in points if (best := limits.best(results, p)) is not None and _rank(p) > 0]
-    most, at = max(found, key=lambda pair: pair[0])
+    ratios = [(best.damping_ratio, p) for p in points if (best := limits.best(results, p)) is not None and _rank(p) > 0]
+    most, at = max(ratios, key=lambda pair: pair[0])
     locked = [point for point in points if _rank(point) == 0]
     where = f"; the ball is locked {stretch(locked, points)}" if locked else ""
     return f"at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
@@ -333,16 +333,16 @@ def _how_little(results: Results, points: list[SpeedPoint]) -> str:
 
 def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[str]:
     """The best and the least; `turning` where there is a speed without a load, which is not among the points."""
-    found = [(b, p) for p in points if (b := limits.best(results, p)) is not None]
-    if not found:
+    ratios = [(b, p) for p in points if (b := limits.best(results, p)) is not None]
+    if not ratios:
         return []
-    top, at = max(found, key=lambda pair: pair[0].damping_ratio)
+    top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     text = (
         f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball adds"
         f" an equivalent damping ratio of {percent(top.damping_ratio)} %{known_within(at)}: it takes"
         f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration's energy in a cycle"
     )
-    least, there = min(found, key=lambda pair: pair[0].damping_ratio)
+    least, there = min(ratios, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = f", within what the {carrier(results)} endures," if least.limited else ""
         text += f"; {at_load(there)}{within} it adds {percent(least.damping_ratio)} % at best"
@@ -360,9 +360,9 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     if not fed:
         return None
     amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
-    said = at_load(point)
+    load_text = at_load(point)
     return (
-        f"{capital(said)} and above {millimetres(amplitude)} mm they drive the vibration instead of"
+        f"{capital(load_text)} and above {millimetres(amplitude)} mm they drive the vibration instead of"
         " damping it, which no ball can do."
     )
 
@@ -467,53 +467,53 @@ def _beyond(results: Results, order: int) -> str:
     return "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
 
 
-def _of_order(results: Results, found: VibrationReduction, unit: str, overload: str) -> list[str]:
+def _of_order(results: Results, reduction: VibrationReduction, unit: str, overload: str) -> list[str]:
     """What the ball does at a crossing: by how much, at which levels, and why not at the others; by sentences."""
-    where = f"At engine order {found.order} ({whole(found.rpm)} rpm, {found.family} mode)"
-    if found.reason:
-        return [f"{where}: no estimate: {found.detail or _NO_ESTIMATE[found.reason]}."]
-    if not math.isfinite(found.range[0]):
-        return [f"{where}: not useful {_at_no_level(results, found, unit)}."]
-    low, high = found.range
-    at = f"at {significant(found.level)} {unit}"
+    where = f"At engine order {reduction.order} ({whole(reduction.rpm)} rpm, {reduction.family} mode)"
+    if reduction.reason:
+        return [f"{where}: no estimate: {reduction.detail or _NO_ESTIMATE[reduction.reason]}."]
+    if not math.isfinite(reduction.range[0]):
+        return [f"{where}: not useful {_at_no_level(results, reduction, unit)}."]
+    low, high = reduction.range
+    at = f"at {significant(reduction.level)} {unit}"
     between = f", at least half of that between {significant(low)} and {significant(high)} {unit}" * (low < high)
-    text = f"{where}: up to {percent(1 - found.ratio)} % less vibration {at}{between}."
-    borne = [each for each in found.levels if each.endured]
-    moves_from = f"{significant(found.moves_from)} {unit}"
-    outside = [each for each in borne if each.level >= found.moves_from and not low <= each.level <= high]
+    text = f"{where}: up to {percent(1 - reduction.ratio)} % less vibration {at}{between}."
+    borne = [each for each in reduction.levels if each.endured]
+    moves_from = f"{significant(reduction.moves_from)} {unit}"
+    outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
     idle = {
-        f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in found.levels if not each.endured],
+        f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in reduction.levels if not each.endured],
         f"At {{}} {unit} the load holds the ball at rest; it moves from {moves_from} on.": [
-            each for each in borne if each.level < found.moves_from
+            each for each in borne if each.level < reduction.moves_from
         ],
-        f"At {{}} {unit} the reduction is less than half of {percent(1 - found.ratio)} %.": [
-            each for each in outside if 1 - each.ratio < (1 - found.ratio) / 2
+        f"At {{}} {unit} the reduction is less than half of {percent(1 - reduction.ratio)} %.": [
+            each for each in outside if 1 - each.ratio < (1 - reduction.ratio) / 2
         ],
     }
-    said = [said.format(listed([each.level for each in levels])) for said, levels in idle.items() if levels]
-    aside = [each for each in outside if 1 - each.ratio >= (1 - found.ratio) / 2]
-    said += [f"At {significant(e.level)} {unit} the reduction is {percent(1 - e.ratio)} %." for e in aside]
-    return [text, *said]
+    parts = [parts.format(listed([each.level for each in levels])) for parts, levels in idle.items() if levels]
+    aside = [each for each in outside if 1 - each.ratio >= (1 - reduction.ratio) / 2]
+    parts += [f"At {significant(e.level)} {unit} the reduction is {percent(1 - e.ratio)} %." for e in aside]
+    return [text, *parts]
 
 
-def _at_no_level(results: Results, found: VibrationReduction, unit: str) -> str:
+def _at_no_level(results: Results, reduction: VibrationReduction, unit: str) -> str:
     """That the ball is of no use at any level that was evaluated, and why."""
     evaluated = "at any level"
-    if math.isfinite(found.endured_level):
-        evaluated += f" that the {carrier(results)} endures (up to {significant(found.endured_level)} {unit})"
-    elif found.detail:
-        evaluated = f"at {found.detail}"
-    if not math.isfinite(found.moves_from) or not found.levels:
+    if math.isfinite(reduction.endured_level):
+        evaluated += f" that the {carrier(results)} endures (up to {significant(reduction.endured_level)} {unit})"
+    elif reduction.detail:
+        evaluated = f"at {reduction.detail}"
+    if not math.isfinite(reduction.moves_from) or not reduction.levels:
         return f"{evaluated}: the ball never moves"
-    if found.moves_from >= found.endured_level:
-        held = f"{evaluated}: the load holds the ball at rest up to {significant(found.moves_from)} {unit}"
-        friction = limits.friction_that_moves(results, found)
+    if reduction.moves_from >= reduction.endured_level:
+        at_rest = f"{evaluated}: the load holds the ball at rest up to {significant(reduction.moves_from)} {unit}"
+        friction = limits.friction_that_moves(results, reduction)
         if math.isnan(friction):
-            return f"{held}, in its own dent"
-        return f"{held}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
-    if not math.isfinite(found.ratio):
+            return f"{at_rest}, in its own dent"
+        return f"{at_rest}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
+    if not math.isfinite(reduction.ratio):
         return f"{evaluated}: the ball takes nothing of the amplitude"
-    return f"{evaluated}: the ball takes {percent(max(1 - found.ratio, 0.0))} % of the amplitude at most"
+    return f"{evaluated}: the ball takes {percent(max(1 - reduction.ratio, 0.0))} % of the amplitude at most"
 
 
 def listed(items: Sequence[float | str], joint: str = "and") -> str:
@@ -529,9 +529,9 @@ def _plate_only(results: Results) -> Answer:
     rpm = [p.rpm for p in results.speeds]
     speeds = f"between {whole(min(rpm))} and {whole(max(rpm))} rpm" if len(rpm) > 1 else f"at {whole(rpm[0])} rpm"
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz {speeds}."
-    said = remarks.sentence(results)
+    accuracy = remarks.sentence(results)
     alone = f"The {remarks.carrier(results)} alone"
     verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"
     if (torn := remarks.torn_from(results)) is not None:
         verdict += f"; it cannot turn {torn}"
-    return Answer(verdict, (text,) if said is None else (text, said))
+    return Answer(verdict, (text,) if accuracy is None else (text, accuracy))

@@ -29,23 +29,23 @@ _SHARP, _BLUNT = 20.0, 150.0
 
 def facts(surface: Surface) -> tuple[tuple[tuple[str, str], ...], dict[str, Any]]:
     """Name and words of each, and the same in SI for programs."""
-    found = numbers(surface)
-    (x0, x1), (y0, y1) = found["extent"]["x"], found["extent"]["y"]
-    least, middle, most = (significant(1e3 * found["edges"][name]) for name in ("shortest", "median", "longest"))
-    sharp, blunt = found["angles"]["least"], found["angles"]["greatest"]
-    odd = found["angles"]["odd_cells"]
+    values = numbers(surface)
+    (x0, x1), (y0, y1) = values["extent"]["x"], values["extent"]["y"]
+    least, middle, most = (significant(1e3 * values["edges"][name]) for name in ("shortest", "median", "longest"))
+    sharp, blunt = values["angles"]["least"], values["angles"]["greatest"]
+    odd = values["angles"]["odd_cells"]
     words = [
-        ("cells", f"{whole(found['cells'])} {_KINDS[surface.cells[0]]}, {whole(found['points'])} points"),
+        ("cells", f"{whole(values['cells'])} {_KINDS[surface.cells[0]]}, {whole(values['points'])} points"),
         ("extent", f"x {_mm(x0)} to {_mm(x1)} mm, y {_mm(y0)} to {_mm(y1)} mm"),
-        ("root", f"the edge at the smallest x, {_mm(x0)} mm: {whole(found['root']['edges'])} edges, "
-         f"{_mm(found['root']['length'])} mm long"),
-        ("holes", whole(found["holes"])),
+        ("root", f"the edge at the smallest x, {_mm(x0)} mm: {whole(values['root']['edges'])} edges, "
+         f"{_mm(values['root']['length'])} mm long"),
+        ("holes", whole(values["holes"])),
         ("edges of cells", f"{least} mm (shortest), {middle} (median), {most} (longest)"),
         ("shape of cells", f"angles from {sharp:.0f}° to {blunt:.0f}°; longest side over shortest at most "
-         f"{significant(found['aspect'], 2)}"
+         f"{significant(values['aspect'], 2)}"
          + (f"; {whole(odd)} cells have an angle below {_SHARP:.0f}° or above {_BLUNT:.0f}°" if odd else "")),
     ]  # fmt: skip
-    return tuple(words), found
+    return tuple(words), values
 
 
 _KINDS = {"quad": "quadrilaterals", "triangle": "triangles"}
@@ -97,7 +97,7 @@ def _mm(metres: float) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class ViewData:
     """What is shown.
 
     Attributes:
@@ -126,11 +126,11 @@ class Sight:
 
 def of_plate(
     scene: Scene, surface: Surface, speeds: tuple[SpeedPoint, ...], known: tuple[tuple[str, str], ...]
-) -> Sight:
+) -> ViewData:
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
     words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
-    return Sight(
+    return ViewData(
         title=scene.title,
         surface=surface,
         speeds=speeds,
@@ -142,18 +142,18 @@ def of_plate(
     )
 
 
-def chosen(sight: Sight, rpm: float | None, mode: int) -> tuple[int, int]:
+def chosen(view_data: ViewData, rpm: float | None, mode: int) -> tuple[int, int]:
     """Which speed of the run (`SpeedPoint`) and which mode, from 0, are asked for; the middle speed by default.
 
     Raises:
         BadInput: there is no such mode, or no shape was kept at that speed.
     """
-    at = sight.surface.at
+    at = view_data.surface.at
     if not at:
         if rpm is not None:
             raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
         return 0, 0
-    row = figures.chosen(sight.surface, sight.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
+    row = figures.chosen(view_data.surface, view_data.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
     return at[row], mode - 1
 
 
@@ -161,7 +161,7 @@ _LONGEST = 5.0
 """Plates [m] beyond which the file is more likely in millimetres."""
 
 
-def sight_of_mesh(path: Path) -> Sight:
+def data_of_mesh(path: Path) -> ViewData:
     """The mesh of a file.
 
     Raises:
@@ -173,7 +173,7 @@ def sight_of_mesh(path: Path) -> Sight:
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare(mesh)
     words, numbers = facts(surface)
-    return Sight(
+    return ViewData(
         title=path.name,
         surface=surface,
         speeds=(),
@@ -192,19 +192,19 @@ def _unit(side: float) -> str:
     return f'{taken}; {significant(side, 3)} m is long: mesh_unit = "mm"?'
 
 
-def sight_of_results(folder: Path) -> Sight:
+def data_of_results(folder: Path) -> ViewData:
     """The plate that a run left in a folder, with its modes.
 
     Raises:
         BadInput: the folder holds no results of a plate.
     """
     try:
-        found = serialise.read(folder)
+        results = serialise.read(folder)
     except BadInput as error:
         raise BadInput(error.problem, file=str(folder)) from error
-    if found.surface is None or found.diagram is None:
+    if results.surface is None or results.diagram is None:
         raise BadInput("holds results without a plate: there is no shape to show", file=str(folder))
-    return of_plate(found.scene, found.surface, found.speeds, _known(found.diagram, found.theory))
+    return of_plate(results.scene, results.surface, results.speeds, _known(results.diagram, results.theory))
 
 
 def _known(diagram: Diagram, theory: Theory | None) -> tuple[tuple[str, str], ...]:
@@ -212,7 +212,7 @@ def _known(diagram: Diagram, theory: Theory | None) -> tuple[tuple[str, str], ..
     return (("mesh", diagram.mesh), *((("theory", theory.name),) if theory is not None else ()))
 
 
-def sight_of_scene(scene: str, rpm: float | None) -> Sight:
+def data_of_scene(scene: str, rpm: float | None) -> ViewData:
     """The plate of a scene with its modes.
 
     Raises:
@@ -258,7 +258,7 @@ def page_of_study(target: str) -> Path | None:
     return page if whose and page.is_file() else None
 
 
-def of(target: str, rpm: float | None = None) -> Sight:
+def of(target: str, rpm: float | None = None) -> ViewData:
     """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
 
     Raises:
@@ -271,31 +271,35 @@ def of(target: str, rpm: float | None = None) -> Sight:
     except (OSError, ValueError) as error:
         raise BadInput("expected a folder of results, a scene or a mesh file", file=target) from error
     if folder:
-        return sight_of_results(path)
+        return data_of_results(path)
     if file and path.suffix.lower() != ".toml":
-        return sight_of_mesh(path)
+        return data_of_mesh(path)
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
-    return sight_of_scene(target, rpm)
+    return data_of_scene(target, rpm)
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)
 """What a page of its own has room for."""
 
 
-def view(sight: Sight, first: int = 0, mode: int = 0) -> mode_viewer.View:
+def view(view_data: ViewData, first: int = 0, mode: int = 0) -> mode_viewer.View:
     """The viewer's data, that shows a mode (from 0) at a speed of the run first."""
-    return mode_viewer.of_surface(sight.surface, sight.speeds, sight.mark, sight.thickness, (first, mode), _ROOM)
+    return mode_viewer.of_surface(
+        view_data.surface, view_data.speeds, view_data.mark, view_data.thickness, (first, mode), _ROOM
+    )
 
 
-def page(sight: Sight, first: int = 0, mode: int = 0) -> str:
+def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
-    seen = view(sight, first, mode)
+    seen = view(view_data, first, mode)
     with plots.style():
-        above = replace(sight.surface, points=sight.surface.drawn(sight.surface.points))
-        figure = figures.mesh_of(above, None if sight.mark is None else (sight.mark[0], sight.mark[1]), sight.root)
+        above = replace(view_data.surface, points=view_data.surface.drawn(view_data.surface.points))
+        figure = figures.mesh_of(
+            above, None if view_data.mark is None else (view_data.mark[0], view_data.mark[1]), view_data.root
+        )
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    return from_template("view.html.j2", sight=sight, view=seen, still=still, script=script("viewer.js"))
+    return from_template("view.html.j2", view_data=view_data, view=seen, still=still, script=script("viewer.js"))
 
 
 def thinned(seen: mode_viewer.View) -> str:
@@ -306,10 +310,10 @@ def thinned(seen: mode_viewer.View) -> str:
     return f"drawn with {drawn} of {of} points, the boundary's corners all kept"
 
 
-def write(sight: Sight, path: Path, first: int = 0, mode: int = 0) -> Path:
+def write(view_data: ViewData, path: Path, first: int = 0, mode: int = 0) -> Path:
     """Put the page into a file, whole or not at all, and return the file.
 
     Raises:
         BadInput: it cannot be written.
     """
-    return put(path, page(sight, first, mode), "--out")
+    return put(path, page(view_data, first, mode), "--out")

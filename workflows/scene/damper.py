@@ -89,10 +89,10 @@ class Damper(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
-        given = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
-        if len(given) != 1:
+        present = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
+        if len(present) != 1:
             ways = "expected one of mass_ratio, mass, ball_density and ball_material"
-            raise fault(given[0] if given else "mass_ratio", f"{ways}{': leave one out' * bool(given)}")
+            raise fault(present[0] if present else "mass_ratio", f"{ways}{': leave one out' * bool(present)}")
         if self.ball_density is not None:
             materials.dense_enough("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
@@ -167,12 +167,12 @@ class Release(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving the release at most, and one that sets something in motion."""
-        given = [key for key in ("displacement", "acceleration", "ratio") if getattr(self, key) is not None]
-        if len(given) > 1:
-            raise fault(given[-1], "expected one of displacement, acceleration and ratio")
+        present = [key for key in ("displacement", "acceleration", "ratio") if getattr(self, key) is not None]
+        if len(present) > 1:
+            raise fault(present[-1], "expected one of displacement, acceleration and ratio")
         pair = self.displacement if self.displacement is not None else self.acceleration
         if pair is not None and not any(pair):
-            raise fault(given[0], "expected a release that is not zero on both axes")
+            raise fault(present[0], "expected a release that is not zero on both axes")
         return self
 
 

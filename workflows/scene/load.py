@@ -95,23 +95,23 @@ def shipped() -> list[str]:
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def opened(given: SceneLike) -> SceneFile:
+def opened(scene: SceneLike) -> SceneFile:
     """A scene however it is given; the mesh of one that comes from no file is looked for from the current folder.
 
     Raises:
         BadInput: see :func:`load`.
         TypeError: it is no scene.
     """
-    if isinstance(given, SceneFile):
-        return given
-    if isinstance(given, str | os.PathLike):
-        return load(given)
-    if isinstance(given, Scene | Mapping):
-        if isinstance(given, Scene):
-            return _with_its_mesh(SceneFile(given, "scene", Path.cwd()))
-        return _with_its_mesh(SceneFile(parse(given), "scene", Path.cwd(), _remarks(given), given))
+    if isinstance(scene, SceneFile):
+        return scene
+    if isinstance(scene, str | os.PathLike):
+        return load(scene)
+    if isinstance(scene, Scene | Mapping):
+        if isinstance(scene, Scene):
+            return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
+        return _with_its_mesh(SceneFile(parse(scene), "scene", Path.cwd(), _remarks(scene), scene))
     raise TypeError(
-        f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(given).__name__}"
+        f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(scene).__name__}"
     )
 
 
@@ -245,8 +245,8 @@ def _gravity(data: Mapping[str, Any]) -> float:
 def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
     """Remarks on how a scene, which is valid, is written: speeds without a unit, which are seldom meant in rad/s."""
     speeds = data["rotor"]["speeds"]
-    given = [speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds
-    bare = [speed for speed in given if speed and not isinstance(speed, str)]
+    values = [speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds
+    bare = [speed for speed in values if speed and not isinstance(speed, str)]
     if not bare:
         return ()
     fastest = max(bare)
@@ -255,22 +255,22 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _with_its_mesh(found: SceneFile) -> SceneFile:
+def _with_its_mesh(scene: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
-    mesh, table = (found.mesh, "plate") if found.blade_mesh is None else (found.blade_mesh, "blade")
+    mesh, table = (scene.mesh, "plate") if scene.blade_mesh is None else (scene.blade_mesh, "blade")
     problem = "" if mesh is None else file_problem(mesh, "mesh file")
     if problem:
-        value = getattr(getattr(found.scene, table), "mesh", None)
-        raise BadInput(problem, file=found.name, key=f"[{table}] mesh", value=value)
-    return found
+        value = getattr(getattr(scene.scene, table), "mesh", None)
+        raise BadInput(problem, file=scene.name, key=f"[{table}] mesh", value=value)
+    return scene
 
 
 def file_problem(path: Path, what: str) -> str:
     """What keeps a file that a scene names from being read, before anything is read; empty if nothing does."""
     try:
-        found = unfit(path)
-        if found:
-            return f"expected a {what}, found {found}"
+        problem = unfit(path)
+        if problem:
+            return f"expected a {what}, found {problem}"
         with path.open("rb") as file:
             return "" if file.read(1) else "the file is empty"
     except FileNotFoundError:
@@ -320,13 +320,13 @@ def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
     if first["type"] == "together":
         loc += str(context["key"]).split(".")
     problem, value = worded(first, loc), _lookup(data, loc)
-    unknown = [found for found in errors[1:] if found["type"] == "extra_forbidden"]
-    rest = [found for found in errors[1:] if found["type"] == first["type"] or found["type"] not in order]
+    unknown = [fault for fault in errors[1:] if fault["type"] == "extra_forbidden"]
+    rest = [fault for fault in errors[1:] if fault["type"] == first["type"] or fault["type"] not in order]
     if unknown:
         problem += f"; also unknown: {', '.join(map(_in_a_list, unknown[:_LISTED]))}"
         problem += f" and {len(unknown) - _LISTED} more" if len(unknown) > _LISTED else ""
     elif rest:
-        problem += "".join(f"; also {_named(found)}" for found in rest[:_LISTED])
+        problem += "".join(f"; also {_named(fault)}" for fault in rest[:_LISTED])
         problem += f"; and {len(rest) - _LISTED} more" if len(rest) > _LISTED else ""
     if first["type"] == "extra_forbidden" and len(loc) == 1 and isinstance(first["input"], Mapping):
         return BadInput(problem, file=name, key=f"[{loc[0]}]")
@@ -372,8 +372,8 @@ def worded(error: Any, loc: list[str]) -> str:
         case "less_than_equal":
             return f"expected at most {context['le']:g}"
         case "literal_error":
-            given, expected = error["input"], context["expected"]
-            return f"expected {expected}{did_you_mean(given, _quoted(expected)) if isinstance(given, str) else ''}"
+            value, expected = error["input"], context["expected"]
+            return f"expected {expected}{did_you_mean(value, _quoted(expected)) if isinstance(value, str) else ''}"
         case "int_type" | "int_from_float" | "int_parsing":
             return "expected a whole number"
         case "too_long" | "string_too_long":
@@ -434,13 +434,13 @@ def _tables() -> dict[str, list[type[BaseModel]]]:
 
 def _models(field: Any) -> list[type[BaseModel]]:
     """The tables that a key may hold."""
-    found, kinds = [], [field.annotation]
+    models, kinds = [], [field.annotation]
     while kinds:
         kind = kinds.pop()
         if isinstance(kind, type) and issubclass(kind, BaseModel):
-            found.append(kind)
+            models.append(kind)
         kinds += getattr(kind, "__args__", ())
-    return found
+    return models
 
 
 def _fields(loc: list[str]) -> list[str]:
@@ -465,12 +465,12 @@ def slug(title: str) -> str:
 
 def schema() -> dict[str, Any]:
     """The schema, from the same model that validates scenes."""
-    found = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
-    for table in (found, *found["$defs"].values()):
+    document = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    for table in (document, *document["$defs"].values()):
         for key in table["properties"].values():
             if si := unit(key):
                 key["description"] += f"; a number without a unit is in {si}"
-    return dict(_tidied(found)) | {"title": "spindamp scene"}
+    return dict(_tidied(document)) | {"title": "spindamp scene"}
 
 
 def unit(node: Any) -> str | None:
@@ -478,7 +478,7 @@ def unit(node: Any) -> str | None:
     if isinstance(node, dict) and "x-si" in node:
         return str(node["x-si"])
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-    return next((found for part in inner if (found := unit(part))), None)
+    return next((name for part in inner if (name := unit(part))), None)
 
 
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
@@ -487,8 +487,8 @@ _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 def _tidied(node: Any) -> Any:
     """Bounds under their standard names, and no titles: pydantic titles every key after itself."""
     if isinstance(node, dict):
-        kept = {key: value for key, value in node.items() if key != "title" or isinstance(value, dict)}
-        return {_BOUNDS.get(key, key): _tidied(value) for key, value in kept.items()}
+        tidy = {key: value for key, value in node.items() if key != "title" or isinstance(value, dict)}
+        return {_BOUNDS.get(key, key): _tidied(value) for key, value in tidy.items()}
     return [_tidied(item) for item in node] if isinstance(node, list) else node
 
 

@@ -91,12 +91,12 @@ class Thickness(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving a thickness that varies, and a table whose parts fit together."""
-        given = [key for key in ("values", "polynomial", "field") if getattr(self, key) is not None]
-        if len(given) != 1:
+        present = [key for key in ("values", "polynomial", "field") if getattr(self, key) is not None]
+        if len(present) != 1:
             raise fault(
-                given[-1] if given else "values",
+                present[-1] if present else "values",
                 f"expected one of a table (x, y, values), a polynomial and a field of the mesh file"
-                f"{': leave one out' * bool(given)}",
+                f"{': leave one out' * bool(present)}",
             )
         if self.values is not None:
             self._fits(self.values)
@@ -136,25 +136,25 @@ class Thickness(Table):
         return field
 
 
-def thickness_at(given: float | Thickness, place: tuple[float, float], field: Profile | None = None) -> float:
+def thickness_at(profile: float | Thickness, place: tuple[float, float], field: Profile | None = None) -> float:
     """The thickness [m] at a place (x, y) [m]; `field` as in :meth:`Thickness.profile`."""
-    return given if isinstance(given, float) else given.profile(field).near(place)
+    return profile if isinstance(profile, float) else profile.profile(field).near(place)
 
 
-def extremes(given: float | Thickness, length: float, width: float) -> tuple[float, float]:
+def extremes(profile: float | Thickness, length: float, width: float) -> tuple[float, float]:
     """Least and greatest thickness [m] of a rectangle with these sides [m].
 
     Raises:
         ValueError: it is not above 0 all over the plate, or a table does not cover it.
     """
-    if isinstance(given, float):
-        return given, given
+    if isinstance(profile, float):
+        return profile, profile
     import numpy as np
 
     from fem.meshes import thickness
 
     x, y = np.linspace(0.0, length, GRID), np.linspace(-0.5 * width, 0.5 * width, GRID)
-    values = np.asarray(thickness.of(given.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
+    values = np.asarray(thickness.of(profile.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
     return float(values.min()), float(values.max())
 
 

@@ -28,8 +28,8 @@ def profile(plate: Plate, form: Planform | None = None) -> float | Profile:
     Raises:
         ValueError: it is a field of the mesh file, and the planform is not given.
     """
-    given = plate.thickness
-    return given if isinstance(given, float) else given.profile(getattr(form, "thickness", None))
+    thickness = plate.thickness
+    return thickness if isinstance(thickness, float) else thickness.profile(getattr(form, "thickness", None))
 
 
 def plate_thickness(plate: Plate, place: tuple[float, float], form: Planform | None = None) -> float:
@@ -112,13 +112,13 @@ def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rec
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
-    given, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
-    assert given is not None
+    spec, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
+    assert spec is not None
     assert material is not None
     laden = place(source, mesh) if mass else None
     substance = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    springs = None if given.root is None else fem.ElasticRoot(given.root.stiffness, given.root.rotational_stiffness)
-    return fem.Plate(mesh, profile(given, form), substance, mass, laden, springs)
+    springs = None if spec.root is None else fem.ElasticRoot(spec.root.stiffness, spec.root.rotational_stiffness)
+    return fem.Plate(mesh, profile(spec, form), substance, mass, laden, springs)
 
 
 def rotor(scene: Scene) -> fem.Rotor:
@@ -175,8 +175,8 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
 
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     """The same on a mesh of which the points (2, n) are known."""
-    given = given_place(scene)
-    return tip(points) if given is None else given
+    place = given_place(scene)
+    return tip(points) if place is None else place
 
 
 def tip(points: np.ndarray) -> tuple[float, float]:
@@ -206,9 +206,9 @@ def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, fl
 
 def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
     """The error of a damper that is not where the plate is, or not where it moves."""
-    given = given_place(source.scene)
+    place = given_place(source.scene)
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
-    return source.wrong(str(error), key, None if given is None else list(given))
+    return source.wrong(str(error), key, None if place is None else list(place))
 
 
 def _from_file(source: SceneFile) -> fem.Given:
@@ -239,7 +239,7 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
     plate = source.scene.plate
     if plate is None:
         return
-    given = plate.thickness if isinstance(plate.thickness, float) else None
+    thickness = plate.thickness if isinstance(plate.thickness, float) else None
     try:
         least, _, greatest = spread(plate, form)
     except ValueError as error:
@@ -251,7 +251,7 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
         raise source.wrong(
             f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
             "[plate] thickness" if key == "thickness" else "[plate] mesh",
-            given if key == "thickness" else plate.mesh,
+            thickness if key == "thickness" else plate.mesh,
         )
 
 

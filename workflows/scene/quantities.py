@@ -348,10 +348,10 @@ def _direction(value: object) -> tuple[float, ...]:
     items = value if isinstance(value, list | tuple) else []
     if len(items) != 3 or not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
         raise wrong("expected a direction of three numbers such as [0, 0, 1]")
-    found = tuple(map(_number, items))
-    if not any(found):
+    numbers = tuple(map(_number, items))
+    if not any(numbers):
         raise wrong("expected a direction such as [0, 0, 1]: all three are 0")
-    return found
+    return numbers
 
 
 def _place(value: object, info: ValidationInfo) -> tuple[float, ...] | str | int:
@@ -404,8 +404,8 @@ def _unit_of(kind: Kind, what: str, value: object) -> str:
             to_si(f"1 {text}", kind)
             return text
     except UnitError as error:
-        found = str(error)
-        hint = found[found.rindex(", did") :] if "did you mean" in found else ""
+        message = str(error)
+        hint = message[message.rindex(", did") :] if "did you mean" in message else ""
     raise wrong(f"expected a unit of {what}{hint}")
 
 

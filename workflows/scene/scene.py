@@ -402,8 +402,8 @@ class Design(Table):
         if not any(getattr(self, name) is not None for name in free):
             raise fault("ball_diameter", f"nothing is free: expected one of {', '.join(free)}")
         for name in ("ball_diameter", "clearance", "place"):
-            given = getattr(self, name)
-            if given is not None and (min(given) <= 0 or (len(given) == 2 and not given[0] < given[1])):
+            value = getattr(self, name)
+            if value is not None and (min(value) <= 0 or (len(value) == 2 and not value[0] < value[1])):
                 raise fault(name, "expected lengths above 0, of a range ascending")
         return self
 
@@ -456,10 +456,10 @@ class Excitation(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving the force."""
-        given = [key for key in ("force", "pressure", "base") if getattr(self, key) is not None]
-        if len(given) != 1:
-            found = f"expected one of force, pressure and base{': leave one out' * bool(given)}"
-            raise fault(given[-1] if given else "force", found)
+        present = [key for key in ("force", "pressure", "base") if getattr(self, key) is not None]
+        if len(present) != 1:
+            problem = f"expected one of force, pressure and base{': leave one out' * bool(present)}"
+            raise fault(present[-1] if present else "force", problem)
         if self.at is not None and self.force is None:
             raise fault("at", "a place belongs to a force: leave this out")
         if isinstance(self.at, tuple) and len(self.at) != 3:
@@ -477,8 +477,8 @@ class Excitation(Table):
     @property
     def levels(self) -> tuple[float, ...]:
         """Heights, ascending [N, Pa or m/s²]."""
-        found: tuple[float, ...] = getattr(self, self.kind)
-        return tuple(sorted(found))
+        values: tuple[float, ...] = getattr(self, self.kind)
+        return tuple(sorted(values))
 
     @property
     def unit(self) -> str:
@@ -725,8 +725,8 @@ class Scene(Table):
         """Keys that have their defaults, with what is said where one has not."""
         for key, instead in keys.items():
             table, name = key.split(".")
-            given = getattr(self, table)
-            if given is not None and getattr(given, name) != type(given).model_fields[name].default:
+            value = getattr(self, table)
+            if value is not None and getattr(value, name) != type(value).model_fields[name].default:
                 raise fault(key, f"{why}{instead}")
 
     def _tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:

@@ -15,7 +15,7 @@ from workflows.formatting import significant
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
-from workflows.solve.known_modes import Asked, SpaceStructure, seat_of, space_structure, turning
+from workflows.solve.known_modes import Request, SpaceStructure, seat_of, space_structure, turning
 
 if TYPE_CHECKING:
     import fem
@@ -49,7 +49,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         Divergence, NoEquilibrium: it has no stable state at the highest speed.
     """
     scene, key = source.scene, _key(source)
-    solved = _solved(Asked(f"{key} {scene.effects.large_deflection}", source))
+    solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
@@ -89,19 +89,19 @@ def _key(source: SceneFile, *others: str) -> str:
 
 def _matrices(source: SceneFile) -> SolidOperators:
     """The matrices of a blade, whatever its speeds."""
-    operators = _assembled(Asked(_key(source, "speeds", "modes"), source))
+    operators = _assembled(Request(_key(source, "speeds", "modes"), source))
     resources.check_blade(source, 3 * operators.nodes)
     return operators
 
 
 @lru_cache(maxsize=2)
-def _assembled(asked: Asked) -> SolidOperators:
+def _assembled(request: Request) -> SolidOperators:
     """The matrices of a blade, without large deflection."""
     from fem import Effects
     from fem.solid.assembly import assemble_solid
 
-    blade = blade_of(asked.source)
-    LOG.info("blade: %s", in_words(asked.source, blade))
+    blade = blade_of(request.source)
+    LOG.info("blade: %s", in_words(request.source, blade))
     return assemble_solid(blade, Effects(coriolis=True))
 
 
@@ -111,15 +111,15 @@ def deflection(source: SceneFile) -> Called:
     Raises:
         BadInput: the mesh or its root is no good; it needs more memory than there is.
     """
-    return _deflection(Asked(_key(source), source))[0]
+    return _deflection(Request(_key(source), source))[0]
 
 
 @lru_cache(maxsize=4)
-def _deflection(asked: Asked) -> tuple[Called, SolidOperators]:
+def _deflection(request: Request) -> tuple[Called, SolidOperators]:
     """The same, with the matrices without large deflection, and what is known there."""
     from fem.solid.sweep import deflection_shifts
 
-    source = asked.source
+    source = request.source
     scene, omega = source.scene, max(source.scene.rotor.speeds)
     operators = _matrices(source).with_deflection(large=False)
     if omega == 0.0:
@@ -136,16 +136,16 @@ def _deflection(asked: Asked) -> tuple[Called, SolidOperators]:
 
 
 @lru_cache(maxsize=2)
-def _solved(asked: Asked) -> SolvedBlade:
+def _solved(request: Request) -> SolvedBlade:
     """The blade at the speeds of a scene, kept for other dampers on it."""
     from fem.solid.sweep import SolvedBlade
 
-    source = asked.source
+    source = request.source
     scene, large = source.scene, source.scene.effects.large_deflection
     if large is True:
         operators = _matrices(source).with_deflection(large=True)
     else:
-        called, operators = _deflection(Asked(_key(source), source))
+        called, operators = _deflection(Request(_key(source), source))
         operators = operators.with_deflection(large=True) if large == "auto" and called.called else operators
     speeds = np.array(scene.rotor.speeds)
     return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
@@ -167,26 +167,26 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.solid.blade import Blade, named_root, root_at
 
     scene, path = source.scene, source.blade_mesh
-    given, material = scene.blade, scene.material
-    if given is None or material is None or path is None:
+    spec, material = scene.blade, scene.material
+    if spec is None or material is None or path is None:
         raise ValueError("the scene has no [blade]")
     try:
-        mesh = read_volume(path, given.scale, given.size)
+        mesh = read_volume(path, spec.scale, spec.size)
     except MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
-        raise BadInput(text, file=source.name, key="[blade] mesh", value=given.mesh) from error
+        raise BadInput(text, file=source.name, key="[blade] mesh", value=spec.mesh) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = turning(source, plain)
     stuff: fem.Material = Material(material.youngs_modulus, material.poissons_ratio, material.density)
     try:
-        if given.root is not None and given.root_radius is None:
-            root = named_root(mesh, given.root)
+        if spec.root is not None and spec.root_radius is None:
+            root = named_root(mesh, spec.root)
         else:
-            root = root_at(mesh, about.axis, about.origin, given.root_radius)
+            root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         return Blade(mesh, stuff, root, about.axis, about.origin)
     except MeshError as error:
-        raise BadInput(str(error), file=source.name, key="[blade] root", value=given.root) from error
+        raise BadInput(str(error), file=source.name, key="[blade] root", value=spec.root) from error
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:
@@ -201,9 +201,9 @@ def in_words(source: SceneFile, blade: Blade) -> str:
 
 
 def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:
-    given = source.scene.blade
-    if given is not None and given.size is not None:
-        return (f"{given.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * given.size:.6g} mm.",)
+    spec = source.scene.blade
+    if spec is not None and spec.size is not None:
+        return (f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm.",)
     if not mesh.first_order:
         return ()
     return (

@@ -38,10 +38,10 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
 
 def ball_mass(scene: Scene, m2: float) -> float:
     """Mass of all balls together [kg] at an effective mass M2."""
-    given = scene.damper
-    if given is None:
+    spec = scene.damper
+    if spec is None:
         return 0.0
-    return given.balls if given.balls is not None else (given.mass_ratio or 0.0) * m2
+    return spec.balls if spec.balls is not None else (spec.mass_ratio or 0.0) * m2
 
 
 def structure(
@@ -97,10 +97,10 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
 
 def leading(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
     """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
-    found = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
-    if found is None or abs(found.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
+    leader = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
+    if leader is None or abs(leader.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
         return None
-    return found
+    return leader
 
 
 _STILL = 1e-6
@@ -118,12 +118,12 @@ def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     modes = point.cavity_modes
     if point.reduced is None or not modes:
         return ()
-    leaders = {found.number for axis in range(2) if (found := leading(modes, axis)) is not None}
+    leaders = {leader.number for axis in range(2) if (leader := leading(modes, axis)) is not None}
     ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
     needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
-    kept = leaders | {m.number for m in needed[: MODES - len(leaders)]}
-    return tuple(_on_axis(m) for m in modes if m.number in kept)
+    numbers = leaders | {m.number for m in needed[: MODES - len(leaders)]}
+    return tuple(_on_axis(m) for m in modes if m.number in numbers)
 
 
 def _on_axis(mode: CavityMode) -> CavityMode:
@@ -142,11 +142,11 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     if damper.floor_radius is None or (damper.rotation == 0.0 and damper.centrifugal_acceleration == 0.0):
         return None
     sides = (math.sin(damper.stagger) ** 2, math.cos(damper.stagger) ** 2)
-    found = []
+    parts = []
     for radius, side in zip(damper.floor_radius, sides, strict=True):
         pull = damper.centrifugal_acceleration / (radius - damper.ball_radius) - damper.rotation**2 * side
-        found.append(math.sqrt(max(damper.inertia_ratio * pull, 0.0)) / (2 * math.pi))
-    x, y = found
+        parts.append(math.sqrt(max(damper.inertia_ratio * pull, 0.0)) / (2 * math.pi))
+    x, y = parts
     turns = omega / (2 * math.pi)
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
@@ -172,19 +172,19 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
     assert reduced is not None
     squares = _squares(scene, point)
     if release.displacement is not None:
-        found = release.displacement
+        start = release.displacement
     elif release.acceleration is not None:
-        found = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
+        start = release.acceleration[0] / squares[0], release.acceleration[1] / squares[1]
     elif release.ratio is not None:
-        found = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
+        start = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
         begin = system.amplitude_of(system.leaving_threshold)
         freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
-        found = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
-    if found[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
+        start = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
+    if start[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
-    return found
+    return start
 
 
 def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
@@ -195,15 +195,15 @@ def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> t
     if system.modes is None:
         return None
     first, across = (system.leading(axis) for axis in range(2))
-    found = [0.0] * len(system.modes)
+    values = [0.0] * len(system.modes)
     a, b = system.modes[first].shape, system.modes[across].shape
     determinant = a[0] * b[1] - a[1] * b[0]
     if first == across or determinant == 0.0:
-        found[first] = release[0] / a[0]
+        values[first] = release[0] / a[0]
     else:
-        found[first] = (release[0] * b[1] - release[1] * b[0]) / determinant
-        found[across] = (release[1] * a[0] - release[0] * a[1]) / determinant
-    return tuple(found)
+        values[first] = (release[0] * b[1] - release[1] * b[0]) / determinant
+        values[across] = (release[1] * a[0] - release[0] * a[1]) / determinant
+    return tuple(values)
 
 
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
@@ -224,8 +224,8 @@ def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
     damper = source.scene.damper
     assert damper is not None
     with _placed(source):
-        found = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
-    return list(map(reduced_of, found))
+        reduced = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
+    return list(map(reduced_of, reduced))
 
 
 def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell) -> fem.Reduction:
@@ -264,31 +264,31 @@ def cavity_modes(
     """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
     from fem import modes_at
 
-    balls = [0.0 if found is None else found.M1 - found.M2 for found in reduced]
+    balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
-    found = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
-    return [modes_of(found, n, pressed=found.pressed) for n in range(len(found.stiffness))]
+    reduction = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
+    return [modes_of(reduction, n, pressed=reduction.pressed) for n in range(len(reduction.stiffness))]
 
 
-def modes_of(found: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
+def modes_of(reduction: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
     """The modes that `fem` finds at a cavity, at its nth speed; `forces` on them by name, (speeds, modes)."""
     return tuple(
         CavityMode(
             number=k + 1,
-            stiffness=float(found.stiffness[n, k]),
-            shape=_both(found.shape[n, :, k]),
-            slope=_both(found.slope[n, :, k]),
-            drawn=_both(found.drawn[n, :, k]),
+            stiffness=float(reduction.stiffness[n, k]),
+            shape=_both(reduction.shape[n, :, k]),
+            slope=_both(reduction.slope[n, :, k]),
+            drawn=_both(reduction.drawn[n, :, k]),
             **{name: float(values[n, k]) for name, values in forces.items()},
         )
-        for k in range(found.stiffness.shape[1])
+        for k in range(reduction.stiffness.shape[1])
     )
 
 
-def reduced_of(found: Any) -> Reduced:
+def reduced_of(reduction: Any) -> Reduced:
     """The structure that `fem` finds at a damper's place."""
-    return taken_over(Reduced, found, floor_tilt=found.slope)
+    return taken_over(Reduced, reduction, floor_tilt=reduction.slope)
 
 
 def _both(pair: np.ndarray) -> tuple[float, float]:

@@ -65,12 +65,12 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
     count = max(2, math.ceil((end - begin) / period * _A_CYCLE) + 1)
     events: Floats = rows["time"][inside]
     times = np.union1d(np.linspace(begin, end, count), events)
-    found = sample(motion, times)
+    samples = sample(motion, times)
     return BallPath(
         t=times,
-        ball=found.relative_position,
-        structure=found.displacement,
-        regime=found.regime,
+        ball=samples.relative_position,
+        structure=samples.displacement,
+        regime=samples.regime,
         at=np.searchsorted(times, events),
         kind=tuple(KINDS[kind] for kind in rows["kind"][inside].tolist()),
         axis=rows["axis"][inside].astype(np.int64),
@@ -110,7 +110,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
     A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
     """
-    from damper.working import falling
+    from damper.curve_measurement import falling
 
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
@@ -139,15 +139,15 @@ def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """
     if system.modes is None:
         return system
-    kept = sorted({system.leading(axis) for axis in range(2)})
-    return replace(system, modes=tuple(system.modes[k] for k in kept))
+    modes = sorted({system.leading(axis) for axis in range(2)})
+    return replace(system, modes=tuple(system.modes[k] for k in modes))
 
 
-def figures(system: damper.ParticleDamper) -> damper.Working:
+def figures(system: damper.ParticleDamper) -> damper.DampingCurve:
     """The damper's own figures in the modes that yield most along either axis."""
-    from damper import working
+    from damper import damping_curve
 
-    return working(leading(system))
+    return damping_curve(leading(system))
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:
@@ -174,8 +174,8 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, fl
     if not begin < coupling.OUT_OF_REACH:
         return math.nan, math.nan
     motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
-    found, load = capacity(motion).cutoff, point.omega**2 * point.radius
-    return (math.nan, math.nan) if found is None else (found * point.load_g / load, found / load)
+    cutoff, load = capacity(motion).cutoff, point.omega**2 * point.radius
+    return (math.nan, math.nan) if cutoff is None else (cutoff * point.load_g / load, cutoff / load)
 
 
 def particle_damper(
@@ -190,19 +190,19 @@ def particle_damper(
     from damper import Formulation, ParticleDamper
     from damper.laws import EXACT, require
 
-    given, reduced = scene.damper, point.reduced
-    assert given is not None
+    spec, reduced = scene.damper, point.reduced
+    assert spec is not None
     assert reduced is not None
     try:
         system = taken_over(
             ParticleDamper,
-            given,
+            spec,
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
-            ball_radius=given.radius,
+            ball_radius=spec.radius,
             centrifugal_acceleration=point.omega**2 * point.radius,
-            formulation=Formulation(given.formulation),
-            **_terms(given, effects, point.omega) | _of_contact(scene, effects, point),
+            formulation=Formulation(spec.formulation),
+            **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
         tilts = scene.given is not None and str(error).startswith("floor_tilt")
@@ -213,10 +213,10 @@ def particle_damper(
     return system
 
 
-def _terms(given: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
+def _terms(spec: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
     """What effects on the ball have to say of a damper, at a speed in rad/s."""
-    said = (kind.arguments(given, omega, effects[name].on) for name, kind in EFFECTS.items())
-    return {argument: value for each in said for argument, value in each.items()}
+    arguments = (kind.arguments(spec, omega, effects[name].on) for name, kind in EFFECTS.items())
+    return {argument: value for each in arguments for argument, value in each.items()}
 
 
 def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
@@ -225,13 +225,13 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     Raises:
         BadInput: their materials are not known.
     """
-    found = limits.hits(scene, point)
+    hits = limits.hits(scene, point)
     if scene.damper is not None and scene.damper.rolling_friction == "auto":
         if limits.solids(scene) is None:
             problem = "takes the materials of ball and floor by name: expected ball_material and floor_material"
             raise BadInput(problem, key="[damper] rolling_friction", value="auto")
-        found["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
-    return found | ({"break_away": limits.rim_slope(scene, point)} if effects["indentation"].on else {})
+        hits["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
+    return hits | ({"break_away": limits.rim_slope(scene, point)} if effects["indentation"].on else {})
 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
@@ -239,12 +239,12 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
 
     release = coupling.released_at(scene, point, system)
     cycles = scene.release.cycles if scene.release is not None else "auto"
-    asked = None if isinstance(cycles, str) else cycles
+    stop_cycles = None if isinstance(cycles, str) else cycles
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
-    motion = ringdown(system, release, asked, **how, keep_events=keep, progress=_look_up)
-    found, gravity = capacity(motion), scene.rotor.gravity
-    best = int(np.nanargmax(found.sdc)) if np.isfinite(found.sdc).any() else None
-    cutoff = None if found.cutoff is None else found.cutoff / gravity
+    motion = ringdown(system, release, stop_cycles, **how, keep_events=keep, progress=_look_up)
+    energy, gravity = capacity(motion), scene.rotor.gravity
+    best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
+    cutoff = None if energy.cutoff is None else energy.cutoff / gravity
     return taken_over(
         Damping,
         motion,
@@ -252,14 +252,14 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         stopped=motion.last_motion if motion.rested else None,
         ball_mass=system.ball_mass,
         release=release,
-        intrinsic_sdc=found.intrinsic_sdc,
-        peak_sdc=None if best is None else float(found.sdc[best]),
-        peak_sdc_at_g=None if best is None else float(found.amplitude[best]) / gravity,
+        intrinsic_sdc=energy.intrinsic_sdc,
+        peak_sdc=None if best is None else float(energy.sdc[best]),
+        peak_sdc_at_g=None if best is None else float(energy.amplitude[best]) / gravity,
         cutoff_g=cutoff,
         cutoff_ratio=cutoff / point.load_g if cutoff is not None and point.load_g > 0 else None,
-        amplitude_g=found.amplitude / gravity,
-        sdc=found.sdc,
-        peak_velocity=found.peak_velocity,
+        amplitude_g=energy.amplitude / gravity,
+        sdc=energy.sdc,
+        peak_velocity=energy.peak_velocity,
         energy=taken_over(Energy, motion.energy),
         modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
@@ -281,8 +281,8 @@ def _history(motion: damper.RingDown) -> History:
     period = 2 * math.pi / motion.damper.stuck_frequency
     end = min(motion.duration, _SAMPLES_AT_MOST / _SAMPLES_PER_CYCLE * period)
     count = max(2, math.ceil(end / period * _SAMPLES_PER_CYCLE) + 1)
-    found = sample(motion, np.linspace(0.0, end, count))
-    return History(found.time, found.velocity)
+    samples = sample(motion, np.linspace(0.0, end, count))
+    return History(samples.time, samples.velocity)
 
 
 def _look_up(_: float) -> None:

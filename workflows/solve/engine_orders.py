@@ -58,8 +58,8 @@ ENGINE_ORDERS = (1, 2, 3, 4, 6, 8, 12, 16)
 
 def orders(scene: Scene) -> tuple[int, ...]:
     """Those, and the ones that the scene's [excitation] names."""
-    asked = () if scene.excitation is None else scene.excitation.orders
-    return tuple(sorted({*ENGINE_ORDERS, *asked}))
+    listed = () if scene.excitation is None else scene.excitation.orders
+    return tuple(sorted({*ENGINE_ORDERS, *listed}))
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def crossings(results: Results) -> list[Crossing]:
     return of_points(results.speeds, orders(results.scene)) if known else []
 
 
-def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossing]:
+def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Crossing]:
     """Crossings between the speeds of some points, ascending in order, mode and speed.
 
     Between two speeds f² goes with Ω² along a straight line, as it does for a mode that keeps its shape (Southwell);
@@ -108,7 +108,7 @@ def of_points(points: Sequence[SpeedPoint], asked: Iterable[int]) -> list[Crossi
     tracks = {branch: _track(by_speed, branch) for branch in sorted(names)}
     return [
         met
-        for order in sorted(asked)
+        for order in sorted(orders)
         for branch, track in tracks.items()
         for low, high in pairwise(track)
         if (met := _between(order, names[branch], low, high)) is not None

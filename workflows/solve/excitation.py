@@ -190,13 +190,13 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     Raises:
         BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
-    asked, given = state.source.scene.excitation, state.source.scene.damper
-    if asked is None or given is None or state.solver is None or given.formulation == "printed":
+    excitation, spec = state.source.scene.excitation, state.source.scene.damper
+    if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
         return ()
-    met = engine_orders.of_points(state.points, asked.orders)
+    met = engine_orders.of_points(state.points, excitation.orders)
     solver, results = state.solver.meeting(with_forced_effects(state.source)), state.results(stages=stages)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed if met else {}
-    return tuple(estimate(solver, results, at[crossing.omega], crossing, asked) for crossing in met)
+    return tuple(estimate(solver, results, at[crossing.omega], crossing, excitation) for crossing in met)
 
 
 def estimate(
@@ -245,8 +245,8 @@ HELD, HELD_IN_A_BOWL = 0.3, 1.0
 def held_well(system: damper.ParticleDamper) -> bool:
     """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
     gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
-    held = system.leaving_threshold / system.stuck_frequency**2
-    return gap > 0 and held >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
+    threshold = system.leaving_threshold / system.stuck_frequency**2
+    return gap > 0 and threshold >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
 
 
 @lru_cache(maxsize=16)
@@ -314,7 +314,7 @@ _BELOW, _ABOVE = 0.1, 30.0
 """Amplitudes looked through: from a part of where the ball begins to move, to a multiple of the last known."""
 
 
-def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tuple[dict[str, Any], float]:
+def _over_levels(balance: _Balance, limit: float, requested: Sequence[float]) -> tuple[dict[str, Any], float]:
     """Look through all levels up to what the structure endures, and at those asked for.
 
     Returns:
@@ -322,7 +322,7 @@ def _over_levels(balance: _Balance, limit: float, asked: Sequence[float]) -> tup
     """
     moving = [branch for branch in balance.free.branches if branch.damping_ratio.max() > 0]
     rests = next((branch.range[1] for branch in balance.free.branches if branch not in moving), 0.0)
-    by_level = zip(asked, balance.amplitude(np.array(asked)).tolist(), strict=True)
+    by_level = zip(requested, balance.amplitude(np.array(requested)).tolist(), strict=True)
     levels = tuple(ForceLevel(level, each / balance.bare / level, each, each <= limit) for level, each in by_level)
     low = min([limit, *(_BELOW * max(rests, float(branch.amplitude[0])) for branch in moving)])
     high = min(limit, max((_ABOVE * float(branch.amplitude[-1]) for branch in moving), default=math.inf))

@@ -136,7 +136,7 @@ class SpaceStructure:
             return point
         try:
             floor = self.floor(modes)
-            found, every = reduced_modes(
+            reduced, every = reduced_modes(
                 modes,
                 floor,
                 self.seat.pull,
@@ -152,7 +152,7 @@ class SpaceStructure:
             point,
             radius=floor.radius,
             load_g=omega**2 * floor.radius / scene.rotor.gravity,
-            reduced=reduced_of(found),
+            reduced=reduced_of(reduced),
             cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
@@ -208,9 +208,9 @@ class SpaceStructure:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         from fem.modal_model import edges, faces, held
 
-        kept = shown_of(len(speeds))
+        shown = shown_of(len(speeds))
         points, triangles = self.model.points, faces(self.model)
-        shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in kept])
+        shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
         if used.size:
             points, shapes, triangles = points[used], shapes[:, :, used], np.searchsorted(used, triangles)
@@ -223,7 +223,7 @@ class SpaceStructure:
         still = held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
-        return Surface(points, ("triangle", triangles), outline, root, shapes, kept, frame=self._drawing(), mark=mark)
+        return Surface(points, ("triangle", triangles), outline, root, shapes, shown, frame=self._drawing(), mark=mark)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -292,10 +292,10 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
     force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
     seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds), force)
-    found = _built(Asked(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    structure = _built(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
-        found.modes(omega)
-    return replace(found, remarks=(*found.remarks, *_interpolation_remarks(source, found)))
+        structure.modes(omega)
+    return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
 
 
 _SPEEDS = 64
@@ -311,7 +311,7 @@ def _seen(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floa
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """A scene, the same as another where what its structure depends on is."""
 
     key: str
@@ -319,11 +319,11 @@ class Asked:
 
 
 @lru_cache(maxsize=8)
-def _built(asked: Asked) -> SpaceStructure:
+def _built(request: Request) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
     from fem.modal_model import chosen, densities
 
-    source = asked.source
+    source = request.source
     known = source.scene.known
     assert known is not None
     model, remarks, sha256 = _model(source, known)
@@ -382,22 +382,24 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
 
 def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
     """What files by speed say that does not go with these speeds, or with each other."""
-    found, names = list[str](), list(known.files.values())
+    problems, names = list[str](), list(known.files.values())
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            found.append(
+            problems.append(
                 f"{name} stands for {names.count(name)} speeds: its modes are taken not to change between them."
             )
     for (omega, name), model in zip(known.files.items(), models, strict=True):
         static = model.speeds[0].static
         if omega == 0.0 and static is not None and static.any():
-            found.append(
+            problems.append(
                 f"{name} stands for 0 rpm, and its modes follow a static displacement: is it of another speed?"
             )
     counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
     if min(counts) < max(counts):
-        found.append(f"Of the files' {min(counts)} to {max(counts)} modes the {min(counts)} that all have are taken.")
-    return found
+        problems.append(
+            f"Of the files' {min(counts)} to {max(counts)} modes the {min(counts)} that all have are taken."
+        )
+    return problems
 
 
 def _set(source: SceneFile) -> set[str]:
@@ -422,8 +424,8 @@ def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
     path = source.folder / name
     if problem := file_problem(path, "file of modes"):
         raise source.wrong(problem, "[structure] modes", name)
-    found = path.stat()
-    return found.st_mtime_ns, found.st_size
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
 
 
 def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
@@ -474,10 +476,10 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     from fem.modal_model import BadCells, densities
 
     for key in ("unit", "mass_unit"):
-        own, given = getattr(raw, key), getattr(known, key)
-        if own is not None and given is not None and own != given:
+        own, unit_given = getattr(raw, key), getattr(known, key)
+        if own is not None and unit_given is not None and own != unit_given:
             problem = f"{name} says '{own}': leave this out, or mend the file"
-            raise source.wrong(problem, f"[structure] {key}", given)
+            raise source.wrong(problem, f"[structure] {key}", unit_given)
     try:
         model = in_si(raw, *known.scale(raw.unit, raw.mass_unit))
     except ValueError as error:
@@ -491,13 +493,13 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
             "[structure] modes",
         )
     try:
-        found = [densities(model, modes) for modes in model.speeds]
+        fits = [densities(model, modes) for modes in model.speeds]
     except BadCells as error:
         raise source.wrong(f"{name}: {error}", "[structure] modes") from error
-    if any(each is None for each in found):
+    if any(each is None for each in fits):
         _without_density(source, known, name, raw, model)
         return model
-    every = np.concatenate([each for each in found if each is not None])
+    every = np.concatenate([each for each in fits if each is not None])
     if every.max() > _UNLIKE * every.min():
         raise source.wrong(
             f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
@@ -563,12 +565,12 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     """What mass the shapes say that the structure has, where it is not that of one density."""
     from fem.modal_model import densities
 
-    found = densities(model, model.speeds[0])
-    if found is None or found.max() <= _UNEVEN * found.min():
+    fits = densities(model, model.speeds[0])
+    if fits is None or fits.max() <= _UNEVEN * fits.min():
         return None
     return (
-        f"By its shapes {name} has densities from {significant(float(found.min()))} to"
-        f" {significant(float(found.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
+        f"By its shapes {name} has densities from {significant(float(fits.min()))} to"
+        f" {significant(float(fits.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
         " normalised to mass."
     )
 
@@ -581,16 +583,16 @@ def turning(source: SceneFile, model: ModalModel, *, turns: bool = False) -> Mod
     from fem import Rotor
     from fem.modal_model import drawn_by
 
-    rotor, given = source.scene.rotor, _set(source)
+    rotor, axis_given = source.scene.rotor, _set(source)
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
     if rotor.axis is not None:
         axis = np.array(rotor.axis) / np.linalg.norm(rotor.axis)
-    elif given & {"stagger", "precone"} or (given & {"origin", "hub_radius"} and not turns):
+    elif axis_given & {"stagger", "precone"} or (axis_given & {"origin", "hub_radius"} and not turns):
         axis = own.axis
     if rotor.origin is not None:
         origin = np.array(rotor.origin)
-    elif "hub_radius" in given or (given & {"axis", "stagger", "precone"} and not turns):
+    elif "hub_radius" in axis_given or (axis_given & {"axis", "stagger", "precone"} and not turns):
         origin = np.array([model.points[:, 0].min(), 0.0, 0.0]) - rotor.hub_radius * own.outwards
     speeds = tuple(
         modes if modes.drawn is not None else replace(modes, drawn=drawn_by(model, modes)) for modes in model.speeds
@@ -634,9 +636,9 @@ def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list
     between = [omega for omega in source.scene.rotor.speeds if np.abs(known - omega).min() > 1e-9 * known.max()]
     if not between:
         return []
-    said = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
+    remark = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
     if known.size < 3:
-        return [f"{said}: with two speeds alone, how good that is is not known."]
+        return [f"{remark}: with two speeds alone, how good that is is not known."]
     count = source.scene.rotor.modes
     changes, masses = [], []
     for omega in between:
@@ -645,10 +647,10 @@ def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list
         if seat is not None:
             one, other = (np.linalg.norm(seat.place.displacement(each.shapes[:1])) for each in (modes, rough))
             masses.append(float(abs((one / other) ** 2 - 1.0)))
-    said += f": leaving out the nearest one changes frequencies by up to {percent(max(changes))} %"
+    remark += f": leaving out the nearest one changes frequencies by up to {percent(max(changes))} %"
     if masses:
-        said += f" and the effective mass at the damper in the first mode by up to {percent(max(masses))} %"
-    return [f"{said}."]
+        remark += f" and the effective mass at the damper in the first mode by up to {percent(max(masses))} %"
+    return [f"{remark}."]
 
 
 def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[Seat, tuple[str, ...]]:
@@ -667,8 +669,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     at = _place(source, model, damper.at, "[damper] at")
     value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
     try:
-        given = damper.direction
-        direction = bending_direction(model, at, modes) if given is None else np.array(given, dtype=np.float64)
+        wanted = damper.direction
+        direction = bending_direction(model, at, modes) if wanted is None else np.array(wanted, dtype=np.float64)
         seen = floor(model, at, modes, direction)
     except NoMotion as error:
         key, odd = ("at", value) if damper.direction is None else ("direction", list(damper.direction))
@@ -757,8 +759,8 @@ def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
             raise source.wrong(problem, key, at)
         return np.asarray(model.points[model.sets[at]].mean(axis=0))
     labels = np.arange(1, len(model.points) + 1) if model.labels is None else model.labels
-    found = np.flatnonzero(labels == at)
-    if not found.size:
+    rows = np.flatnonzero(labels == at)
+    if not rows.size:
         problem = f"no such node: expected a number from {labels.min()} to {labels.max()}"
         raise source.wrong(problem, key, at)
-    return np.asarray(model.points[int(found[0])])
+    return np.asarray(model.points[int(rows[0])])

@@ -94,8 +94,8 @@ def with_verdicts(results: Results) -> Results:
 
 def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
     """A speed with what its load does to ball and floor, where both have a material."""
-    found = contact(scene, point)
-    return point if found is None else replace(point, contact=taken_over(ContactFigures, found))
+    pressed = contact(scene, point)
+    return point if pressed is None else replace(point, contact=taken_over(ContactFigures, pressed))
 
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:
@@ -107,12 +107,12 @@ def solids(scene: Scene) -> tuple[Solid, Solid] | None:
         return None
     names = damper.ball_material, damper.floor_material or (None if plate is None else plate.name)
     known = [KNOWN[name] for name in names if name is not None]
-    found = [
+    materials = [
         Solid(each.youngs_modulus, each.poissons_ratio, each.yield_strength or math.nan, each.hardness or math.nan)
         for each in known
         if each.youngs_modulus is not None and each.poissons_ratio is not None
     ]
-    return (found[0], found[1]) if len(found) == 2 else None
+    return (materials[0], materials[1]) if len(materials) == 2 else None
 
 
 def lever(scene: Scene, point: SpeedPoint) -> float:
@@ -120,9 +120,9 @@ def lever(scene: Scene, point: SpeedPoint) -> float:
     from damper.contact import rolling_lever
 
     damper, pressed = scene.damper, contact(scene, point)
-    given = 0.0 if damper is None else damper.rolling_friction
-    if isinstance(given, float):
-        return given
+    rolling_friction = 0.0 if damper is None else damper.rolling_friction
+    if isinstance(rolling_friction, float):
+        return rolling_friction
     return 0.0 if pressed is None else rolling_lever(pressed)
 
 
@@ -401,13 +401,13 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     )
 
 
-def friction_that_moves(results: Results, found: VibrationReduction) -> float:
+def friction_that_moves(results: Results, reduction: VibrationReduction) -> float:
     """Rolling friction up to which the ball moves at a crossing, at the greatest level that the plate endures [m].
 
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
-    near = min(results.speeds, key=lambda point: abs(point.rpm - found.rpm))
-    return _eased(results, near, found.endured_level / found.moves_from)
+    near = min(results.speeds, key=lambda point: abs(point.rpm - reduction.rpm))
+    return _eased(results, near, reduction.endured_level / reduction.moves_from)
 
 
 def _dent(results: Results, point: SpeedPoint) -> float:
@@ -479,8 +479,8 @@ def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float
         slope = (drive(point) - drive(other)) / (square - other.omega**2)
     elif results.scene.given is None:
         return math.nan
-    found = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
-    return math.sqrt(found) if 0 < found < square else math.nan
+    largest = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
+    return math.sqrt(largest) if 0 < largest < square else math.nan
 
 
 def deflection_governs(results: Results) -> bool:

@@ -105,13 +105,13 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
-    given = scene.plate
-    if given is None:
+    spec = scene.plate
+    if spec is None:
         return None
-    if form is None and given.mesh is not None:
+    if form is None and spec.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    if given.theory != "auto":
-        return Theory(given.theory, "asked for by the scene")
+    if spec.theory != "auto":
+        return Theory(spec.theory, "asked for by the scene")
     from fem import Effects
     from fem.accuracy.theory_selection import choose_theory
 
@@ -163,14 +163,14 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), translated_errors(source):
-        found = selection.resolve(scene, source.name, form)
-        theory = chosen_theory(scene, form, found["large_deflection"].on)
-    return ModelChoice(form, found, theory, sha256)
+        effects = selection.resolve(scene, source.name, form)
+        theory = chosen_theory(scene, form, effects["large_deflection"].on)
+    return ModelChoice(form, effects, theory, sha256)
 
 
-def model(source: SceneFile, decided: ModelChoice) -> str:
+def model(source: SceneFile, choice: ModelChoice) -> str:
     """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    return with_layers(source, *decided.plate)[0]
+    return with_layers(source, *choice.plate)[0]
 
 
 def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:

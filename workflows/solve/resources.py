@@ -91,24 +91,24 @@ def parts(source: SceneFile) -> list[Part]:
 
     scene = source.scene
     speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
-    found = []
+    listed = []
     if scene.plate is not None:
         unknowns, points = _least_size(source)
         cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
         if source.mesh is not None:
             cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
-        found.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), *cause))
+        listed.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), *cause))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
-        found.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
-        found.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
+        listed.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
+        listed.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
     if scene.release is not None:
-        asked = scene.release.cycles
-        cycles = speeds * float(_AUTO_CYCLES if isinstance(asked, str) else asked)
+        stop_cycles = scene.release.cycles
+        cycles = speeds * float(_AUTO_CYCLES if isinstance(stop_cycles, str) else stop_cycles)
         many = speeds > 1 and cycles / speeds < speeds
-        key, value = ("[rotor] speeds", f"{speeds} speeds") if many else ("[release] cycles", asked)
+        key, value = ("[rotor] speeds", f"{speeds} speeds") if many else ("[release] cycles", stop_cycles)
         advice = f"ask for fewer {'speeds' if many else 'cycles'}"
-        found.append(Part(cycles * CYCLE, key, value, advice))
-    return sorted(found, key=lambda part: -part.memory)
+        listed.append(Part(cycles * CYCLE, key, value, advice))
+    return sorted(listed, key=lambda part: -part.memory)
 
 
 def memory(source: SceneFile) -> float:
@@ -143,8 +143,8 @@ def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], 
         needed = max(needed, BASE + _beside_the_plate(source) + of_a_plate(model, first, modes, large))
     release = scene.release
     rings = 0 if scene.damper is None or release is None else speeds
-    asked = None if release is None or isinstance(release.cycles, str) else float(release.cycles)
-    return Sizes(speeds, modes, first, rings, None if asked is None else rings * asked, needed)
+    stop_cycles = None if release is None or isinstance(release.cycles, str) else float(release.cycles)
+    return Sizes(speeds, modes, first, rings, None if stop_cycles is None else rings * stop_cycles, needed)
 
 
 def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflection: bool) -> int:
@@ -160,10 +160,10 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
     needed = BASE + others + of_a_plate(model, first, modes, large_deflection)
     there += _held()
     if needed > there:
-        given = source.scene.plate.mesh if source.scene.plate is not None else None
-        if given is not None:
+        mesh = source.scene.plate.mesh if source.scene.plate is not None else None
+        if mesh is not None:
             problem = _too_much(needed, there, "coarsen the mesh")
-            raise source.wrong(problem, "[plate] mesh", given)
+            raise source.wrong(problem, "[plate] mesh", mesh)
         problem = _too_much(needed, there, "ask for fewer modes")
         raise source.wrong(problem, "[rotor] modes", modes)
     return most
@@ -263,18 +263,18 @@ def available() -> float:
     """Bytes of memory that a program can still get here; infinite where the system does not say."""
     import psutil
 
-    found = [float("inf")]
+    free = [float("inf")]
     with suppress(OSError, psutil.Error):
-        found.append(float(psutil.virtual_memory().available))
+        free.append(float(psutil.virtual_memory().available))
     with suppress(OSError, ValueError):  # of a container
-        found.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
+        free.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
     with suppress(ImportError, OSError, ValueError):
         from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
 
         limit = getrlimit(RLIMIT_AS)[0]
         if limit != RLIM_INFINITY:
-            found.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
-    return min(found)
+            free.append(max(limit - psutil.Process().memory_info().vms, 0.0) / _ADDRESSES)
+    return min(free)
 
 
 def _held() -> float:

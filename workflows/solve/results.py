@@ -70,14 +70,14 @@ COLUMN = Field(exclude=True, json_schema_extra={"column": True})
 """An array that is published as a column of a list of rows, which is a property of the record."""
 
 
-def taken_over(record: type[T], found: object, **more: object) -> T:
+def taken_over(record: type[T], source: object, **more: object) -> T:
     """A record whose fields are those of the same names of another object, and more."""
-    given: Mapping[str, Any] = {
-        f.name: getattr(found, f.name)
+    fields_of: Mapping[str, Any] = {
+        f.name: getattr(source, f.name)
         for f in fields(record)  # type: ignore[arg-type]
-        if f.name not in more and hasattr(found, f.name)
+        if f.name not in more and hasattr(source, f.name)
     }
-    return record(**given, **more)
+    return record(**fields_of, **more)
 
 
 class _Array:
@@ -294,7 +294,7 @@ class OwnFigures(Figures):
 
     @classmethod
     def of(
-        cls, measured: damper.Working, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
+        cls, measured: damper.DampingCurve, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor."""
         more |= {way: taken_over(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
@@ -894,7 +894,7 @@ def points(
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
-    left_out = {name: found.at(omega, count) for name, found in discrete.left_out.items()}
+    left_out = {name: effect.at(omega, count) for name, effect in discrete.left_out.items()}
     if discrete.cavity is not None:
         left_out["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
     effects = [left_out.get(name, np.full(bounds.shape, np.nan)) for name in _EFFECTS]
@@ -940,32 +940,32 @@ def points(
 
 def _known(values: Floats) -> list[list[Any]]:
     """Numbers (k, count) as lists, None where they are not known."""
-    found = values.astype(object)
-    found[~np.isfinite(values)] = None
-    return list(found.tolist())
+    objects = values.astype(object)
+    objects[~np.isfinite(values)] = None
+    return list(objects.tolist())
 
 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    kept = shown_of(len(numbers))
-    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in kept])
+    shown = shown_of(len(numbers))
+    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in shown])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
-    found = _shaped(operators, operators.plate.mesh, shapes, kept)
-    return replace(found, finer=_finer(operators, unknowns, kept))
+    coarse = _shaped(operators, operators.plate.mesh, shapes, shown)
+    return replace(coarse, finer=_finer(operators, unknowns, shown))
 
 
-def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, kept: tuple[int, ...]) -> Surface:
+def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, ...]) -> Surface:
     """A mesh with displacements (shapes, n, 3), as many at each of the speeds kept."""
-    by_speed = shapes.reshape(len(kept), -1, *shapes.shape[1:])
+    by_speed = shapes.reshape(len(shown), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
     thickness = _thickness(operators.plate, mesh)
-    return replace(bare(mesh), shapes=by_speed.real, at=kept, thickness=thickness, behind=behind)
+    return replace(bare(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
 
 
-def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) -> Surface | None:
+def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -> Surface | None:
     """The surface with each side of a cell in as many parts as `SMOOTH` points allow; None where that is one.
 
     For pictures: no more digits than these show.
@@ -977,12 +977,12 @@ def _finer(operators: fem.Operators, unknowns: Floats, kept: tuple[int, ...]) ->
     parts = min(int(np.sqrt(SMOOTH / points)), _PARTS)
     if parts < 2:
         return None
-    found = between(operators, unknowns, parts)
-    largest = np.abs(found.displacement).max(axis=(1, 2), keepdims=True)
+    refined = between(operators, unknowns, parts)
+    largest = np.abs(refined.displacement).max(axis=(1, 2), keepdims=True)
     step = np.ldexp(1.0, np.frexp(largest)[1] - _BITS)
-    shapes = np.round(found.displacement / step) * step + 0.0  # which has no -0
+    shapes = np.round(refined.displacement / step) * step + 0.0  # which has no -0
     small = shapes.astype(np.complex64 if np.iscomplexobj(shapes) else np.float32)
-    return replace(_shaped(operators, found.mesh, small, kept), lines=found.lines)
+    return replace(_shaped(operators, refined.mesh, small, shown), lines=refined.lines)
 
 
 def bare(mesh: Any) -> Surface:
@@ -991,7 +991,7 @@ def bare(mesh: Any) -> Surface:
 
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
-    outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
+    outline, root = (np.asarray(mesh.facets[:, facets].T) for facets in (mesh.boundary_facets(), root_facets(mesh)))
     return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
@@ -999,19 +999,19 @@ def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
     """The thickness [m] at a mesh's points, (n,), where it varies."""
     if isinstance(plate.thickness, float | int):
         return None
-    found = np.zeros(mesh.p.shape[1])
-    found[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
-    return found
+    thickness = np.zeros(mesh.p.shape[1])
+    thickness[mesh.t.T] = plate.thickness.at(mesh.p[:, mesh.t.T])
+    return thickness
 
 
-def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, asked: tuple[float, ...]) -> Diagram:
+def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
     from fem import critical_speed
     from fem.meshes.planform import clamped_length
 
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
-    lost = tuple(sorted(rounded_rpm(omega) for omega in asked if omega not in known))
+    lost = tuple(sorted(rounded_rpm(omega) for omega in requested if omega not in known))
     linear = not operators.effects.large_deflection
     veerings = []
     for veering in diagram.veerings:

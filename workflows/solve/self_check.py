@@ -73,17 +73,17 @@ ALL_PASSED = "all checks passed"
 def _kernels(family: str) -> Iterator[tuple[str, bool]]:
     """The lines of a family of kernels, and whether each is right."""
     from damper import forced, ringdown, self_check
-    from damper.working import falling, samples_of
+    from damper.curve_measurement import falling, samples_of
 
     motions: dict[str, Callable[..., Any]] = {"sweeps": samples_of, "curves": falling, "forced": forced}
     for line in self_check.lines(family, motions.get(family.split()[-1], ringdown)):
-        said = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
-        yield f"{said}, error {line.error:.1e}", line.error <= self_check.EXACT
+        line_text = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"
+        yield f"{line_text}, error {line.error:.1e}", line.error <= self_check.EXACT
 
 
 def _plates() -> Iterator[tuple[str, bool]]:
     from fem.reduction import reference
 
     for line in reference.lines():
-        said = f"{line.name}: {line.value:.8g}, reference {line.reference:.8g}, error {line.error:.1e}"
-        yield said, line.error <= line.allowed
+        line_text = f"{line.name}: {line.value:.8g}, reference {line.reference:.8g}, error {line.error:.1e}"
+        yield line_text, line.error <= line.allowed

@@ -196,8 +196,8 @@ class StructureSolver:
     def meeting(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
         other = copy(self)
-        given = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
-        on = {name: replace(self.choice.effects[name], on=True) for name, value in given.items() if value is True}
+        switches = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
+        on = {name: replace(self.choice.effects[name], on=True) for name, value in switches.items() if value is True}
         other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
         return other
 
@@ -284,7 +284,7 @@ class StructureSolver:
 
 def discretise(
     source: SceneFile,
-    decided: ModelChoice,
+    model_choice: ModelChoice,
     stages: Stages,
     size: int | None = None,
 ) -> Discrete:
@@ -294,8 +294,8 @@ def discretise(
     """
     from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
 
-    scene, effects = source.scene, decided.effects
-    form, theory = decided.plate
+    scene, effects = source.scene, model_choice.effects
+    form, theory = model_choice.plate
     plain = Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
     rotor = plate_mesh.rotor(scene)
     model, layers = with_layers(source, form, theory)
@@ -314,7 +314,7 @@ def discretise(
         choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
     try:
-        left_out = sum(found.largest for found in _left_out(effects).values())
+        left_out = sum(effect.largest for effect in _left_out(effects).values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
         choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)

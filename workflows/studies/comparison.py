@@ -87,10 +87,10 @@ def _name(run: SceneLike | Results, results: Results) -> str:
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Keys of nested tables by their dotted names."""
-    found = []
+    entries = []
     for key, value in table.items():
-        found += _flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
-    return found
+        entries += _flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(prefix + key, value)]
+    return entries
 
 
 _QUANTITIES = {
@@ -117,12 +117,12 @@ def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | No
     }
 
 
-def rows(found: Comparison) -> list[dict[str, Any]]:
+def rows(comparison: Comparison) -> list[dict[str, Any]]:
     """A row for each speed and run, in the order of the speeds."""
     return [
         {"rpm": rpm, "run": name} | _figures(results, point)
-        for rpm, points in found.points
-        for name, results, point in zip(found.names, found.results, points, strict=True)
+        for rpm, points in comparison.points
+        for name, results, point in zip(comparison.names, comparison.results, points, strict=True)
     ]
 
 
@@ -131,15 +131,15 @@ def headline(results: Results) -> str:
     return f"{verdict.answer(results).verdict}."
 
 
-def text(found: Comparison) -> str:
+def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
     lines = []
-    for name, results in zip(found.names, found.results, strict=True):
+    for name, results in zip(comparison.names, comparison.results, strict=True):
         lines += [f"{name}: {headline(results)}", ""]
-    differences = [(key, *(_value(value) for value in values)) for key, values in found.differences.items()]
-    lines += aligned([("scene", *found.names), *differences]) if differences else ["The scenes are the same."]
+    differences = [(key, *(_value(value) for value in values)) for key, values in comparison.differences.items()]
+    lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
     heads = ("rpm", "run", *_QUANTITIES.values())
-    return "\n".join([*lines, "", *aligned([heads, *map(_cells, rows(found))])])
+    return "\n".join([*lines, "", *aligned([heads, *map(_cells, rows(comparison))])])
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -162,29 +162,29 @@ def _value(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def document(found: Comparison) -> dict[str, Any]:
+def document(comparison: Comparison) -> dict[str, Any]:
     """The machine-readable result."""
     return {
         "schema_version": 1,
         "runs": [
             {"name": name, "title": results.scene.title, "headline": headline(results)}
-            for name, results in zip(found.names, found.results, strict=True)
+            for name, results in zip(comparison.names, comparison.results, strict=True)
         ],
-        "differences": {key: list(values) for key, values in found.differences.items()},
-        "rows": rows(found),
+        "differences": {key: list(values) for key, values in comparison.differences.items()},
+        "rows": rows(comparison),
     }
 
 
-def dumps(found: Comparison) -> str:
+def dumps(comparison: Comparison) -> str:
     """The machine-readable result."""
-    return as_json(document(found))
+    return as_json(document(comparison))
 
 
 @plots.style()
-def draw(found: Comparison) -> str:
+def draw(comparison: Comparison) -> str:
     """First frequencies and damping ratios over speed, a colour for each run."""
     figure, (left, right) = plots.canvas(3.0, 2)
-    for number, (name, results) in enumerate(zip(found.names, found.results, strict=True)):
+    for number, (name, results) in enumerate(zip(comparison.names, comparison.results, strict=True)):
         colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
         for track in campbell(results):
             left.plot(track.x, track.y, color=colour, lw=0.9)
@@ -199,31 +199,31 @@ def draw(found: Comparison) -> str:
     return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
 
 
-def write(found: Comparison, out: Path) -> None:
+def write(comparison: Comparison, out: Path) -> None:
     """Write `compare.json`, `compare.csv`, `compare.svg` and `report.html` into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    figure = draw(found)
+    figure = draw(comparison)
     runs = [
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
-        for name, results in zip(found.names, found.results, strict=True)
+        for name, results in zip(comparison.names, comparison.results, strict=True)
     ]
-    differences = [(key, [_value(value) for value in values]) for key, values in found.differences.items()]
+    differences = [(key, [_value(value) for value in values]) for key, values in comparison.differences.items()]
     page = from_template(
         "compare.html.j2",
-        found=found,
+        result=comparison,
         runs=runs,
         differences=differences,
         heads=("rpm", "run", *_QUANTITIES.values()),
-        rows=[_cells(row) for row in rows(found)],
+        rows=[_cells(row) for row in rows(comparison)],
         figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )
     contents = {
-        "compare.json": dumps(found) + "\n",
-        "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(found)),
+        "compare.json": dumps(comparison) + "\n",
+        "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(comparison)),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }

@@ -619,8 +619,8 @@ class Reproduction:
     @property
     def count(self) -> dict[Verdict, int]:
         """How many claims got which verdict."""
-        found = Counter(claim.verdict for claim in self.claims)
-        return {verdict: found[verdict] for verdict in Verdict}
+        counts = Counter(claim.verdict for claim in self.claims)
+        return {verdict: counts[verdict] for verdict in Verdict}
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""

@@ -35,9 +35,9 @@ class Figure:
 
 
 @plots.style()
-def draw(found: Reproduction) -> list[Figure]:
+def draw(reproduction: Reproduction) -> list[Figure]:
     """All six."""
-    families = found.sweeps
+    families = reproduction.sweeps
     capacity = {
         3: ("Seven centrifugal loads; the grey band is what the paper reports.", families.load),
         4: ("Mass ratios at 21932 g.", families.mass),
@@ -45,16 +45,16 @@ def draw(found: Reproduction) -> list[Figure]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(found))
+    velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(reproduction))
     return [velocity] + [
         Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
     ]
 
 
-def _velocity(found: Reproduction) -> str:
+def _velocity(reproduction: Reproduction) -> str:
     figure, panels = plots.canvas(2.3, 2)
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        damping = found.study.points[formulation][SHOWN].damper
+        damping = reproduction.study.points[formulation][SHOWN].damper
         if damping is None or damping.history is None:
             continue
         for axis, name in enumerate("xy"):
@@ -95,44 +95,44 @@ def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
         axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
 
 
-def write(found: Reproduction, out: Path) -> None:
+def write(reproduction: Reproduction, out: Path) -> None:
     """Write `reproduce.json`, `reproduce.csv`, `closure.csv` and `report.html` into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    document = found.document()
+    document = reproduction.document()
     claims = document["claims"]
     lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
     contents = {
-        "reproduce.json": dumps(found) + "\n",
+        "reproduce.json": dumps(reproduction) + "\n",
         "reproduce.csv": as_table(claims[0], claims),
         "closure.csv": as_table(lines[0], lines),
-        "report.html": render(found),
+        "report.html": render(reproduction),
     }
     write_study(out, contents)
 
 
-def text(found: Reproduction) -> str:
+def text(reproduction: Reproduction) -> str:
     """The verdicts, a line each, and how many there are of which."""
-    lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in found.claims]
-    return "\n".join([*lines, "", ", ".join(f"{count} {verdict}" for verdict, count in found.count.items())])
+    lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in reproduction.claims]
+    return "\n".join([*lines, "", ", ".join(f"{count} {verdict}" for verdict, count in reproduction.count.items())])
 
 
-def dumps(found: Reproduction) -> str:
+def dumps(reproduction: Reproduction) -> str:
     """The machine-readable result."""
-    return as_json(found.document())
+    return as_json(reproduction.document())
 
 
-def render(found: Reproduction) -> str:
+def render(reproduction: Reproduction) -> str:
     """The page."""
     return from_template(
         "reproduce.html.j2",
         plots.shades_css(7),
         value=value,
-        found=found,
-        figures=draw(found),
-        closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in found.closure],
+        result=reproduction,
+        figures=draw(reproduction),
+        closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in reproduction.closure],
         assumptions=TEXTS["assumptions"],
         low=14.0,
     )

@@ -44,7 +44,7 @@ class Through:
     states: damper.Forced
     short: Floats
     least_force: float
-    figures: damper.Working
+    figures: damper.DampingCurve
 
     def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Values of the points as (s, f) or (s, f, starts)."""
@@ -68,9 +68,9 @@ class Response:
     asked: tuple[float, ...]
 
 
-def peak(found: Through, force: int) -> tuple[int, int]:
+def peak(through: Through, force: int) -> tuple[int, int]:
     """Speed and start at which the mean amplitude under a force is largest, whatever the start."""
-    means = np.nan_to_num(found.shaped(found.states.mean)[:, force])  # nan where a ball has no end of hits
+    means = np.nan_to_num(through.shaped(through.states.mean)[:, force])  # nan where a ball has no end of hits
     speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
     return int(speed), int(start)
 
@@ -117,13 +117,13 @@ class Row:
         return None if self.short is None else self.short / self.mean - 1
 
 
-def rows(found: Response, only: Through | None = None) -> list[Row]:
+def rows(result: Response, only: Through | None = None) -> list[Row]:
     """All crossings under all forces, or one of them."""
-    passed = found.passed if only is None else (only,)
-    return [_row(found, through, k) for through in passed for k in range(len(through.forces))]
+    passed = result.passed if only is None else (only,)
+    return [_row(result, through, k) for through in passed for k in range(len(through.forces))]
 
 
-def _row(found: Response, through: Through, force: int) -> Row:
+def _row(result: Response, through: Through, force: int) -> Row:
     speed, start = peak(through, force)
     states = through.states
 
@@ -132,7 +132,7 @@ def _row(found: Response, through: Through, force: int) -> Row:
 
     without = float(np.abs(through.shaped(states.without))[:, force].max())
     short = float(through.short[speed, force, start])
-    stress = excitation.root_stress(found.results, through.crossing)
+    stress = excitation.root_stress(result.results, through.crossing)
     return Row(
         through=through,
         force=through.forces[force],
@@ -151,10 +151,10 @@ def _row(found: Response, through: Through, force: int) -> Row:
     )
 
 
-def is_beyond(found: Response, row: Row) -> bool:
+def is_beyond(result: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
-    limit = excitation.endured(found.results, row.through.crossing)
-    torn = (limits.root_stress(found.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
+    limit = excitation.endured(result.results, row.through.crossing)
+    torn = (limits.root_stress(result.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
     return torn or (limit is not None and row.greatest > limit)
 
 
@@ -207,33 +207,33 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
-    asked = excitation.checked(source)
+    forcing = excitation.checked(source)
     resources.check(source)
     stages = stages or Stages()
     source = excitation.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.across(solver).results(stages=stages)
-    met = engine_orders.of_points(results.speeds, asked.orders)
+    met = engine_orders.of_points(results.speeds, forcing.orders)
     if not met:
-        raise engine_orders.unmet(results.speeds, asked.orders, source.name)
+        raise engine_orders.unmet(results.speeds, forcing.orders, source.name)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
     reductions = []
     for crossing in met:
         with during(_where(crossing)):
-            reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, asked))
-    followed = with_best_levels(asked, reductions)
+            reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, forcing))
+    followed = with_best_levels(forcing, reductions)
     passed, idle = [], []
     for crossing in met:
         with during(_where(crossing)):
-            found = _through(solver, at[crossing.omega], crossing, followed)
-        if isinstance(found, str):
-            idle.append((crossing, found))
+            passage = _through(solver, at[crossing.omega], crossing, followed)
+        if isinstance(passage, str):
+            idle.append((crossing, passage))
         else:
-            passed.append(found)
+            passed.append(passage)
     if not passed:
-        raise engine_orders.unmet(results.speeds, asked.orders, source.name, driven=False)
+        raise engine_orders.unmet(results.speeds, forcing.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
-    return Response(results, followed, tuple(passed), tuple(idle), asked.levels)
+    return Response(results, followed, tuple(passed), tuple(idle), forcing.levels)
 
 
 def _where(crossing: Crossing) -> str:
@@ -244,35 +244,35 @@ _NEAR_BEST = 0.9
 """Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
 
 
-def with_best_levels(asked: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
+def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
     """The excitation with the levels at which the ball does most, where those asked for show much less."""
     best = set()
     for each in reductions:
         shown = max((1 - level.ratio for level in each.levels if level.endured), default=0.0)
         if math.isfinite(each.range[0]) and shown < _NEAR_BEST * (1 - each.ratio):
             best.add(float(f"{each.level:.2g}"))
-    return asked.model_copy(update={asked.kind: tuple(sorted({*asked.levels, *best}))})
+    return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
 
 
-def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked: Excitation) -> Through | str:
+def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation) -> Through | str:
     """The steady states through a crossing, or why there is nothing to follow."""
-    system = excitation.damper_at(solver, at, crossing, asked)
+    system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
     _, axis, leads = excitation.crossed(at, crossing)
     omega = _speeds(solver, crossing, at)
-    dampers, harmonics = _driven(solver, crossing, asked, omega)
+    dampers, harmonics = _driven(solver, crossing, forcing, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
-    levels = np.tile(asked.levels, len(omega))
+    levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
         short = _short(system, dampers, harmonics, states, speaks=leads)
         return Through(
             crossing=crossing,
             axis=axis,
             omega=omega,
-            forces=asked.levels,
+            forces=forcing.levels,
             states=states,
-            short=short.reshape(len(omega), len(asked.levels), -1),
+            short=short.reshape(len(omega), len(forcing.levels), -1),
             least_force=float((levels * states.moves_from).min()),
             figures=damper_stage.figures(system),
         )
@@ -280,15 +280,15 @@ def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, asked:
 
 def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
-    reduced, given, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
+    reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
-    zeta = 0.0 if given is None else given.damping_ratio
+    zeta = 0.0 if spec is None else spec.damping_ratio
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
     return gathered(crossing.omega, *ends, FEW_SPEEDS if solver.solves_each_speed else SPEEDS)
 
 
 def _driven(
-    solver: StructureSolver, crossing: Crossing, asked: Excitation, omega: Floats
+    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
     dampers, harmonics, points = [], [], solver.at(omega).points
@@ -298,8 +298,8 @@ def _driven(
         only = None if own is None else excitation.kept(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
-        dampers += [system] * len(asked.levels)
-        harmonics += [excitation.harmonic_of(system, crossing, point, asked, level) for level in asked.levels]
+        dampers += [system] * len(forcing.levels)
+        harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
     return dampers, harmonics
 
 
@@ -342,11 +342,11 @@ def _short(
     short = np.full(states.mean.shape, np.nan)
     if not speaks:
         return short
-    found = excitation.free_vibration(middle)
+    vibration = excitation.free_vibration(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
         force = excitation.at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
-        amplitudes = np.array([amplitude for amplitude, _ in found.answers(force, nu)])
+        amplitudes = np.array([amplitude for amplitude, _ in vibration.answers(force, nu)])
         if amplitudes.size:
             off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
             short[n] = amplitudes[np.argmin(off, axis=0)]

@@ -52,28 +52,31 @@ def tag(through: Through) -> str:
     return f"order_{c.order}_mode_{c.branch + 1}_{c.rpm:.0f}rpm"
 
 
-def dataset(found: Response) -> xr.Dataset:
+def dataset(result: Response) -> xr.Dataset:
     """All steady states: dimensions crossing, speed, force and start; units in the attributes."""
     import xarray as xr
 
     dims = ("crossing", "speed", "force", "start")
-    passed, data = found.passed, xr.Dataset(attrs=files.about(found.results))
-    heights = {"units": found.excitation.unit.replace("²", "2"), "long_name": f"height of the {found.excitation.kind}"}
+    passed, data = result.passed, xr.Dataset(attrs=files.about(result.results))
+    heights = {
+        "units": result.excitation.unit.replace("²", "2"),
+        "long_name": f"height of the {result.excitation.kind}",
+    }
     data = data.assign_coords(
         order=("crossing", [through.crossing.order for through in passed]),
         mode=("crossing", [through.crossing.branch + 1 for through in passed]),
-        force=("force", list(found.excitation.levels), heights),
+        force=("force", list(result.excitation.levels), heights),
         start=("start", [str(start) for start in passed[0].states.starts]),
         rpm=(dims[:2], in_rpm(np.array([t.omega for t in passed])), {"units": "rpm"}),
     )
-    for name, (unit, said) in _OF_STATES.items():
+    for name, (unit, description) in _OF_STATES.items():
         values = np.array([through.shaped(getattr(through.states, name)) for through in passed], dtype=float)
-        data[name] = (dims, values, {"units": unit, "long_name": said})
+        data[name] = (dims, values, {"units": unit, "long_name": description})
     regimes = np.array([[str(r) for r in t.states.regime.ravel()] for t in passed], dtype=object)
     data["regime"] = (dims, regimes.reshape(data["mean"].shape), {"long_name": "what the steady state is"})
-    for name, said in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
+    for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
         values = np.abs([through.shaped(getattr(through.states, name)) for through in passed])
-        data[name] = (dims[:3], values, {"units": "m", "long_name": said})
+        data[name] = (dims[:3], values, {"units": "m", "long_name": description})
     short = np.array([through.short for through in passed])
     data["shortcut"] = (dims, short, {"units": "m", "long_name": "amplitude by the short way"})
     return data
@@ -84,26 +87,26 @@ _MARKS = {"locked": "s", "periodic": "o", "modulated": "^", "chaotic": "D", "not
 
 
 @plots.style()
-def campbell_plot(found: Response) -> str:
+def campbell_plot(result: Response) -> str:
     """The run's diagram with what happens where orders cross modes; empty where the structure is given."""
-    figure = figures.campbell(found.results)
+    figure = figures.campbell(result.results)
     if figure is None:
         return ""
     (axes,), named = figure.axes, set[str]()
-    for through in found.passed:
-        for kind in dict.fromkeys(row.regime for row in rows(found, through)):
+    for through in result.passed:
+        for kind in dict.fromkeys(row.regime for row in rows(result, through)):
             look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ls": "", "zorder": 4}
             label, size = None if kind in named else kind, 5 + 2 * list(_MARKS).index(kind)
             axes.plot(through.crossing.rpm, through.crossing.frequency_hz, _MARKS[kind], ms=size, label=label, **look)
             named.add(kind)
-    for crossing, _ in found.idle:
+    for crossing, _ in result.idle:
         axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
     plots.legend(figure, axes)
     return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
 @plots.style()
-def response(found: Response, through: Through, name: str, shades: Sequence[str]) -> str:
+def response(result: Response, through: Through, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
     figure, (axes,) = plots.canvas(3.3)
     rpm = in_rpm(through.omega)
@@ -115,17 +118,17 @@ def response(found: Response, through: Through, name: str, shades: Sequence[str]
         low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
         axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
         for start in range(mean.shape[2]):
-            label = f"{significant(force)} {found.excitation.unit}" if start == 0 else None
+            label = f"{significant(force)} {result.excitation.unit}" if start == 0 else None
             axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
     axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
-    plots.legend(figure, axes, title=found.excitation.kind)
+    plots.legend(figure, axes, title=result.excitation.kind)
     return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
 
 @plots.style()
-def damping(found: Response) -> str:
+def damping(result: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
-    shown = [through for through in found.passed if through.figures.amplitude.size]
+    shown = [through for through in result.passed if through.figures.amplitude.size]
     if not shown:
         return ""
     figure, (axes,) = plots.canvas(3.0)
@@ -146,27 +149,27 @@ def damping(found: Response) -> str:
     return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 
 
-def sentences(found: Response) -> list[str]:
+def sentences(result: Response) -> list[str]:
     """What the ball does at each order asked for, in plain sentences, where it does most first."""
-    if (dense := remarks.too_dense(found.results)) is not None:
+    if (dense := remarks.too_dense(result.results)) is not None:
         return [f"No verdict: {dense[0]}.", dense[1]]
-    reductions = [*(confirmed(found, through) for through in found.passed), *_idle(found)]
-    said = verdict.of_orders(replace(found.results, reductions=tuple(reductions)))
-    unit = found.excitation.unit
-    added = [level for level in found.excitation.levels if level not in found.asked]
+    reductions = [*(confirmed(result, through) for through in result.passed), *_idle(result)]
+    answer = verdict.of_orders(replace(result.results, reductions=tuple(reductions)))
+    unit = result.excitation.unit
+    added = [level for level in result.excitation.levels if level not in result.asked]
     if added:
         levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
-        said.append(f"{levels} added to the levels asked for, near the maximum of the estimate.")
-    ends = [through for through in found.passed if _at_the_end(through)]
+        answer.append(f"{levels} added to the levels asked for, near the maximum of the estimate.")
+    ends = [through for through in result.passed if _at_the_end(through)]
     for through in ends:
-        said.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
-    return said
+        answer.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
+    return answer
 
 
-def _idle(found: Response) -> list[VibrationReduction]:
+def _idle(result: Response) -> list[VibrationReduction]:
     """What is known of the crossings that were not followed."""
-    passed = [through.crossing for through in found.passed]
-    return [each for each in found.results.reductions if not any(_is_of(each, crossing) for crossing in passed)]
+    passed = [through.crossing for through in result.passed]
+    return [each for each in result.results.reductions if not any(_is_of(each, crossing) for crossing in passed)]
 
 
 def _is_of(reduction: VibrationReduction, crossing: Crossing) -> bool:
@@ -177,13 +180,13 @@ _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
 """Why free vibration does not tell what the motion does."""
 
 
-def confirmed(found: Response, through: Through) -> VibrationReduction:
+def confirmed(result: Response, through: Through) -> VibrationReduction:
     """What the ball does at a crossing by the motion followed, between levels by free vibration."""
-    short = next(each for each in found.results.reductions if _is_of(each, through.crossing))
-    mine = rows(found, through)
+    short = next(each for each in result.results.reductions if _is_of(each, through.crossing))
+    mine = rows(result, through)
     if short.reason and short.reason not in _OF_MOTION:
         return short
-    levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(found, row)) for row in mine]
+    levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
@@ -194,9 +197,9 @@ def confirmed(found: Response, through: Through) -> VibrationReduction:
         level=best.level,
         range=_range(short, levels, useful, best.level),
         moves_from=through.least_force,
-        levels=tuple(each for each in levels if each.level in found.asked),
+        levels=tuple(each for each in levels if each.level in result.asked),
         reason=Reason.NONE,
-        detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {found.excitation.unit}",
+        detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {result.excitation.unit}",
     )
 
 
@@ -232,16 +235,16 @@ def place(c: Crossing) -> str:
     return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
-def text(found: Response) -> str:
+def text(result: Response) -> str:
     """What a person reads on the terminal."""
-    lines = [found.results.scene.title, *sentences(found), ""]
-    force = f"{found.excitation.kind}, {found.excitation.unit}"
+    lines = [result.results.scene.title, *sentences(result), ""]
+    force = f"{result.excitation.kind}, {result.excitation.unit}"
     heads = ("order", "mode", "largest at, rpm", force, "without, mm", "with, mm", "ratio", "regime", "hits")
-    lines += aligned([(*heads, "short way off"), *(_cells(found, row) for row in rows(found))])
-    if any(is_beyond(found, row) for row in rows(found)):
+    lines += aligned([(*heads, "short way off"), *(_cells(result, row) for row in rows(result))])
+    if any(is_beyond(result, row) for row in rows(result)):
         lines.append(f"{remarks.BEYOND_MEANS}.")
     low, high = (significant(100 * ratio, 2) for ratio in AIR)
-    for through in found.passed:
+    for through in result.passed:
         figures, c = through.figures, through.crossing
         if figures.peak > 0:
             ends = " to ".join(significant(1e3 * end) for end in figures.range)
@@ -253,7 +256,7 @@ def text(found: Response) -> str:
     return "\n".join(lines)
 
 
-def _cells(found: Response, row: Row) -> tuple[str, ...]:
+def _cells(result: Response, row: Row) -> tuple[str, ...]:
     c = row.through.crossing
     off = "–" if row.difference is None else f"{significant(100 * row.difference, 2)} %"
     return (
@@ -262,7 +265,7 @@ def _cells(found: Response, row: Row) -> tuple[str, ...]:
         whole(row.rpm),
         significant(row.force),
         significant(1e3 * row.without, 4),
-        f"{significant(1e3 * row.mean, 4)}{remarks.BEYOND if is_beyond(found, row) else ''}",
+        f"{significant(1e3 * row.mean, 4)}{remarks.BEYOND if is_beyond(result, row) else ''}",
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
@@ -270,9 +273,9 @@ def _cells(found: Response, row: Row) -> tuple[str, ...]:
     )
 
 
-def document(found: Response) -> dict[str, Any]:
+def document(result: Response) -> dict[str, Any]:
     """The machine-readable result: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
-    results = found.results
+    results = result.results
     return {
         "schema_version": 1,
         "title": results.scene.title,
@@ -281,18 +284,18 @@ def document(found: Response) -> dict[str, Any]:
         "versions": versions(),
         "timings": results.timings,
         "notes": list(results.notes),
-        "headline": sentences(found),
-        "excitation": {"kind": found.excitation.kind, "unit": found.excitation.unit},
+        "headline": sentences(result),
+        "excitation": {"kind": result.excitation.kind, "unit": result.excitation.unit},
         "aerodynamic_damping_ratio": list(AIR),
-        "crossings": entries(found),
-        "dampers": [_damper(found, through) for through in found.passed],
-        "not_followed": [_crossing(c) | {"why": why} for c, why in found.idle],
+        "crossings": entries(result),
+        "dampers": [_damper(result, through) for through in result.passed],
+        "not_followed": [_crossing(c) | {"why": why} for c, why in result.idle],
     }
 
 
-def entries(found: Response) -> list[dict[str, Any]]:
+def entries(result: Response) -> list[dict[str, Any]]:
     """The crossings, each under every force."""
-    return [_entry(found, row) for row in rows(found)]
+    return [_entry(result, row) for row in rows(result)]
 
 
 def _crossing(c: Crossing) -> dict[str, Any]:
@@ -300,12 +303,12 @@ def _crossing(c: Crossing) -> dict[str, Any]:
     return mode | {"rpm": c.rpm, "frequency_hz": c.frequency_hz}
 
 
-def _entry(found: Response, row: Row) -> dict[str, Any]:
+def _entry(result: Response, row: Row) -> dict[str, Any]:
     c = row.through.crossing
-    asked = found.results.scene.accuracy.damping
+    target = result.results.scene.accuracy.damping
     short = None
     if row.short is not None and row.difference is not None:
-        short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= asked}
+        short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= target}
     return _crossing(c) | {
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
@@ -327,77 +330,77 @@ def _entry(found: Response, row: Row) -> dict[str, Any]:
     }
 
 
-def _damper(found: Response, through: Through) -> dict[str, Any]:
+def _damper(result: Response, through: Through) -> dict[str, Any]:
     """The damper's own figures at a crossing, and the force from which it moves."""
     c, figures = through.crossing, through.figures
     return {
         "order": c.order,
         "mode": c.branch + 1,
         "least_force": finite(through.least_force),
-        "structure_damping_ratio": found.results.scene.damper.damping_ratio if found.results.scene.damper else None,
+        "structure_damping_ratio": result.results.scene.damper.damping_ratio if result.results.scene.damper else None,
         "damping_ratio_peak": figures.peak,
         "at_amplitude": finite(figures.peak_amplitude),
         "range": [finite(end) for end in figures.range],
         "cutoff": finite(figures.cutoff),
-        "endured_amplitude": endured(found.results, through.crossing),
+        "endured_amplitude": endured(result.results, through.crossing),
         "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
     }
 
 
-def dumps(found: Response) -> str:
+def dumps(result: Response) -> str:
     """The machine-readable result."""
-    return as_json(document(found))
+    return as_json(document(result))
 
 
-def write(found: Response, out: str | os.PathLike[str]) -> Path:
+def write(result: Response, out: str | os.PathLike[str]) -> Path:
     """Write `response.json`, `response.nc`, pictures and `report.html` into `out`, or nothing; returns `out`.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    shades = plots.shades(len(found.excitation.levels))
+    shades = plots.shades(len(result.excitation.levels))
     contents: dict[str, str | bytes] = {
-        "response.json": dumps(found) + "\n",
-        "response.nc": bytes(dataset(found).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
-        "report.html": render(found),
+        "response.json": dumps(result) + "\n",
+        "response.nc": bytes(dataset(result).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
+        "report.html": render(result),
     }
-    if drawn := campbell_plot(found):
+    if drawn := campbell_plot(result):
         contents["campbell.svg"] = plots.standalone(drawn)
-    for number, through in enumerate(found.passed):
-        drawn = response(found, through, str(number), shades)
+    for number, through in enumerate(result.passed):
+        drawn = response(result, through, str(number), shades)
         contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
     write_study(Path(out), contents)
     return Path(out)
 
 
-def render(found: Response) -> str:
+def render(result: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    shades = plots.shades(len(found.excitation.levels))
-    sections = [_section(found, number, through, shades) for number, through in enumerate(found.passed)]
+    shades = plots.shades(len(result.excitation.levels))
+    sections = [_section(result, number, through, shades) for number, through in enumerate(result.passed)]
     return from_template(
         "response.html.j2",
-        plots.shades_css(max(len(found.excitation.levels), len(found.passed), 1)),
-        found=found,
-        unit=found.excitation.unit,
-        sentences=sentences(found),
+        plots.shades_css(max(len(result.excitation.levels), len(result.passed), 1)),
+        result=result,
+        unit=result.excitation.unit,
+        sentences=sentences(result),
         sections=sections,
-        campbell=campbell_plot(found),
-        damping=damping(found),
+        campbell=campbell_plot(result),
+        damping=damping(result),
         air=AIR,
-        is_beyond=partial(is_beyond, found),
+        is_beyond=partial(is_beyond, result),
         mark=remarks.BEYOND,
         marked=remarks.BEYOND_MEANS,
     )
 
 
-def _section(found: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
+def _section(result: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
     """What the page has of a crossing."""
-    mine = rows(found, through)
+    mine = rows(result, through)
     return {
         "through": through,
         "crossing": through.crossing,
         "rows": mine,
-        "response": response(found, through, str(number), shades),
-        "endured": endured(found.results, through.crossing),
-        "beyond": any(is_beyond(found, row) for row in mine),
+        "response": response(result, through, str(number), shades),
+        "endured": endured(result.results, through.crossing),
+        "beyond": any(is_beyond(result, row) for row in mine),
     }

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import Backbone, Forced, Harmonic, Mode, ParticleDamper, Start, Working, forced, work_bound
+from damper import Backbone, DampingCurve, Forced, Harmonic, Mode, ParticleDamper, Start, forced, work_bound
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
@@ -47,10 +47,10 @@ class LeastDamping:
     speeds: tuple[float, ...]
     said: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
 
-    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at every speed."""
         low, high = self.low, self.high
-        dampers = [(each, each.judged) for each in placed]
+        dampers = [(each, each.judged) for each in cases]
         cutoff, worst = max((cutoff_of(damper), each.point.omega) for each, damper in dampers)
         bound = min(bound_of(damper, high) for _, damper in dampers)
         if cutoff >= low:
@@ -66,7 +66,7 @@ class LeastDamping:
         return Scored(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
 
 
-def least(figures: Working, low: float, high: float) -> tuple[float, float]:
+def least(figures: DampingCurve, low: float, high: float) -> tuple[float, float]:
     """The least damping ratio between two amplitudes, and where.
 
     Beyond the curve's upper end it goes on as of a ball that loses the same energy in each cycle, which is less than
@@ -76,12 +76,12 @@ def least(figures: Working, low: float, high: float) -> tuple[float, float]:
     if not figures.amplitude.size:
         return 0.0, low
     at, ratio = np.log(figures.amplitude), figures.damping_ratio
-    found = np.interp(np.log(grid), at, ratio)
+    ratios = np.interp(np.log(grid), at, ratio)
     beyond = grid > figures.amplitude[-1]
-    found[beyond] = ratio[-1] * (figures.amplitude[-1] / grid[beyond]) ** 2
-    found[grid <= figures.cutoff] = 0.0
-    k = int(np.argmin(found))
-    return max(float(found[k]), 0.0), float(grid[k])
+    ratios[beyond] = ratio[-1] * (figures.amplitude[-1] / grid[beyond]) ** 2
+    ratios[grid <= figures.cutoff] = 0.0
+    k = int(np.argmin(ratios))
+    return max(float(ratios[k]), 0.0), float(grid[k])
 
 
 def cutoff_of(damper: ParticleDamper) -> float:
@@ -227,13 +227,13 @@ def crossing_objective(
 
     None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
     """
-    asked = scene.excitation
+    forcing = scene.excitation
     modes, axis, leads = excitation.crossed(point, crossing)
-    if asked is None or (modes is not None and excitation.idle_structure(modes, asked)):
+    if forcing is None or (modes is not None and excitation.idle_structure(modes, forcing)):
         return None
-    kept = None if modes is None else excitation.kept(point, modes)
-    system = particle_damper(scene, effects, point, kept)
-    harmonic = excitation.harmonic_of(system, crossing, point, asked, max(asked.levels))
+    followed = None if modes is None else excitation.kept(point, modes)
+    system = particle_damper(scene, effects, point, followed)
+    harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
 
 
@@ -262,14 +262,14 @@ def linear(crossed: Crossed) -> Linear:
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
     _, _, alone, most = _largest(crossed, crossed.own, "without")
-    omega, harmonics, found, k = _largest(crossed, crossed.stuck, "linear")
-    resting, nu, axis = float(np.abs(found.linear[k])), harmonics[k].frequency, crossed.axis
+    omega, harmonics, answers, k = _largest(crossed, crossed.stuck, "linear")
+    resting, nu, axis = float(np.abs(answers.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
     receptance = float(np.abs(_answers(crossed, omega, [unit]).linear[0]))
     system = crossed.system
-    held = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
+    threshold = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
     without = float(np.abs(alone.without[most]))
-    return Linear(without, resting, float(found.moves_from[k]), max(resting - receptance * held, 0.0))
+    return Linear(without, resting, float(answers.moves_from[k]), max(resting - receptance * threshold, 0.0))
 
 
 def _largest(crossed: Crossed, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
@@ -280,12 +280,12 @@ def _largest(crossed: Crossed, resonance: float, answer: str) -> tuple[float, li
     """
     for _ in range(_TRIES):
         omega, harmonics = _about(crossed, resonance)
-        found = _answers(crossed, omega, harmonics)
-        k = int(np.argmax(np.abs(getattr(found, answer))))
+        answers = _answers(crossed, omega, harmonics)
+        k = int(np.argmax(np.abs(getattr(answers, answer))))
         if len(harmonics) == 1 or 0 < k < len(harmonics) - 1:
             break
         resonance = harmonics[k].frequency
-    return omega, harmonics, found, k
+    return omega, harmonics, answers, k
 
 
 def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
@@ -319,7 +319,7 @@ def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
     return max(hitting(figures.descending, own, resting), rolling(here.system, own, resting))
 
 
-def hitting(figures: Working, own: float, resting: float) -> float:
+def hitting(figures: DampingCurve, own: float, resting: float) -> float:
     """The greatest amplitude with a ball that hits the walls [m]; `own`: damping ratio with the ball at rest."""
     if not figures.amplitude.size or resting <= figures.cutoff:
         return resting
@@ -343,8 +343,8 @@ def rolling(system: ParticleDamper, own: float, resting: float) -> float:
     scan = np.geomspace(resistance / drive, resting, _SCAN)
     reach = scan * drive / omega**2 * reaches(resistance / (drive * scan))
     lost = 4 * reach * system.ball_mass * system.rolling_threshold
-    found = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
-    return found if np.interp(found, scan, reach) <= system.half_gap[0] else 0.0
+    amplitude = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
+    return amplitude if np.interp(amplitude, scan, reach) <= system.half_gap[0] else 0.0
 
 
 def reaches(friction: Floats) -> Floats:
@@ -406,9 +406,9 @@ class LeastAmplitude:
         """Of the crossings [rad/s], each once."""
         return tuple(sorted({crossing.omega for crossing in self.met}))
 
-    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at every crossing."""
-        every = [(here, linear(here)) for each in placed for here in self._at(each)]
+        every = [(here, linear(here)) for each in cases for here in self._at(each)]
         if not every:
             return Scored(0.0, -_NEVER, why=Obstacle("undriven"))
         value, (at, lines) = 0.0, every[0]
@@ -419,11 +419,11 @@ class LeastAmplitude:
             if reached > value:
                 value, at, lines = reached, one, its
         without = max(its.without for _, its in every)
-        held = min(math.log(max(lines.grows, 1.0)), _NEVER)
+        growth = min(math.log(max(lines.grows, 1.0)), _NEVER)
         obstacle = Obstacle("held" if lines.grows >= 1 else "useless")
         return Scored(
             value,
-            math.log(self.reference / value) - held,
+            math.log(self.reference / value) - growth,
             bound=max(its.least for _, its in every),
             speed=at.crossing.omega,
             amplitude=value,
@@ -434,12 +434,12 @@ class LeastAmplitude:
             grows=lines.grows,
         )
 
-    def _at(self, placed: DamperCase) -> list[Crossed]:
+    def _at(self, case: DamperCase) -> list[Crossed]:
         """A damper at the crossings at its speed."""
-        scene, effects, point = placed.scene, placed.state.effects, placed.point
+        scene, effects, point = case.scene, case.state.effects, case.point
         here = [crossing for crossing in self.met if crossing.omega == point.omega]
-        found = [crossing_objective(scene, effects, point, crossing, *self.ends) for crossing in here]
-        return [each for each in found if each is not None]
+        crossed = [crossing_objective(scene, effects, point, crossing, *self.ends) for crossing in here]
+        return [each for each in crossed if each is not None]
 
 
 def _balanced(here: Crossed) -> bool:
@@ -483,12 +483,12 @@ def _speeds(here: Crossed, *, quick: bool) -> list[float]:
     hollow = here.system.floor_radius is not None
     if here.leads and not (quick and hollow):
         middles += [here.speed_of(turns) for _, turns in here.backbone.answers(here.force)]
-    found = {here.speed_of(here.stuck), here.speed_of(here.own)}
-    found |= {middle * (1 + zeta * part) for middle in middles for part in aside}
+    speeds = {here.speed_of(here.stuck), here.speed_of(here.own)}
+    speeds |= {middle * (1 + zeta * part) for middle in middles for part in aside}
     if hollow:
-        found |= set(np.linspace(*here.speeds, _ACROSS // 2 if quick else _ACROSS).tolist())
+        speeds |= set(np.linspace(*here.speeds, _ACROSS // 2 if quick else _ACROSS).tolist())
     low, high = here.speeds
-    return sorted({min(max(omega, low), high) for omega in found})
+    return sorted({min(max(omega, low), high) for omega in speeds})
 
 
 def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
@@ -497,10 +497,10 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     Raises:
         BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
     """
-    shaken, given = source.scene.excitation, source.scene.damper
+    shaken, spec = source.scene.excitation, source.scene.damper
     assert shaken is not None
-    assert given is not None
-    if given.damping_ratio == 0:
+    assert spec is not None
+    if spec.damping_ratio == 0:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
         raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
@@ -546,12 +546,12 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
         raise source.wrong(problem, "[damper] formulation", scene.damper.formulation)
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
-    found = []
+    dimensions = []
     for name, table_name in NAMES.items():
-        given = getattr(design, table_name)
-        if given is not None:
-            found.append(_axis(name, given))
-    axes = tuple(found)
+        table = getattr(design, table_name)
+        if table is not None:
+            dimensions.append(_axis(name, table))
+    axes = tuple(dimensions)
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
     excitation.checked(source)
@@ -559,10 +559,10 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
 
 
-def _axis(name: str, given: tuple[Any, ...]) -> Axis:
+def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
     """A pair is a range, any other list a choice; a ball is drawn by its radius."""
     key = find(name, "[design]")
-    values = [math.inf if value == FLAT else value for value in given]
+    values = [math.inf if value == FLAT else value for value in limits]
     if name == "damper.radius":
         values = [value / 2 for value in values]
     numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in values)
@@ -577,26 +577,26 @@ def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> 
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
     rows, reasons = evaluate.empty(size(plan)), list[str]()
-    placed: list[list[DamperCase]] = [[] for _ in shares]
+    cases: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
-        placed[each.number // speeds].append(each)
-    found = []
-    for number, mine in enumerate(placed):
+        cases[each.number // speeds].append(each)
+    scores = []
+    for number, mine in enumerate(cases):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
-            found.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
+            scores.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
         else:
-            found.append(_one(space, mine, quick=quick))
-    return found
+            scores.append(_one(space, mine, quick=quick))
+    return scores
 
 
-def _one(space: Space, placed: list[DamperCase], *, quick: bool) -> Scored:
+def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Scored:
     """A design on its structure at every speed."""
-    scene = placed[0].scene
-    mass = max(each.damper.ball_mass for each in placed)
-    if (why := _no_verdict(space, placed)) is not None:
+    scene = cases[0].scene
+    mass = max(each.damper.ball_mass for each in cases)
+    if (why := _no_verdict(space, cases)) is not None:
         return Scored(0.0, -NONE, mass=mass, why=why)
-    fastest = max(placed, key=lambda each: each.point.omega)
+    fastest = max(cases, key=lambda each: each.point.omega)
     shares = spaces.used(space.design, scene, mass, fastest.point)
     used, over = tuple(shares.items()), spaces.misfit(shares)
     if over is not None:
@@ -604,12 +604,12 @@ def _one(space: Space, placed: list[DamperCase], *, quick: bool) -> Scored:
         return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
-    return replace(space.goal.worth(placed, quick=quick), mass=mass, used=used, endured=endured)
+    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
 
 
-def _no_verdict(space: Space, placed: list[DamperCase]) -> Obstacle | None:
+def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
     """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
-    slowest, fastest = (end(placed, key=lambda each: each.point.omega) for end in (min, max))
+    slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
     if limits.weight_governs(slowest.point):
         return Obstacle("weight", slowest.point.rpm)
     if limits.is_torn(fastest.results, fastest.point):

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from damper import ParticleDamper, Working
+from damper import DampingCurve, ParticleDamper
 from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.formatting import significant, whole
@@ -25,7 +25,7 @@ from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import LeastAmplitude, LeastDamping
-from workflows.studies.design.space import NAMES, Found, Scored, Space
+from workflows.studies.design.space import NAMES, Optimum, Scored, Space
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
@@ -40,16 +40,16 @@ class Curve:
 
     rpm: float
     damper: ParticleDamper
-    working: Working
+    working: DampingCurve
 
 
-def of(space: Space, found: Found, goal: LeastDamping) -> list[Curve]:
+def of(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
-    plan = space.plan(np.asarray(found.shares)[None])
+    plan = space.plan(np.asarray(optimum.shares)[None])
     size = plans.size(plan)
-    placed = evaluate.all_placed(space.source, plan, 0, PlateCache(), evaluate.empty(size), [])
+    cases = evaluate.all_placed(space.source, plan, 0, PlateCache(), evaluate.empty(size), [])
     curves = []
-    for each in placed:
+    for each in cases:
         damper = each.judged
         figures = measured(damper, {}, reach=goal.high)
         if figures.amplitude.size:
@@ -83,54 +83,54 @@ class Holds:
     gain: float | None = None
 
 
-def holds(space: Space, found: Found, score: Score) -> tuple[Holds, ...]:
+def holds(space: Space, optimum: Optimum, score: Score) -> tuple[Holds, ...]:
     """The ends of ranges, and the limits, at which the best design lies."""
-    held = [
+    constraints = [
         Holds(name, f"{100 * share:.0f} % of the {name} allowed is used")
-        for name, share in found.scored.used
+        for name, share in optimum.scored.used
         if share > 1 - _HELD
     ]
-    values = space.values(found.shares)
+    values = space.values(optimum.shares)
     for k in space.continuous:
-        share, axis = found.shares[k], space.axes[k]
+        share, axis = optimum.shares[k], space.axes[k]
         if _HELD < share < 1 - _HELD or axis.spread is None:
             continue
         end = "least" if share < 0.5 else "greatest"
-        said = f"{spaces.in_words(axis.name, values[axis.name])} is the {end} allowed"
-        held.append(Holds(spaces.NAMES[axis.name], said, _gain(space, found, score, k, upwards=share > 0.5)))
-    return tuple(held)
+        at_end = f"{spaces.in_words(axis.name, values[axis.name])} is the {end} allowed"
+        constraints.append(Holds(spaces.NAMES[axis.name], at_end, _gain(space, optimum, score, k, upwards=share > 0.5)))
+    return tuple(constraints)
 
 
-def _gain(space: Space, found: Found, score: Score, k: int, *, upwards: bool) -> float | None:
+def _gain(space: Space, optimum: Optimum, score: Score, k: int, *, upwards: bool) -> float | None:
     """What the best design would gain by going on beyond the end of a range."""
     spread = space.axes[k].spread
-    if spread is None or not found.scored.works:
+    if spread is None or not optimum.scored.works:
         return None
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if upwards else (spread.low / (1 + _FURTHER), spread.high)
     wider = replace(space.axes[k], spread=Spread(low, high, spread.law))
     axes = (*space.axes[:k], wider, *space.axes[k + 1 :])
-    shares = found.shares.copy()
+    shares = optimum.shares.copy()
     shares[k] = 1.0 if upwards else 0.0
     (further,) = score(replace(space, axes=axes), shares[None], False)
-    return further.value / found.scored.value - 1 if further.works else None
+    return further.value / optimum.scored.value - 1 if further.works else None
 
 
 @plots.style()
-def draw(found: Designed) -> list[Picture]:
+def draw(designed: Designed) -> list[Picture]:
     """All pictures there are."""
-    pictures, goal = [], found.space.goal
+    pictures, goal = [], designed.space.goal
     if isinstance(goal, LeastDamping):
-        curves = of(found.space, found.found, goal)
+        curves = of(designed.space, designed.optimum, goal)
         if curves:
             pictures.append(Picture(_curves(goal, curves), _OF_CURVES))
-    if found.response is not None:
-        for number, through in enumerate(found.response.passed):
+    if designed.response is not None:
+        for number, through in enumerate(designed.response.passed):
             shades = map_spread(len(through.forces) + 1)[:-1]
-            drawn = response_report.response(found.response, through, str(number), shades)
+            drawn = response_report.response(designed.response, through, str(number), shades)
             pictures.append(Picture(drawn, f"{response_report.place(through.crossing)}. {_OF_A_RESPONSE}"))
-    if found.grid is not None and np.isfinite(found.grid.values).any():
+    if designed.grid is not None and np.isfinite(designed.grid.values).any():
         caption = _OF_DAMPING if isinstance(goal, LeastDamping) else _OF_AMPLITUDES
-        pictures.append(Picture(_map(found, found.grid), f"{caption} {_OF_THE_MAP}"))
+        pictures.append(Picture(_map(designed, designed.grid), f"{caption} {_OF_THE_MAP}"))
     return pictures
 
 
@@ -170,8 +170,8 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     return plots.svg(figure, "best", "Damping ratio of the best damper over amplitude")
 
 
-def _map(found: Designed, grid: Grid) -> str:
-    of_damping = isinstance(found.space.goal, LeastDamping)
+def _map(designed: Designed, grid: Grid) -> str:
+    of_damping = isinstance(designed.space.goal, LeastDamping)
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
     figure, (axes,) = plots.canvas(3.4)
     xs, ys = _shown(grid.x, grid.xs), _shown(grid.y, grid.ys)
@@ -183,7 +183,7 @@ def _map(found: Designed, grid: Grid) -> str:
     )
     if grid.beyond.any():
         hatch(axes, xs, ys, grid.beyond)
-    best = found.space.values(found.found.shares)
+    best = designed.space.values(designed.optimum.shares)
     at = _shown(grid.x, best[grid.x]), _shown(grid.y, best[grid.y])
     mark(axes, *at)
     scales: dict[str, Any] = {"xscale": scale(grid.xs), "yscale": scale(grid.ys)}
@@ -203,9 +203,9 @@ def _label(name: str) -> str:
     return f"{NAMES[name].replace('_', ' ')}, mm"
 
 
-def best(space: Space, found: Found) -> str:
+def best(space: Space, winner: Optimum) -> str:
     """The best design, key by key."""
-    return ", ".join(spaces.in_words(name, value) for name, value in space.values(found.shares).items())
+    return ", ".join(spaces.in_words(name, value) for name, value in space.values(winner.shares).items())
 
 
 def _speed(omega: float) -> str:
@@ -213,9 +213,9 @@ def _speed(omega: float) -> str:
     return f"{whole(float(np.round(in_rpm(omega), 9)))} rpm"
 
 
-def amplitude_verdict(found: Found) -> str:
+def amplitude_verdict(optimum: Optimum) -> str:
     """The answer in a line."""
-    scored = found.scored
+    scored = optimum.scored
     if not scored.works:
         return "No design in this space reduces the vibration at the crossings"
     cut = significant(100 * (1 - scored.value / scored.without), 2)
@@ -225,9 +225,9 @@ def amplitude_verdict(found: Found) -> str:
     )
 
 
-def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
+def amplitude_sentences(optimum: Optimum, goal: LeastAmplitude) -> list[str]:
     """What carries it."""
-    scored, level = found.scored, _level(goal)
+    scored, level = optimum.scored, _level(goal)
     lines = [
         f"Under {level} it is greatest at order {scored.order} and {_speed(scored.speed)}: {_mm(scored.value)} mm;"
         f" without any ball, the greatest of the crossings is {_mm(scored.without)} mm."
@@ -245,9 +245,9 @@ def amplitude_sentences(found: Found, goal: LeastAmplitude) -> list[str]:
     return lines
 
 
-def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> list[str]:
+def no_amplitude_because(space: Space, optimum: Optimum, goal: LeastAmplitude) -> list[str]:
     """Why nothing helps, from the design that comes nearest."""
-    scored, damper = found.scored, space.source.scene.damper
+    scored, damper = optimum.scored, space.source.scene.damper
     place = f"At order {scored.order} and {_speed(scored.speed)}, under {_level(goal)},"
     if scored.grows < 1:
         able = significant(100 * (1 - scored.bound / scored.without), 2)
@@ -257,7 +257,7 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
             f" Whatever it did, a ball of its mass in its room could take no more than {able} %: a larger mass or room"
             " is needed."
         ]
-        return [*lines, f"The best of {found.evaluations} designs evaluated has {best(space, found)}."]
+        return [*lines, f"The best of {optimum.evaluations} designs evaluated has {best(space, optimum)}."]
     if not math.isfinite(scored.grows):
         return [f"{place} the tilt of the floor cancels the drive of every ball."]
     lines = [
@@ -266,7 +266,7 @@ def no_amplitude_because(space: Space, found: Found, goal: LeastAmplitude) -> li
     ]
     if damper is not None and isinstance(damper.rolling_friction, float) and damper.rolling_friction > 0:
         lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
-    return [*lines, f"The ball of {found.evaluations} designs evaluated that moves first has {best(space, found)}."]
+    return [*lines, f"The ball of {optimum.evaluations} designs evaluated that moves first has {best(space, optimum)}."]
 
 
 def _to_roll(friction: float, share: float, instead: str) -> str:
@@ -285,9 +285,9 @@ def _mm(length: float) -> str:
     return significant(1e3 * length)
 
 
-def damping_verdict(found: Found, goal: LeastDamping) -> str:
+def damping_verdict(optimum: Optimum, goal: LeastDamping) -> str:
     """The answer in a line."""
-    scored = found.scored
+    scored = optimum.scored
     if not scored.works:
         return "No design in this space damps over the whole range of amplitudes"
     grade = "as much as the air" if scored.value >= AIR[0] else "less than the air"
@@ -300,9 +300,9 @@ def damping_verdict(found: Found, goal: LeastDamping) -> str:
     )
 
 
-def damping_sentences(space: Space, found: Found, goal: LeastDamping) -> list[str]:
+def damping_sentences(space: Space, optimum: Optimum, goal: LeastDamping) -> list[str]:
     """What carries it."""
-    scored = found.scored
+    scored = optimum.scored
     low, high = 1e3 * goal.low, 1e3 * goal.high
     lines = [
         f"From {significant(low)} to {significant(high)} mm, its damping ratio is least at {_speed(scored.speed)}"
@@ -343,45 +343,45 @@ def _carried(scored: Scored) -> list[str]:
     ]
 
 
-def no_damping_because(space: Space, found: Found, goal: LeastDamping) -> list[str]:
+def no_damping_because(space: Space, optimum: Optimum, goal: LeastDamping) -> list[str]:
     """Why nothing works, from the design that comes nearest."""
-    scored, damper = found.scored, space.source.scene.damper
+    scored, damper = optimum.scored, space.source.scene.damper
     if not math.isfinite(scored.cutoff):
         return [f"At {_speed(scored.speed)} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
         f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
     ]
-    given = None if damper is None else damper.rolling_friction
-    if isinstance(given, float) and given > 0 and scored.cutoff > goal.low:
+    rolling_friction = None if damper is None else damper.rolling_friction
+    if isinstance(rolling_friction, float) and rolling_friction > 0 and scored.cutoff > goal.low:
         share = goal.low / scored.cutoff
-        lines.append(_to_roll(given, share, "a least amplitude above the cut-off"))
-    return [*lines, f"The lowest cut-off of {found.evaluations} designs evaluated has {best(space, found)}."]
+        lines.append(_to_roll(rolling_friction, share, "a least amplitude above the cut-off"))
+    return [*lines, f"The lowest cut-off of {optimum.evaluations} designs evaluated has {best(space, optimum)}."]
 
 
 def _percent(ratio: float) -> str:
     return significant(100 * ratio)
 
 
-def verdict(space: Space, found: Found) -> str:
+def verdict(space: Space, optimum: Optimum) -> str:
     """The answer in a line."""
     goal = space.goal
-    return damping_verdict(found, goal) if isinstance(goal, LeastDamping) else amplitude_verdict(found)
+    return damping_verdict(optimum, goal) if isinstance(goal, LeastDamping) else amplitude_verdict(optimum)
 
 
 def sentences(designed: Designed) -> list[str]:
     """What carries it, and what holds it; or why nothing works."""
-    space, found, scored, goal = designed.space, designed.found, designed.found.scored, designed.space.goal
+    space, optimum, scored, goal = designed.space, designed.optimum, designed.optimum.scored, designed.space.goal
     if not scored.works:
-        return _why_none(space, found)
+        return _why_none(space, optimum)
     lines = [
-        f"The best of {found.evaluations} designs evaluated: {best(space, found)}; its balls weigh"
+        f"The best of {optimum.evaluations} designs evaluated: {best(space, optimum)}; its balls weigh"
         f" {significant(1e3 * scored.mass)} g."
     ]
     if isinstance(goal, LeastDamping):
-        lines += damping_sentences(space, found, goal)
+        lines += damping_sentences(space, optimum, goal)
     elif isinstance(goal, LeastAmplitude):
-        lines += amplitude_sentences(found, goal)
+        lines += amplitude_sentences(optimum, goal)
     what = "damping" if isinstance(goal, LeastDamping) else "amplitude"
     for each in designed.holds:
         gain = "" if each.gain is None else f"; 5 % further would change the {what} by {100 * each.gain:+.1f} %"
@@ -413,13 +413,13 @@ def obstacle(scored: Scored) -> str:
     }.get(why.kind, why.text)
 
 
-def _why_none(space: Space, found: Found) -> list[str]:
+def _why_none(space: Space, optimum: Optimum) -> list[str]:
     goal = space.goal
-    if found.scored.impossible:
-        return [f"The design that comes nearest cannot be: {obstacle(found.scored)}."]
+    if optimum.scored.impossible:
+        return [f"The design that comes nearest cannot be: {obstacle(optimum.scored)}."]
     if isinstance(goal, LeastDamping):
-        return no_damping_because(space, found, goal)
-    return no_amplitude_because(space, found, goal) if isinstance(goal, LeastAmplitude) else []
+        return no_damping_because(space, optimum, goal)
+    return no_amplitude_because(space, optimum, goal) if isinstance(goal, LeastAmplitude) else []
 
 
 @dataclass(frozen=True, eq=False)
@@ -428,7 +428,7 @@ class Designed:
 
     Attributes:
         space: what it searched.
-        found: the best design; where none works, the one that comes nearest.
+        optimum: the best design; where none works, the one that comes nearest.
         holds: what keeps it from being better.
         scene: the scene with the best damper, without [design].
         toml: the same as a file that `run` and `response` take; empty where none works.
@@ -437,7 +437,7 @@ class Designed:
     """
 
     space: Space
-    found: Found
+    optimum: Optimum
     holds: tuple[Holds, ...]
     scene: SceneFile
     toml: str
@@ -446,11 +446,11 @@ class Designed:
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
-        scored, design = self.found.scored, self.space.design
-        values = self.space.values(self.found.shares)
+        scored, design = self.optimum.scored, self.space.design
+        values = self.space.values(self.optimum.shares)
         damper = self.scene.scene.damper
         best: dict[str, Any] = {name.partition(".")[2]: plans.said([value])[0] for name, value in values.items()}
-        found = {
+        entries = {
             "schema_version": 1,
             "title": self.space.source.scene.title,
             "objective": self.space.goal.said,
@@ -464,13 +464,13 @@ class Designed:
             "cutoff": finite(scored.cutoff),
             "ball_mass": finite(scored.mass),
             "holds": [vars(each) for each in self.holds],
-            "evaluations": self.found.evaluations,
-            "verdict": verdict(self.space, self.found),
+            "evaluations": self.optimum.evaluations,
+            "verdict": verdict(self.space, self.optimum),
             "why": sentences(self),
         }
         if self.response is not None:
-            found |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
-        return found
+            entries |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
+        return entries
 
     @property
     def confirmed(self) -> float | None:
@@ -499,40 +499,40 @@ class Grid:
         return np.array([[each.impossible for each in row] for row in self.scored])
 
 
-def write(found: Designed, out: Path) -> None:
+def write(designed: Designed, out: Path) -> None:
     """Write all of it into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    contents = {"design.json": dumps(found) + "\n", "report.html": render(found)}
-    write_study(out, contents | ({"best.toml": found.toml} if found.toml else {}))
+    contents = {"design.json": dumps(designed) + "\n", "report.html": render(designed)}
+    write_study(out, contents | ({"best.toml": designed.toml} if designed.toml else {}))
 
 
-def dumps(found: Designed) -> str:
+def dumps(designed: Designed) -> str:
     """The machine-readable result."""
-    return as_json(found.document())
+    return as_json(designed.document())
 
 
-def text(found: Designed) -> str:
+def text(designed: Designed) -> str:
     """The answer in a few lines."""
-    return "\n".join([f"{verdict(found.space, found.found)}.", *sentences(found)])
+    return "\n".join([f"{verdict(designed.space, designed.optimum)}.", *sentences(designed)])
 
 
-def in_short(found: Designed) -> str:
+def in_short(designed: Designed) -> str:
     """The answer and what it is due to, in one line."""
-    return f"{verdict(found.space, found.found)}: {sentences(found)[0]}"
+    return f"{verdict(designed.space, designed.optimum)}: {sentences(designed)[0]}"
 
 
-def render(found: Designed) -> str:
+def render(designed: Designed) -> str:
     """The page."""
     return from_template(
         "design.html.j2",
         plots.shades_css(SHADES),
-        title=found.space.source.scene.title,
-        verdict=verdict(found.space, found.found),
-        sentences=sentences(found),
-        figures=draw(found),
-        toml=found.toml,
-        evaluations=formatting.fixed(found.found.evaluations),
+        title=designed.space.source.scene.title,
+        verdict=verdict(designed.space, designed.optimum),
+        sentences=sentences(designed),
+        figures=draw(designed),
+        toml=designed.toml,
+        evaluations=formatting.fixed(designed.optimum.evaluations),
     )

@@ -87,7 +87,7 @@ class Scored:
 
 
 @dataclass(frozen=True)
-class Found:
+class Optimum:
     """The best design: its shares, its worth with full figures, and how many were tried."""
 
     shares: Floats
@@ -106,7 +106,7 @@ class Goal(Protocol):
     def speeds(self) -> tuple[float, ...]:
         """At which a design is looked at, ascending [rad/s]."""
 
-    def worth(self, placed: list[DamperCase], *, quick: bool) -> Scored:
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
         """What a damper is worth that is placed on its structure at these speeds; `quick`: to a few percent."""
 
 
@@ -163,23 +163,23 @@ def misfit(shares: Mapping[str, float]) -> tuple[str, float] | None:
 
 def used(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
-    found = {}
+    keys = {}
     if scene.damper is not None and scene.damper.ball_density is None:
-        found["density"] = scene.damper.density(ball_mass) / OSMIUM
+        keys["density"] = scene.damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
-        found["mass"] = ball_mass / design.mass
+        keys["mass"] = ball_mass / design.mass
     damper, plate = scene.damper, scene.plate
     if damper is not None and plate is not None and damper.housing is None and plate.length is not None:
         thickness = plate_mesh.plate_thickness(
             plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate
         )
-        found["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
+        keys["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
     pressed = limits.contact(scene, fastest)
     if pressed is not None and not math.isnan(pressed.hardness_ratio):
-        found["hardness"] = pressed.hardness_ratio / design.hardness_ratio
+        keys["hardness"] = pressed.hardness_ratio / design.hardness_ratio
     if pressed is not None and design.yield_ratio is not None and not math.isnan(pressed.yield_ratio):
-        found["first yield"] = pressed.yield_ratio / design.yield_ratio
-    return found
+        keys["first yield"] = pressed.yield_ratio / design.yield_ratio
+    return keys
 
 
 def in_words(name: str, value: Value) -> str:

@@ -27,7 +27,7 @@ from workflows.solve.results import Floats
 from workflows.studies.design import objectives, report
 from workflows.studies.design.objectives import LeastAmplitude
 from workflows.studies.design.report import Designed, Grid
-from workflows.studies.design.space import Found, Scored, Space
+from workflows.studies.design.space import Optimum, Scored, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
@@ -54,15 +54,17 @@ _NEAR, _NEAREST = 0.08, 2e-3
 """How far from the best its neighbours are at first, and when the search ends, in shares."""
 
 
-def search(space: Space, score: Score, seed: int, progress: Callable[[str], None], kept: Kept | None = None) -> Found:
-    """The best design of a space; `kept`: the designs that were scored before."""
-    return _searched(space, _Known(space, score, progress, kept), seed)
+def search(
+    space: Space, score: Score, seed: int, progress: Callable[[str], None], checkpoint: Checkpoint | None = None
+) -> Optimum:
+    """The best design of a space; `checkpoint`: the designs that were scored before."""
+    return _searched(space, _Known(space, score, progress, checkpoint), seed)
 
 
-def _searched(space: Space, known: _Known, seed: int) -> Found:
+def _searched(space: Space, known: _Known, seed: int) -> Optimum:
     few = _few(space)
     best, scored = _about(space, known, _everywhere(space, known, seed) if few is None else _best_of(known, few))
-    return Found(best, scored, known.tried)
+    return Optimum(best, scored, known.tried)
 
 
 def _few(space: Space) -> Floats | None:
@@ -88,12 +90,12 @@ def _best_of(score: Score, shares: Floats) -> Floats:
     """The best of some designs: those that are best by quick figures are compared by full ones."""
     quick = np.array([each.score for each in score(shares, True)])
     foremost = shares[np.argsort(-quick, kind="stable")[:_FOREMOST]]
-    found = [each.score for each in score(foremost, False)]
-    best: Floats = foremost[int(np.argmax(found))]
+    scores = [each.score for each in score(foremost, False)]
+    best: Floats = foremost[int(np.argmax(scores))]
     return best
 
 
-class Kept:
+class Checkpoint:
     """Scores in a file, a line each, by which a search that was stopped goes on.
 
     The file is of one scene, seed and version of the program: another's is begun anew.
@@ -120,8 +122,10 @@ class Kept:
 class _Known:
     """Scores each design once: of choices, many shares mean the same."""
 
-    def __init__(self, space: Space, score: Score, progress: Callable[[str], None], kept: Kept | None) -> None:
-        self._space, self._score, self._progress, self._kept = space, score, progress, kept
+    def __init__(
+        self, space: Space, score: Score, progress: Callable[[str], None], checkpoint: Checkpoint | None
+    ) -> None:
+        self._space, self._score, self._progress, self._kept = space, score, progress, checkpoint
         self._scores: dict[str, Scored] = {}
 
     @property
@@ -135,10 +139,10 @@ class _Known:
         self._scores |= {key: before[key] for key in keys if key in before}
         new = {key: row for key, row in zip(keys, shares, strict=True) if key not in self._scores}
         if new:
-            found = dict(zip(new, self._score(np.array(list(new.values())), quick), strict=True))
-            self._scores |= found
+            scores = dict(zip(new, self._score(np.array(list(new.values())), quick), strict=True))
+            self._scores |= scores
             if self._kept is not None:
-                self._kept.add(found)
+                self._kept.add(scores)
             self._progress(f"{self.tried} designs")
         return [self._scores[key] for key in keys]
 
@@ -147,8 +151,8 @@ def sobol(dimensions: int, count: int, seed: int) -> Floats:
     """So many points, a power of two, spread over the unit cube."""
     from scipy.stats import qmc
 
-    found: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
-    return found
+    shares: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
+    return shares
 
 
 def _everywhere(space: Space, score: Score, seed: int) -> Floats:
@@ -161,8 +165,8 @@ def _everywhere(space: Space, score: Score, seed: int) -> Floats:
 
     def lost(columns: Any) -> Any:
         nonlocal best, stale, at
-        found = score(columns.T, True)
-        scores = np.array([each.score for each in found])
+        screened = score(columns.T, True)
+        scores = np.array([each.score for each in screened])
         k = int(np.argmax(scores))
         if scores[k] > best + _BETTER * abs(best):
             best, stale, at = float(scores[k]), 0, columns.T[k].copy()
@@ -192,10 +196,10 @@ def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
     ways = _ways(len(space.axes), space.continuous)
     while len(ways) and step > _NEAREST:
         near = np.clip(best + step * ways, 0.0, 1.0)
-        found = score(near, False)
-        k = max(range(len(found)), key=lambda n: found[n].score)
-        if found[k].score > scored.score:
-            best, scored = near[k], found[k]
+        here = score(near, False)
+        k = max(range(len(here)), key=lambda n: here[n].score)
+        if here[k].score > scored.score:
+            best, scored = near[k], here[k]
         else:
             step *= 0.5
     return best, scored
@@ -205,8 +209,8 @@ def _ways(dimensions: int, free: list[int]) -> Floats:
     """Steps to either side along each of the free axes, and along two at once: limits are seldom along one."""
     one = np.eye(dimensions)[free]
     pairs = [first + sign * second for first, second in combinations(one, 2) for sign in (-1.0, 1.0)]
-    found: Floats = np.array([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
-    return found
+    ways: Floats = np.array([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
+    return ways
 
 
 _GOES_ON = "the designs evaluated so far are kept; the same command resumes"
@@ -243,24 +247,24 @@ def design(
     resources.check(source)
     clock = stages or Stages()
     space = objectives.space(source, clock)
-    kept = None if partial_results is None else Kept(partial_results, source, seed)
-    resumed = nullcontext() if kept is None else folder.going_on(_GOES_ON)
+    checkpoint = None if partial_results is None else Checkpoint(partial_results, source, seed)
+    resumed = nullcontext() if checkpoint is None else folder.going_on(_GOES_ON)
     with resumed, pool or executor.local() as workers, clock("design") as step:
         score = partial(scored, workers, executor.digest())
-        known = _Known(space, partial(score, space), step.advance, kept)
-        found = _searched(space, known, seed)
-        impossible = found.scored.impossible
-        held = () if impossible else report.holds(space, found, score)
-        grid = None if impossible else _around(space, found, known)
+        known = _Known(space, partial(score, space), step.advance, checkpoint)
+        optimum = _searched(space, known, seed)
+        impossible = optimum.scored.impossible
+        constraints = () if impossible else report.holds(space, optimum, score)
+        grid = None if impossible else _around(space, optimum, known)
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
-        raise _infeasible(space, found.scored)
-    best = winner(space, found)
-    if not found.scored.works:
-        return Designed(space, found, held, best, "", grid, None)
+        raise _infeasible(space, optimum.scored)
+    best = winner(space, optimum)
+    if not optimum.scored.works:
+        return Designed(space, optimum, constraints, best, "", grid, None)
     shaken = isinstance(space.goal, LeastAmplitude)
-    return Designed(space, found, held, best, _toml(best), grid, respond(best, clock) if shaken else None)
+    return Designed(space, optimum, constraints, best, _toml(best), grid, respond(best, clock) if shaken else None)
 
 
 def _infeasible(space: Space, nearest: Scored) -> BadInput:
@@ -270,7 +274,7 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
         return BadInput(f"no design makes sense: {report.obstacle(nearest)}", file=space.source.name, key="[design]")
     name, share = over
     if name == "density":
-        problem = f"no design can be had: the one that comes nearest is {significant(share)} times as dense as osmium"
+        problem = f"no design is possible: the nearest one is {significant(share)} times as dense as osmium"
         return BadInput(problem, file=space.source.name, key="[damper]")
     pressed = (
         f"the floor carries none of these balls, the best with {significant(share)} times the limit of {name}; smaller"
@@ -286,13 +290,13 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     return BadInput(f"no design keeps to it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
 
 
-def winner(space: Space, found: Found) -> SceneFile:
+def winner(space: Space, optimum: Optimum) -> SceneFile:
     """The scene with the best damper, without [design]."""
-    values = {axis.key: value for axis, value in zip(space.axes, space.values(found.shares).values(), strict=True)}
+    values = {axis.key: value for axis, value in zip(space.axes, space.values(optimum.shares).values(), strict=True)}
     data = plan.with_values(plan.base(space.source, list(values)), values)
-    given = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
+    scene = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
     title = f"{space.source.scene.title}, the best damper"[:200]
-    return replace(given, scene=given.scene.model_copy(update={"title": title}))
+    return replace(scene, scene=scene.scene.model_copy(update={"title": title}))
 
 
 def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[int, int]) -> list[Scored]:
@@ -306,18 +310,18 @@ def scored(workers: Workers, digest: str, space: Space, shares: Floats, quick: b
     """Score designs, part by part on all workers."""
     size = min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART)
     parts = [(begin, begin + size) for begin in range(0, len(shares), size)]
-    found = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
-    return [each for numbers in parts for each in found[numbers]]
+    scores = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
+    return [each for numbers in parts for each in scores[numbers]]
 
 
-def _around(space: Space, found: Found, score: Score) -> Grid | None:
+def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
     """What designs are worth over two ranges, all else as in the best."""
     free = space.continuous
     if len(free) < 2:
         return None
     x, y = free[:2]
     shares = np.linspace(0.0, 1.0, _MAP)
-    rows = np.repeat(found.shares[None], _MAP * _MAP, axis=0)
+    rows = np.repeat(optimum.shares[None], _MAP * _MAP, axis=0)
     rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
     every = score(rows, True)
     xs, ys = (np.array(plan.drawn(space.axes[k], shares), dtype=float) for k in (x, y))
@@ -326,5 +330,5 @@ def _around(space: Space, found: Found, score: Score) -> Grid | None:
 
 
 def _toml(best: SceneFile) -> str:
-    decided = choose_model(best, Stages(visible=False))
-    return provenance.as_toml(best.scene, decided.effects, decided.theory) + "\n"
+    choice = choose_model(best, Stages(visible=False))
+    return provenance.as_toml(best.scene, choice.effects, choice.theory) + "\n"

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from damper import ParticleDamper, Working, ringdowns, working
+from damper import DampingCurve, ParticleDamper, damping_curve, ringdowns
 from damper.model import PARAMETERS
 from fem.meshes.mesh_sequence import Planform
 from workflows.effects import selection
@@ -64,11 +64,11 @@ class DamperCase:
         return self.state.results((self.point,))
 
 
-def measured(damper: ParticleDamper, known: dict[ParticleDamper, Working], **how: Any) -> Working:
+def measured(damper: ParticleDamper, known: dict[ParticleDamper, DampingCurve], **how: Any) -> DampingCurve:
     """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
     bare = replace(damper, damping_ratio=0.0)
     if bare not in known:
-        known[bare] = working(bare, threads=1, **how)
+        known[bare] = damping_curve(bare, threads=1, **how)
     return known[bare]
 
 
@@ -143,11 +143,11 @@ def plate_key(scene: Scene) -> str:
 
 def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
     """The effects of a scene's damper, decided as in a run."""
-    found = {}
+    effects = {}
     for name, (called, why, _) in selection.called_for(scene, form, OF_THE_DAMPER).items():
-        asked = getattr(scene.effects, name)
-        found[name] = Effect(called if asked == "auto" else asked is True, why)
-    return found
+        switch = getattr(scene.effects, name)
+        effects[name] = Effect(called if switch == "auto" else switch is True, why)
+    return effects
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ def empty(count: int) -> Rows:
     return rows
 
 
-def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, Working], how: dict[str, int]) -> None:
+def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
     point = replace(each.point, working=OwnFigures.of(measured(each.judged, known, **how), each.point.tilt_share))
     _fill(row, point)
@@ -216,13 +216,13 @@ def _fill(row: Any, point: SpeedPoint) -> None:
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count."""
     rows, reasons = empty(end - begin), list[str]()
-    placed = list(all_placed(source, plan, begin, plates, rows, reasons))
-    known: dict[ParticleDamper, Working] = {}
-    for each in placed:
+    cases = list(all_placed(source, plan, begin, plates, rows, reasons))
+    known: dict[ParticleDamper, DampingCurve] = {}
+    for each in cases:
         with during(f"at point {begin + each.number}, {each.point.rpm:.6g} rpm"):
             _measure(rows[each.number], each, known, QUICK if quick else {})
     with during(f"at points {begin} to {end - 1}"):
-        _ring_down(rows, placed)
+        _ring_down(rows, cases)
     return rows, tuple(reasons)
 
 
@@ -240,12 +240,12 @@ def all_placed(
     def values(number: int) -> tuple[Any, ...]:
         return tuple(columns[key.name][number] for key in others)
 
-    for given, numbers in groupby(range(len(rows)), key=values):
+    for group, numbers in groupby(range(len(rows)), key=values):
         mine = list(numbers)
         try:
-            changed = with_values(data, dict(zip(others, given, strict=True)))
-            found = of_a_point(source, changed, every)
-            state = plates.state(found)
+            changed = with_values(data, dict(zip(others, group, strict=True)))
+            case = of_a_point(source, changed, every)
+            state = plates.state(case)
         except SpindampError as error:
             rows["reason"][mine] = _number(reasons, said(error, source))
             continue
@@ -284,10 +284,10 @@ def said(error: SpindampError, source: SceneFile) -> str:
     return one_line(str(error).removeprefix(f"{source.name}: "))
 
 
-def _ring_down(rows: Rows, placed: list[DamperCase]) -> None:
+def _ring_down(rows: Rows, cases: list[DamperCase]) -> None:
     """Ring all dampers down from their scenes' releases, in batches of those that can go together."""
     groups: dict[Any, list[DamperCase]] = {}
-    for each in placed:
+    for each in cases:
         groups.setdefault(_together(each), []).append(each)
     for group in groups.values():
         batch, mine = _batch(group), [each.number for each in group]

@@ -21,7 +21,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from damper import Harmonic, ParticleDamper, backbone, forced, ringdowns, working
+from damper import Harmonic, ParticleDamper, backbone, damping_curve, forced, ringdowns
 from workflows.errors import BadInput
 from workflows.versions import versions
 
@@ -181,12 +181,12 @@ _ROOT = Path(__file__).parents[3]
 @cache
 def digest() -> str:
     """SHA-256 of the sources of all packages, names and contents."""
-    found = hashlib.sha256()
+    sha = hashlib.sha256()
     for package in _PACKAGES:
         for path in sorted((_ROOT / package).rglob("*.py")):
-            found.update(path.relative_to(_ROOT).as_posix().encode() + b"\0")
-            found.update(path.read_bytes() + b"\0")
-    return found.hexdigest()
+            sha.update(path.relative_to(_ROOT).as_posix().encode() + b"\0")
+            sha.update(path.read_bytes() + b"\0")
+    return sha.hexdigest()
 
 
 def same(other: str) -> None:
@@ -234,7 +234,7 @@ def compile_all() -> None:
         rolling_friction=1e-5,
     )
     for damper in (level, ParticleDamper(**vars(level) | {"floor_tilt": (1.0, 0.0)})):
-        working(damper, threads=1, sweeps=2, stay=1)
+        damping_curve(damper, threads=1, sweeps=2, stay=1)
         ringdowns(damper, [(1e-3, 0.0)], 1, threads=1)
         backbone(damper, threads=1)
         forced(damper, [Harmonic(1e3, force=(1.0, 0.0))], threads=1, max_cycles=32)

@@ -69,16 +69,16 @@ class Key:
         """
         if self.field == "floor_radius" and value in (FLAT, math.inf):
             return math.inf
-        found = _validated(self, value, gravity)
-        if isinstance(found, tuple):
-            if self.field != "speeds" and self.element is None and found[0] != found[-1]:
+        parsed = _validated(self, value, gravity)
+        if isinstance(parsed, tuple):
+            if self.field != "speeds" and self.element is None and parsed[0] != parsed[-1]:
                 raise ValueError(f"expected one value: vary {self.name}[0] and {self.name}[1]")
-            found = found[self.element or 0]
-        if self.field == "clearance" and not found > 0:
+            parsed = parsed[self.element or 0]
+        if self.field == "clearance" and not parsed > 0:
             raise ValueError("expected more than 0")
-        if not isinstance(found, bool | int | float | str):
+        if not isinstance(parsed, bool | int | float | str):
             raise ValueError("expected one value")
-        return found
+        return parsed
 
     @property
     def whole(self) -> bool:
@@ -93,20 +93,20 @@ class Key:
 
     def instead_of(self) -> set[str]:
         """Names of the keys that say the same, so that only one of them can be varied."""
-        found = {f"{self.table[0]}.{other}" for other in self._alike}
+        others = {f"{self.table[0]}.{other}" for other in self._alike}
         pair = {"clearance": "cavity", "cavity": "clearance"}.get(self.field)
         for key in [self.field, *([pair] if pair else [])]:
             path = ".".join((*self.table, key))
             ends = ["", "[0]", "[1]"] if self.element is None else ["", f"[{self.element}]"]
-            found |= {f"{path}{end}" for end in ends}
-        return found - {self.name}
+            others |= {f"{path}{end}" for end in ends}
+        return others - {self.name}
 
     def displaced(self, scene: Scene) -> str | None:
         """Name of the key of a scene that it takes the place of; a material's numbers are changed one by one."""
-        given = getattr(scene, self.table[0])
-        if given is None or self.table[0] == "material":
+        table = getattr(scene, self.table[0])
+        if table is None or self.table[0] == "material":
             return None
-        there = [name for name in self._alike if getattr(given, name) is not None]
+        there = [name for name in self._alike if getattr(table, name) is not None]
         return f"{self.table[0]}.{there[-1]}" if there and self.field not in there else None
 
     def put(self, data: Data, value: Value) -> None:
@@ -167,13 +167,13 @@ def every() -> tuple[str, ...]:
 
 
 def _walk(table: type[BaseModel], path: tuple[str, ...]) -> list[tuple[str, Any]]:
-    found = []
+    items = []
     for name, entry in table.model_fields.items():
         here = (*path, name)
-        found.append((".".join(here), entry))
+        items.append((".".join(here), entry))
         for inner in _tables(entry.annotation):
-            found += _walk(inner, here)
-    return found
+            items += _walk(inner, here)
+    return items
 
 
 def _tables(kind: Any) -> list[type[BaseModel]]:
@@ -271,8 +271,8 @@ class Spread:
             from scipy.stats import truncnorm
 
             ends = ((end - self.mean) / self.deviation for end in (self.low, self.high))
-            found: np.ndarray = truncnorm.ppf(share, *ends, loc=self.mean, scale=self.deviation)
-            return found
+            values: np.ndarray = truncnorm.ppf(share, *ends, loc=self.mean, scale=self.deviation)
+            return values
         return np.clip(self.low + share * (self.high - self.low), self.low, self.high)
 
 
@@ -295,18 +295,18 @@ class Axis:
         return self.key.name
 
 
-def read(given: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Axis, ...]:
+def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Axis, ...]:
     """Axes from ``KEY=VALUES`` texts, or from a dict of keys and values (a text of that form, a list, an array).
 
     Args:
-        given: what is varied.
+        vary: what is varied.
         gravity: the unit g of accelerations [m/s²].
 
     Raises:
         BadInput: an unknown key or a wrong value, which the message names.
     """
-    where = "vary" if isinstance(given, Mapping) else "--vary"
-    pairs = list(given.items()) if isinstance(given, Mapping) else [_split(text) for text in given]
+    where = "vary" if isinstance(vary, Mapping) else "--vary"
+    pairs = list(vary.items()) if isinstance(vary, Mapping) else [_split(text) for text in vary]
     axes = []
     for name, values in pairs:
         key = find(name.strip(), where)
@@ -333,13 +333,13 @@ def check_units(axes: Iterable[Axis], scene: Scene) -> None:
     for axis in axes:
         own = _own_length(axis.key, data)
         numbers = axis.values or ((axis.spread.low,) if axis.spread is not None else ())
-        given = [float(value) for value in numbers if not isinstance(value, str)]
-        if axis.bare and own is not None and given and min(given) > _MILLIMETRES * own:
+        values = [float(value) for value in numbers if not isinstance(value, str)]
+        if axis.bare and own is not None and values and min(values) > _MILLIMETRES * own:
             problem = (
-                f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here: was '{min(given):g} mm'"
+                f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here: was '{min(values):g} mm'"
                 f" meant? Give the unit, mm or m"
             )
-            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.text or given)
+            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.text or values)
 
 
 def _own_length(key: Key, data: Data) -> float | None:
@@ -427,10 +427,10 @@ def _end(key: Key, text: str, gravity: float) -> float:
 def _numbers(key: Key, values: np.ndarray) -> tuple[Value, ...]:
     if not key.whole:
         return tuple(map(float, values))
-    found = np.rint(values)
-    if np.abs(found - values).max(initial=0.0) > 1e-9:
+    rounded = np.rint(values)
+    if np.abs(rounded - values).max(initial=0.0) > 1e-9:
         raise ValueError("expected a COUNT that leads through whole numbers")
-    return tuple(int(value) for value in found)
+    return tuple(int(value) for value in rounded)
 
 
 def _count(text: str) -> int:
@@ -442,12 +442,12 @@ def _count(text: str) -> int:
 def _listed(key: Key, items: list[object], gravity: float) -> Axis:
     if not items:
         raise ValueError("expected at least one value")
-    found = tuple(key.read(item, gravity) for item in items)
-    if len(set(found)) < len(found):
+    values = tuple(key.read(item, gravity) for item in items)
+    if len(set(values)) < len(values):
         raise ValueError("expected every value once")
-    if len({isinstance(value, str | bool) for value in found}) > 1:
+    if len({isinstance(value, str | bool) for value in values}) > 1:
         raise ValueError("expected numbers or words, not both")
-    return Axis(key, found)
+    return Axis(key, values)
 
 
 def _plain(text: str) -> object:
@@ -570,8 +570,8 @@ class Sample:
     @property
     def dimensions(self) -> dict[str, int]:
         """The sample, and the speeds where they are not sampled."""
-        found = {SAMPLE: self.count}
-        return found if self.sampled_speeds else found | {SPEEDS: len(self.axes[-1].values)}
+        sizes = {SAMPLE: self.count}
+        return sizes if self.sampled_speeds else sizes | {SPEEDS: len(self.axes[-1].values)}
 
     @property
     def _each(self) -> int:
@@ -582,10 +582,10 @@ class Sample:
         first, last = begin // self._each, -(-end // self._each)
         rows = np.arange(begin, end)
         shares = self._shares(first, last)[rows // self._each - first]
-        found = {axis.name: drawn(axis, shares[:, k]) for k, axis in enumerate(self.drawn)}
+        columns = {axis.name: drawn(axis, shares[:, k]) for k, axis in enumerate(self.drawn)}
         if not self.sampled_speeds:
-            found[SPEEDS] = [self.axes[-1].values[k] for k in rows % self._each]
-        return found
+            columns[SPEEDS] = [self.axes[-1].values[k] for k in rows % self._each]
+        return columns
 
     def _shares(self, begin: int, end: int) -> npt.NDArray[np.float64]:
         if self.tiles is not None:
@@ -597,14 +597,14 @@ class Sample:
             sequence.fast_forward(begin)
         count = end - begin
         power = 1 << (count - 1).bit_length()  # scipy warns of a first draw that is no power of two
-        found: npt.NDArray[np.float64] = sequence.random(power)[:count]
-        return found
+        shares: npt.NDArray[np.float64] = sequence.random(power)[:count]
+        return shares
 
     def coordinates(self) -> dict[str, tuple[str, list[Value]]]:
         """Each sampled axis along the sample."""
         every = self.columns(0, self.count * self._each)
-        found = {axis.name: (SAMPLE, every[axis.name][:: self._each]) for axis in self.drawn}
-        return found if self.sampled_speeds else found | {SPEEDS: (SPEEDS, list(self.axes[-1].values))}
+        coordinates = {axis.name: (SAMPLE, every[axis.name][:: self._each]) for axis in self.drawn}
+        return coordinates if self.sampled_speeds else coordinates | {SPEEDS: (SPEEDS, list(self.axes[-1].values))}
 
     def speeds(self, begin: int, end: int) -> tuple[float, ...]:
         """All that are given; of sampled ones those of these points, and the ends of their range."""
@@ -637,11 +637,11 @@ def drawn(axis: Axis, shares: npt.NDArray[np.float64]) -> list[Value]:
     if axis.spread is None:
         places = np.minimum((shares * len(axis.values)).astype(int), len(axis.values) - 1)
         return [axis.values[k] for k in places]
-    found = axis.spread.at(shares)
+    values = axis.spread.at(shares)
     if axis.key.whole:
         low, high = math.ceil(axis.spread.low), math.floor(axis.spread.high)
         return [int(value) for value in np.clip(np.floor(low + shares * (high - low + 1)), low, high)]
-    return [float(value) for value in found]
+    return [float(value) for value in values]
 
 
 def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Grid:
@@ -649,10 +649,10 @@ def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Grid:
     for axis in axes:
         if not axis.values:
             _refuse(axis, "a range over a grid needs its COUNT: START:STOP:COUNT")
-    found = Grid(_in_order(axes, speeds))
-    if size(found) > MOST:
-        raise BadInput(f"expected at most {MOST:.0e} points, not {size(found):.3g}", key="--vary")
-    return found
+    whole = Grid(_in_order(axes, speeds))
+    if size(whole) > MOST:
+        raise BadInput(f"expected at most {MOST:.0e} points, not {size(whole):.3g}", key="--vary")
+    return whole
 
 
 def sample(axes: Sequence[Axis], speeds: Sequence[float], count: int, seed: int) -> Sample:
@@ -670,10 +670,10 @@ def _in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]
             return 0
         return 1 if of_the_cavity(axis.key) else 2 if of_the_mass(axis.key) else 3
 
-    given = list(axes)
-    if not any(axis.name == SPEEDS for axis in given):
-        given.append(Axis(find(SPEEDS, "--vary"), tuple(speeds)))
-    return tuple(sorted(given, key=rank))
+    listed = list(axes)
+    if not any(axis.name == SPEEDS for axis in listed):
+        listed.append(Axis(find(SPEEDS, "--vary"), tuple(speeds)))
+    return tuple(sorted(listed, key=rank))
 
 
 def _refuse(axis: Axis, problem: str) -> None:
@@ -696,10 +696,10 @@ def base(source: SceneFile, varied: Sequence[Key]) -> Data:
 
 def with_values(data: Data, values: Mapping[Key, Value]) -> Data:
     """A copy of plain data with values put in; clearances last, which add to the ball's diameter."""
-    found = copy.deepcopy(data)
+    changed = copy.deepcopy(data)
     for key in sorted(values, key=lambda key: key.name.startswith(CLEARANCE)):
-        key.put(found, values[key])
-    return found
+        key.put(changed, values[key])
+    return changed
 
 
 def of_a_point(source: SceneFile, data: Data, speeds: Sequence[float]) -> SceneFile:

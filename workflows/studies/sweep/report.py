@@ -49,8 +49,8 @@ def axis_label(data: xr.Dataset, name: str) -> str:
 
 def along(data: xr.Dataset, name: str) -> Floats:
     """The values of a key in the unit that people have for it."""
-    found: Floats = shown_unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
-    return found
+    values: Floats = shown_unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
+    return values
 
 
 def titled(data: xr.Dataset, key: str | None, k: int) -> str:
@@ -175,11 +175,11 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
     """What the maps do not show: what lies beyond, where no ball works, up to which amplitude balls rest in a panel."""
     name, places = panels(data, (x, y))
     ends = [short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
-    found = f" It lies at an end of {' and '.join(ends)}: beyond, there may be more." if ends else ""
+    sentence = f" It lies at an end of {' and '.join(ends)}: beyond, there may be more." if ends else ""
     if name is not None:
         idle = np.flatnonzero(~_works(data, name))
         if idle.size and idle.size < data.sizes[name]:
-            found += (
+            sentence += (
                 f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
                 " the structure endures."
             )
@@ -189,8 +189,8 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
             there = 1e3 * data["cutoff"].isel({} if name is None else {name: k}).values
             at = f" at {titled(data, name, k)}" if name is not None else ""
             ends.append(f"{significant(float(np.nanmin(there)), 2)} mm{at}")
-        found += f" The load holds the ball at rest below {', '.join(ends)}."
-    return found
+        sentence += f" The load holds the ball at rest below {', '.join(ends)}."
+    return sentence
 
 
 def _runs(data: xr.Dataset, name: str, places: Any) -> str:
@@ -378,10 +378,10 @@ def _bars(data: xr.Dataset) -> str:
     k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
     figure, panels = plots.canvas(0.9 + 0.34 * len(names), len(shown))
     for axes, quantity in zip(panels, shown, strict=True):
-        found = data.sel(quantity=quantity).isel({SPEEDS: k})
-        totals = 100 * np.nan_to_num(found["ST"].values)
+        point = data.sel(quantity=quantity).isel({SPEEDS: k})
+        totals = 100 * np.nan_to_num(point["ST"].values)
         axes.barh(range(len(names)), totals, color=plots.CATEGORIES[0], height=0.5)
-        halves = 100 * np.nan_to_num(found["ST_conf"].values)
+        halves = 100 * np.nan_to_num(point["ST_conf"].values)
         axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plots.INK, elinewidth=1.0)
         axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
@@ -421,7 +421,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
     """The machine-readable result: ``sweep.json``, and what ``--json`` prints."""
     flat = np.asarray(data[HEADLINE].values, dtype=float).ravel()
     reasons = causes(data)
-    found: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "schema_version": 1,
         "title": data.attrs["title"],
         "study": data.attrs["study"],
@@ -433,10 +433,10 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "best": None,
     }
     if (flat > 0).any():
-        found["best"] = at(data, int(np.nanargmax(flat)))
+        entries["best"] = at(data, int(np.nanargmax(flat)))
     if "ST" in data:
-        found["uncertain"] = sensitivity.document(data)
-    return found
+        entries["uncertain"] = sensitivity.document(data)
+    return entries
 
 
 _NUMBER = r"[-+]?\d[\d.]*(e[-+]?\d+)?"
@@ -451,19 +451,19 @@ def causes(data: xr.Dataset) -> Counter[str]:
     alike: dict[str, list[str]] = {}
     for text in texts:
         alike.setdefault(re.sub(_NUMBER, "#", text), []).append(text)
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for each in alike.values():
         name = each[0] if len(each) == 1 else re.sub(r"^(\[\w+\] [\w.]+) = .*?: ", r"\1: ", each[0])
-        found[name] += sum(texts[text] for text in each)
-    return found
+        counts[name] += sum(texts[text] for text in each)
+    return counts
 
 
 def no_answer(data: xr.Dataset) -> str:
     """That no point has an answer, and every cause; empty where a point has one."""
-    found = causes(data)
-    if sum(found.values()) < data["reason"].size:
+    counts = causes(data)
+    if sum(counts.values()) < data["reason"].size:
         return ""
-    return "no point has an answer: " + "; ".join(f"{count} × {cause}" for cause, count in found.most_common())
+    return "no point has an answer: " + "; ".join(f"{count} × {cause}" for cause, count in counts.most_common())
 
 
 def at(data: xr.Dataset, number: int) -> dict[str, Any]:
@@ -478,37 +478,37 @@ def at(data: xr.Dataset, number: int) -> dict[str, Any]:
 
 def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
-    found = document(data)
-    sizes = " × ".join(f"{size} {name}" for name, size in found["dimensions"].items())
-    lines = [f"{found['title']}: {found['points']} point{'s' * (found['points'] != 1)} ({sizes})"]
-    if found["best"] is not None:
-        keys, values = found["best"]["keys"], found["best"]["values"]
+    entries = document(data)
+    sizes = " × ".join(f"{size} {name}" for name, size in entries["dimensions"].items())
+    lines = [f"{entries['title']}: {entries['points']} point{'s' * (entries['points'] != 1)} ({sizes})"]
+    if entries["best"] is not None:
+        keys, values = entries["best"]["keys"], entries["best"]["values"]
         where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
         lines.append(f"The ball does most at {where}:")
         amplitude = values["best_amplitude"]
         there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
-    elif headline(data, found):
-        lines.append(headline(data, found))
+    elif headline(data, entries):
+        lines.append(headline(data, entries))
     if "ST" in data and _is_spread(data):
         lines += _uncertain(data)
-    if found["without_verdict"]:
-        have = "point has" if found["without_verdict"] == 1 else "points have"
-        lines.append(f"{found['without_verdict']} {have} no verdict: `spindamp run` of one says why")
-    if found["without_answer"]:
-        have = "point has" if found["without_answer"] == 1 else "points have"
-        lines.append(f"{found['without_answer']} {have} no answer:")
-        lines += [f"  {entry['points']} × {entry['reason']}" for entry in found["reasons"][:3]]
+    if entries["without_verdict"]:
+        have = "point has" if entries["without_verdict"] == 1 else "points have"
+        lines.append(f"{entries['without_verdict']} {have} no verdict: `spindamp run` of one says why")
+    if entries["without_answer"]:
+        have = "point has" if entries["without_answer"] == 1 else "points have"
+        lines.append(f"{entries['without_answer']} {have} no answer:")
+        lines += [f"  {entry['points']} × {entry['reason']}" for entry in entries["reasons"][:3]]
     return "\n".join(lines)
 
 
-def headline(data: xr.Dataset, found: dict[str, Any]) -> str:
+def headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
     """The answer of a study that is not that of its best point; empty where it is."""
-    if found["best"] is not None:
+    if entries["best"] is not None:
         return spread(data) if "ST" in data and _is_spread(data) else ""
-    if found["without_answer"] + found["without_verdict"] < found["points"]:
+    if entries["without_answer"] + entries["without_verdict"] < entries["points"]:
         return "No ball takes anything at an amplitude that the structure endures"
-    return "No point has a verdict" if found["without_verdict"] else "No point has an answer"
+    return "No point has a verdict" if entries["without_verdict"] else "No point has an answer"
 
 
 def _is_spread(data: xr.Dataset) -> bool:
@@ -567,14 +567,14 @@ def dumps(data: xr.Dataset) -> str:
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    found = document(data)
+    entries = document(data)
     return from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
-        found=found,
-        best=_best_line(data, found),
-        headline=headline(data, found),
-        doubts=_doubts(data) if "ST" in data and found["best"] is not None else [],
+        result=entries,
+        best=_best_line(data, entries),
+        headline=headline(data, entries),
+        doubts=_doubts(data) if "ST" in data and entries["best"] is not None else [],
         spreads=_spreads(data) if "ST" in data else {},
         figures=draw(data),
         code=json.loads(data.attrs["code"]),
@@ -602,11 +602,11 @@ def _spreads(data: xr.Dataset) -> dict[str, str]:
     return {name: f"{said(data, name, low)} to {said(data, name, high)}" for name, (low, high) in ends.items()}
 
 
-def _best_line(data: xr.Dataset, found: dict[str, Any]) -> dict[str, str] | None:
+def _best_line(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str] | None:
     """The best point in words, name by name."""
-    if found["best"] is None:
+    if entries["best"] is None:
         return None
-    keys, values = found["best"]["keys"], found["best"]["values"]
+    keys, values = entries["best"]["keys"], entries["best"]["values"]
     words = {name: said(data, name, value) for name, value in keys.items() if name != SPEEDS}
     numbers = ((title, factor, values[name]) for name, title, factor in _FIGURES)
     return words | {title: significant(factor * value) for title, factor, value in numbers if value is not None}

@@ -35,20 +35,20 @@ _CONSTANT = 1e-9
 """Relative spread below which a quantity does not vary, and has no indices."""
 
 
-def axes(given: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axis, ...]:
+def axes(vary: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axis, ...]:
     """What is uncertain: what is given as ranges or ``normal:MEAN:DEVIATION``, or else what hardly ever is known well.
 
     Raises:
         BadInput: see :func:`workflows.studies.sweep.plan.read`; the speeds are not uncertain.
     """
-    found = read(given, scene.rotor.gravity) or defaults(scene)
-    for axis in found:
+    spreads = read(vary, scene.rotor.gravity) or defaults(scene)
+    for axis in spreads:
         if axis.spread is None or axis.name == SPEEDS:
             raise BadInput(
                 "expected a distribution: START:STOP (even), log:START:STOP or normal:MEAN:DEVIATION",
                 key=f"--vary {axis.name}",
             )
-    return found
+    return spreads
 
 
 def defaults(scene: Scene) -> tuple[Axis, ...]:
@@ -77,14 +77,14 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
 
 
-def plan(given: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Sample:
+def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Sample:
     """Saltelli's design over uncertain axes."""
     if isinstance(base, bool) or not isinstance(base, int) or base < 8 or base & (base - 1):
         raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
     from SALib.sample import sobol
 
-    ordered = sample(given, speeds, 1, seed)
-    tiles = sobol.sample(_problem(len(given)), base, calc_second_order=False, scramble=True, seed=seed)
+    ordered = sample(axes, speeds, 1, seed)
+    tiles = sobol.sample(_problem(len(axes)), base, calc_second_order=False, scramble=True, seed=seed)
     return Sample(ordered.axes, len(tiles), seed, tiles=tiles)
 
 
@@ -111,8 +111,8 @@ def indices(values: Floats, parameters: int, seed: int) -> dict[str, Floats]:
     from SALib.analyze import sobol
 
     how: dict[str, Any] = {"num_resamples": _RESAMPLES, "conf_level": _CONFIDENCE, "seed": seed}
-    found = sobol.analyze(_problem(parameters), groups.ravel(), calc_second_order=False, **how)
-    return {name: np.asarray(found[name], dtype=float) for name in names}
+    result = sobol.analyze(_problem(parameters), groups.ravel(), calc_second_order=False, **how)
+    return {name: np.asarray(result[name], dtype=float) for name in names}
 
 
 def independent(values: Floats, parameters: int) -> Floats:
@@ -142,8 +142,8 @@ def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
             known = independent(values, len(names))
             if np.isfinite(known).any():
                 spread[q, :, k] = np.nanpercentile(known, PERCENTILES)
-            for name, found in indices(values, len(names), seed).items():
-                shares[name][q, :, k] = found
+            for name, estimates in indices(values, len(names), seed).items():
+                shares[name][q, :, k] = estimates
     along = ("quantity", "parameter", SPEEDS)
     return (
         data.assign({name: (along, values) for name, values in shares.items()})
@@ -156,31 +156,34 @@ def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
     )
 
 
-def document(found: xr.Dataset) -> list[dict[str, Any]]:
+def document(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles and indices as plain data, an entry for each quantity and speed."""
     return [
         {
             "quantity": str(quantity),
-            "rpm": float(found["rpm"].values[k]),
+            "rpm": float(dataset["rpm"].values[k]),
             "percentiles": dict(
-                zip(map(str, PERCENTILES), map(finite, found["percentiles"].values[q, :, k]), strict=True)
+                zip(map(str, PERCENTILES), map(finite, dataset["percentiles"].values[q, :, k]), strict=True)
             ),
             "indices": [
                 {"parameter": str(name)}
-                | {index: finite(found[index].values[q, p, k]) for index in ("S1", "S1_conf", "ST", "ST_conf")}
-                for p, name in enumerate(found["parameter"].values)
+                | {index: finite(dataset[index].values[q, p, k]) for index in ("S1", "S1_conf", "ST", "ST_conf")}
+                for p, name in enumerate(dataset["parameter"].values)
             ],
         }
         for q, quantity in enumerate(QUANTITIES)
-        for k in range(found.sizes[SPEEDS])
+        for k in range(dataset.sizes[SPEEDS])
     ]
 
 
-def worth_measuring(found: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
+def worth_measuring(dataset: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
     """The parameters of a quantity at a speed: name, total index and its half-width, the greatest first."""
     q = QUANTITIES.index(quantity)
     totals = zip(
-        map(str, found["parameter"].values), found["ST"].values[q, :, k], found["ST_conf"].values[q, :, k], strict=True
+        map(str, dataset["parameter"].values),
+        dataset["ST"].values[q, :, k],
+        dataset["ST_conf"].values[q, :, k],
+        strict=True,
     )
     return sorted(((n, float(t), float(c)) for n, t, c in totals if np.isfinite(t)), key=lambda item: -item[1])
 

@@ -54,15 +54,15 @@ class Region:
 def regions(plan: Plan, most: int) -> list[Region]:
     """All points of a plan, in order, in regions of at most so many."""
     lengths, sides = tuple(plan.dimensions.values()), _sides(plan, most)
-    found, begin = [], 0
+    blocks, begin = [], 0
     for chunk in itertools.product(*(range(-(-n // side)) for n, side in zip(lengths, sides, strict=True))):
         slices = tuple(
             slice(k * side, min((k + 1) * side, n)) for k, side, n in zip(chunk, sides, lengths, strict=True)
         )
         end = begin + math.prod(each.stop - each.start for each in slices)
-        found.append(Region(begin, end, slices, chunk))
+        blocks.append(Region(begin, end, slices, chunk))
         begin = end
-    return found
+    return blocks
 
 
 def _sides(plan: Plan, most: int) -> tuple[int, ...]:
@@ -117,14 +117,14 @@ class Folder:
 
 
 @contextmanager
-def opened(path: Path, plan: Plan, most: int, said: dict[str, str]) -> Iterator[Folder]:
+def opened(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> Iterator[Folder]:
     """The folder of a study for as long as the block lasts, new or begun before.
 
     Args:
         path: the folder.
         plan: its points.
         most: points of a region at most.
-        said: what makes it this study; see :func:`attributes`.
+        identity: what makes it this study; see :func:`attributes`.
 
     Raises:
         BadInput: another process writes into it, it holds another study, or it cannot be written.
@@ -146,9 +146,9 @@ def opened(path: Path, plan: Plan, most: int, said: dict[str, str]) -> Iterator[
         raise BadInput(f"cannot be locked: {error}", key="--out", value=str(path)) from error
     try:
         _clear(target)
-        _check_same(target, path, said)
+        _check_same(target, path, identity)
         with writing(path):
-            _lay_out(target, plan, _sides(plan, most), said)
+            _lay_out(target, plan, _sides(plan, most), identity)
         with zarr.config.set({"array.write_empty_chunks": True}):
             arrays = dict(zarr.open_group(target / DATA, mode="r+", use_consolidated=False).arrays())
             names = (*(quantity.name for quantity in QUANTITIES), "reason", DONE)
@@ -168,10 +168,10 @@ def checked(path: Path) -> Path:
         return target
     target = folder.check(path)
     if target.is_dir():
-        for found in sorted(target.iterdir()):
-            if found.name != LOCK and not found.name.startswith(folder.PARTIAL):
+        for entry in sorted(target.iterdir()):
+            if entry.name != LOCK and not entry.name.startswith(folder.PARTIAL):
                 raise BadInput(
-                    f"holds a {found.name} and no study: expected a new folder or one with a study",
+                    f"holds a {entry.name} and no study: expected a new folder or one with a study",
                     key="--out",
                     value=str(path),
                 )
@@ -181,7 +181,7 @@ def checked(path: Path) -> Path:
 _CALLED = {"code": "code and versions", "plan": "points"}
 
 
-def _check_same(target: Path, path: Path, said: dict[str, str]) -> None:
+def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
     """See that what an old folder holds is of the same study."""
     known = target / DATA / _METADATA
     if not known.exists():
@@ -191,8 +191,8 @@ def _check_same(target: Path, path: Path, said: dict[str, str]) -> None:
     except (OSError, ValueError, LookupError) as error:
         problem = f"its {DATA}/{_METADATA} is damaged ({error}): expected another folder, or this one removed"
         raise BadInput(problem, key="--out", value=str(path)) from error
-    if before.get("study") != said["study"]:
-        names = [name for name in said if name != "study" and said[name] != before.get(name)]
+    if before.get("study") != identity["study"]:
+        names = [name for name in identity if name != "study" and identity[name] != before.get(name)]
         what = " and ".join(_CALLED.get(name, name) for name in names) or "key"
         raise BadInput(
             f"holds a study that differs in its {what}: expected another folder, or the old one removed",
@@ -223,7 +223,7 @@ def writing(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, str]) -> None:
+def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:
     """Put the data set in place but for its points: what describes it, and the values of the keys.
 
     In an old folder this puts right what was damaged.
@@ -233,7 +233,7 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, s
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
     aside = target / f"{folder.PARTIAL}{DATA}"
-    xr.Dataset(coords=_coordinates(plan), attrs=said).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
+    xr.Dataset(coords=_coordinates(plan), attrs=identity).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
     group = zarr.open_group(aside, mode="r+")
     described: list[tuple[str, str, str, dict[str, Any]]] = [
         (each.name, each.kind, each.meaning, {"units": each.unit}) for each in QUANTITIES
@@ -268,12 +268,12 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], said: dict[str, s
 def _coordinates(plan: Plan) -> dict[str, Any]:
     """Values of the keys along their dimensions, and the speeds in rpm beside them."""
     units = {axis.name: axis.key.unit for axis in plan.axes}
-    found: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
     for name, (along, values) in plan.coordinates().items():
-        found[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
+        coordinates[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
-            found["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
-    return found
+            coordinates["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
+    return coordinates
 
 
 def _array(values: list[Value]) -> Any:
@@ -287,14 +287,14 @@ def opened_table(path: Path) -> xr.Dataset:
     """A data set that was written, read as it is asked for."""
     import xarray as xr
 
-    found = xr.open_dataset(path, engine="zarr")
+    table = xr.open_dataset(path, engine="zarr")
     # Zarr lists its arrays in any order.
-    data = {name: found[name].variable for name in (*(quantity.name for quantity in QUANTITIES), "reason")}
-    coordinates = {name: found[name].variable for name in (*keys_of(found), "rpm")}
-    return xr.Dataset(data, coords=coordinates, attrs=found.attrs)
+    data = {name: table[name].variable for name in (*(quantity.name for quantity in QUANTITIES), "reason")}
+    coordinates = {name: table[name].variable for name in (*keys_of(table), "rpm")}
+    return xr.Dataset(data, coords=coordinates, attrs=table.attrs)
 
 
 def keys_of(data: xr.Dataset) -> list[str]:
     """The keys that are varied, in the order of the plan."""
-    found: list[str] = json.loads(data.attrs["keys"])
-    return found
+    keys: list[str] = json.loads(data.attrs["keys"])
+    return keys

@@ -110,18 +110,18 @@ def asked(
     if source.scene.damper is None:
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
-    given = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
-    if not given:
+    axes = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
+    if not axes:
         raise BadInput(
             "nothing is varied: expected KEY=START:STOP:COUNT, such as damper.friction=0.1:0.5:9", key="--vary"
         )
-    plan.base(source, [axis.key for axis in given])
-    plan.check_units(given, source.scene)
+    plan.base(source, [axis.key for axis in axes])
+    plan.check_units(axes, source.scene)
     speeds = source.scene.rotor.speeds
     if uncertain:
-        points: Plan = sensitivity.plan(given, speeds, sensitivity.BASE if count is None else count, seed)
+        points: Plan = sensitivity.plan(axes, speeds, sensitivity.BASE if count is None else count, seed)
     else:
-        points = plan.grid(given, speeds) if count is None else plan.sample(given, speeds, count, seed)
+        points = plan.grid(axes, speeds) if count is None else plan.sample(axes, speeds, count, seed)
     return Study(source, points, quick, executor.digest())
 
 
@@ -189,5 +189,5 @@ def sweep(
     """The headline numbers of a scene over any of its keys; see :func:`spindamp.sweep`."""
     study = asked(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
     pool, clock = workers_of(workers, dask, executor), stages or Stages()
-    found = in_memory(study, pool, clock) if out is None else complete(study, Path(out), pool, clock)
-    return sensitivity.analysed(found, seed) if uncertain else found
+    data = in_memory(study, pool, clock) if out is None else complete(study, Path(out), pool, clock)
+    return sensitivity.analysed(data, seed) if uncertain else data

@@ -74,28 +74,28 @@ def changes(own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_h
         for name, (here, there) in _values(mine[rpm], others[rpm]).items():
             pair = _Pair(rpm, here, there) if own_has_it else _Pair(rpm, there, here)
             pairs.setdefault(name, []).append(pair)
-    relative = {name: _largest(found) for name, found in pairs.items()}
+    relative = {name: _largest(both) for name, both in pairs.items()}
     with_it, without = (mine, others) if own_has_it else (others, mine)
     remarks = [_diverging("with", set(without) - set(with_it)), _diverging("without", set(with_it) - set(without))]
-    for name, found in pairs.items():
-        remarks += _one_sided(name, found)
+    for name, both in pairs.items():
+        remarks += _one_sided(name, both)
     return Changes(relative, tuple(remark for remark in remarks if remark))
 
 
 def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None, float | None]]:
     """Headline quantities of two runs at one speed."""
     partners = _partners(own.modes, other.modes)
-    found: dict[str, tuple[float | None, float | None]] = {}
+    values: dict[str, tuple[float | None, float | None]] = {}
     for number, (mode, partner) in enumerate(zip(own.modes, partners, strict=True), 1):
-        found[f"frequency_{number}"] = mode.frequency_hz, None if partner is None else partner.frequency_hz
+        values[f"frequency_{number}"] = mode.frequency_hz, None if partner is None else partner.frequency_hz
     if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
-            found[name] = getattr(own.damper, name), getattr(other.damper, name)
+            values[name] = getattr(own.damper, name), getattr(other.damper, name)
         figures = [point.level or point.working for point in (own, other)]
         here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
-        found["ball_damping_ratio"] = here, there
-        found["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
-    return found
+        values["ball_damping_ratio"] = here, there
+        values["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
+    return values
 
 
 def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | None]:
@@ -127,8 +127,8 @@ def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
 
 
 def _diverging(side: str, speeds: Iterable[float]) -> str:
-    found = list(speeds)
-    return f"{side} it the plate diverges {_at(found)}" if found else ""
+    listed = list(speeds)
+    return f"{side} it the plate diverges {_at(listed)}" if listed else ""
 
 
 def _at(speeds: list[float]) -> str:
@@ -207,70 +207,74 @@ def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
     stages = stages or Stages()
     quiet = Stages(visible=False)
     settled = choose_model(source, quiet)
-    decided, called = settled.effects, selection.called_for(source.scene, settled.form)
+    resolved, called = settled.effects, selection.called_for(source.scene, settled.form)
     size = None if settled.form is None else structure.discretise(source, settled, quiet).choice.size
-    with stages("effects", len(decided) + 1) as step:
-        own = _run(source, decided, {}, size)
+    with stages("effects", len(resolved) + 1) as step:
+        own = _run(source, resolved, {}, size)
         step.advance("as the scene has it")
         rows = []
-        for name in decided:
-            rows.append(_switched(source, decided, called, name, own, size))
+        for name in resolved:
+            rows.append(_switched(source, resolved, called, name, own, size))
             step.advance(name)
     return Switches(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
 
 def _switched(
     source: SceneFile,
-    decided: dict[str, Effect],
+    resolved: dict[str, Effect],
     called: dict[str, Called],
     name: str,
     own: tuple[SpeedPoint, ...],
     size: int | None,
 ) -> Switched:
     called_for, why, _ = called[name]
-    on = decided[name].on
+    on = resolved[name].on
     row = Switched(name, called_for, why, on)
     belongs_to = EFFECTS[name].of
     if belongs_to == "plate" and source.scene.blade is not None:
         return replace(row, failed="solid blades are solved one way alone")
     if getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
-    switches, together = _switches(name, decided)
+    switches, together = _switches(name, resolved)
     try:
-        found = compared(lambda: _run(source, decided, switches, size), lambda: _run(source, decided, {}, size))
+        comparison = compared(lambda: _run(source, resolved, switches, size), lambda: _run(source, resolved, {}, size))
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
-    changed = changes(own, found.value, own_has_it=on)
-    extra, ends = (-found.extra, (-found.high, -found.low)) if on else (found.extra, (found.low, found.high))
+    changed = changes(own, comparison.value, own_has_it=on)
+    extra, ends = (
+        (-comparison.extra, (-comparison.high, -comparison.low))
+        if on
+        else (comparison.extra, (comparison.low, comparison.high))
+    )
     return replace(
         row,
         changes=changed.relative,
         remarks=together + changed.remarks,
         time_s=extra,
         time_spread_s=ends,
-        time_share=extra / (found.others if on else found.seconds),
+        time_share=extra / (comparison.others if on else comparison.seconds),
     )
 
 
-def _switches(name: str, decided: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
+def _switches(name: str, resolved: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
     """An effect the other way, with those that must go with it, and these in words."""
-    switches, together = {name: not decided[name].on}, []
+    switches, together = {name: not resolved[name].on}, []
     for part, parent in ((part, kind.part_of) for part, kind in EFFECTS.items() if kind.part_of):
-        if name == parent and decided[parent].on and decided[part].on:
+        if name == parent and resolved[parent].on and resolved[part].on:
             switches[part] = False
             together.append(f"together with {part}, which needs it")
-        if name == part and not decided[part].on and not decided[parent].on:
+        if name == part and not resolved[part].on and not resolved[parent].on:
             switches[parent] = True
             together.append(f"together with {parent}, which it needs")
     return switches, tuple(together)
 
 
 def _run(
-    source: SceneFile, decided: dict[str, Effect], switches: dict[str, bool], size: int | None
+    source: SceneFile, resolved: dict[str, Effect], switches: dict[str, bool], size: int | None
 ) -> tuple[SpeedPoint, ...]:
     """The scene with all effects as decided but those switched, on a mesh that is given."""
-    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in decided.items()} | switches)
+    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in resolved.items()} | switches)
     scene, quiet = source.changed(effects=effects), Stages(visible=False)
     return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
@@ -305,10 +309,10 @@ _SAID: dict[str, Any] = {
 
 
 @plots.style()
-def draw(found: Switches) -> str:
+def draw(switches: Switches) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
-    figure, (left, right) = plots.canvas(0.9 + 0.34 * len(found.rows), 2)
-    rows, least = found.rows[::-1], _least(found)
+    figure, (left, right) = plots.canvas(0.9 + 0.34 * len(switches.rows), 2)
+    rows, least = switches.rows[::-1], _least(switches)
     for place, row in enumerate(rows):
         colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
         _change(left, place, row, colour, least)
@@ -323,20 +327,20 @@ def draw(found: Switches) -> str:
     sizes = [abs(row.largest[1]) for row in rows if row.largest is not None]
     left.set(
         xscale="log",
-        xlim=(least, 10 * max(1.0, found.asked, *sizes)),
+        xlim=(least, 10 * max(1.0, switches.asked, *sizes)),
         title="largest relative change of any quantity",
-        xlabel=f"dashed: the scene's own accuracy, {found.asked:g}",
+        xlabel=f"dashed: the scene's own accuracy, {switches.asked:g}",
     )
-    left.axvline(found.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    left.axvline(switches.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     right.set(title="share of the run's time with it, %")
     unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
     whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
     return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
-def _least(found: Switches) -> float:
+def _least(switches: Switches) -> float:
     """Where the axis of changes begins."""
-    return float(10.0 ** math.floor(math.log10(_UNSEEN * found.asked)))
+    return float(10.0 ** math.floor(math.log10(_UNSEEN * switches.asked)))
 
 
 def _is_seen(row: Switched, least: float) -> bool:
@@ -382,30 +386,30 @@ def _name(row: Switched) -> str:
     return row.effect.replace("_", " ")
 
 
-def write(found: Switches, out: Path) -> None:
+def write(switches: Switches, out: Path) -> None:
     """Write `effects.json`, `effects.csv`, `effects.svg` and `report.html` into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    figure = draw(found)
+    figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
-    quantities = dict.fromkeys(name for row in found.rows for name in row.changes)
+    quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
     columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
     contents = {
-        "effects.json": dumps(found) + "\n",
+        "effects.json": dumps(switches) + "\n",
         "effects.svg": plots.standalone(figure),
-        "effects.csv": as_table(columns, map(_flat, found.rows)),
-        "report.html": from_template("effects.html.j2", found=found, figure=figure, **constant),
+        "effects.csv": as_table(columns, map(_flat, switches.rows)),
+        "report.html": from_template("effects.html.j2", found=switches, figure=figure, **constant),
     }
     write_study(out, contents)
 
 
-def text(found: Switches) -> str:
+def text(switches: Switches) -> str:
     """The effects as a table; what has no place in it is below its row."""
     lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
-    for row in found.rows:
+    for row in switches.rows:
         top = row.largest
         quantity, size = ("", formatting.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
@@ -431,6 +435,6 @@ def _flat(row: Switched) -> dict[str, Any]:
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
 
 
-def dumps(found: Switches) -> str:
+def dumps(switches: Switches) -> str:
     """The machine-readable result."""
-    return as_json(found.document())
+    return as_json(switches.document())

@@ -19,29 +19,29 @@ _SMALLEST = 1e-16
 
 
 @plots.style()
-def study_plot(found: ConvergenceStudy, name: str, asked: float | None) -> str:
+def study_plot(study: ConvergenceStudy, name: str, target: float | None) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
     figure, (axes,) = plots.canvas(3.4)
-    _work_precision(axes, found, asked)
+    _work_precision(axes, study, target)
     plots.legend(figure, axes, ncols=1)
-    return plots.svg(figure, name, f"Time against error: {found.quantity}")
+    return plots.svg(figure, name, f"Time against error: {study.quantity}")
 
 
 @plots.style()
-def overview(studies: list[ConvergenceStudy], asked: float | None) -> str:
+def overview(studies: list[ConvergenceStudy], target: float | None) -> str:
     """Some studies side by side."""
     figure, panels = plots.canvas(4.0, len(studies))
-    for axes, found in zip(panels, studies, strict=True):
-        _work_precision(axes, found, asked)
-        axes.set_title(found.stage)
+    for axes, study in zip(panels, studies, strict=True):
+        _work_precision(axes, study, target)
+        axes.set_title(study.stage)
         axes.legend(loc="upper left", bbox_to_anchor=(-0.05, -0.2), ncols=1, fontsize=6.5)
     return plots.svg(figure, "overview", "Time against error")
 
 
-def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) -> None:
-    methods = list(dict.fromkeys(row.method for row in found.rows))
+def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -> None:
+    methods = list(dict.fromkeys(row.method for row in study.rows))
     for number, method in enumerate(methods):
-        rows = [row for row in found.rows if row.method == method and row.time_s is not None and row.error is not None]
+        rows = [row for row in study.rows if row.method == method and row.time_s is not None and row.error is not None]
         if rows:
             axes.plot(
                 [max(row.error or 0.0, _SMALLEST) for row in rows],
@@ -52,78 +52,81 @@ def _work_precision(axes: Axes, found: ConvergenceStudy, asked: float | None) ->
                 lw=1.0,
                 label=method,
             )
-    if asked is not None:
-        axes.axvline(asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    if target is not None:
+        axes.axvline(target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()
 
 
-def write(found: WorkPrecision, out: Path) -> None:
+def write(work_precision: WorkPrecision, out: Path) -> None:
     """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    asked = found.asked["frequency"]
-    figures = [study_plot(study, f"ladder{number}", _asked(found, study)) for number, study in enumerate(found.studies)]
-    first = [study for study in found.studies if study.stage in ("plate", "damper")]
+    target = work_precision.asked["frequency"]
+    figures = [
+        study_plot(study, f"ladder{number}", _asked(work_precision, study))
+        for number, study in enumerate(work_precision.studies)
+    ]
+    first = [study for study in work_precision.studies if study.stage in ("plate", "damper")]
     columns = ("stage", "method", "setting", "unknowns", "time_s", "error", "uncertainty", "failed")
-    rows = [{"stage": study.stage, **vars(row)} for study in found.studies for row in study.rows]
+    rows = [{"stage": study.stage, **vars(row)} for study in work_precision.studies for row in study.rows]
     page = from_template(
         "accuracy.html.j2",
         milliseconds=_milliseconds,
         exponent=_exponent,
-        found=found,
+        result=work_precision,
         figures=figures,
         policy=POLICY,
-        verdict=verdict(found),
+        verdict=verdict(work_precision),
         not_drawn=not_drawn,
     )
     contents = {
-        "accuracy.json": dumps(found) + "\n",
-        "accuracy.svg": plots.standalone(overview(first, asked)),
+        "accuracy.json": dumps(work_precision) + "\n",
+        "accuracy.svg": plots.standalone(overview(first, target)),
         "accuracy.csv": as_table(columns, rows),
         "report.html": page,
     }
     write_study(out, contents)
 
 
-def text(found: WorkPrecision) -> str:
+def text(work_precision: WorkPrecision) -> str:
     """The studies as a table."""
     lines = []
-    for study in found.studies:
+    for study in work_precision.studies:
         lines += [f"{study.stage}: {study.quantity}", f"  against {study.reference}", ""]
         wide = max(22, *(len(row.setting) for row in study.rows))
         lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
         lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in study.rows]
         lines.append("")
     lines += ["chosen by the scene's accuracy"]
-    for stage, chosen in found.chosen.items():
+    for stage, chosen in work_precision.chosen.items():
         estimate, error = (_exponent(value) for value in (chosen.error_estimate, chosen.error))
         lines.append(f"  {stage}: {chosen.method}, {chosen.setting}; estimate {estimate}, true {error}")
     return "\n".join(lines)
 
 
-def verdict(found: WorkPrecision) -> list[str]:
+def verdict(work_precision: WorkPrecision) -> list[str]:
     """Who is cheapest for which error, in sentences, and what speaks against it."""
     return [
-        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(found, study))}."
-        for study in found.studies
+        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(work_precision, study))}."
+        for study in work_precision.studies
         if len({row.method for row in study.rows}) > 1
     ]
 
 
 def not_drawn(study: ConvergenceStudy) -> list[str]:
     """The rows that have no place in the plots, and why, in a line for each method."""
-    found: dict[str, list[str]] = {}
+    reasons: dict[str, list[str]] = {}
     for row in study.rows:
         if row.failed is not None:
-            found.setdefault(row.method, []).append(f"{row.setting} ({row.failed})")
-    return [f"{method}: {', '.join(settings)}" for method, settings in found.items()]
+            reasons.setdefault(row.method, []).append(f"{row.setting} ({row.failed})")
+    return [f"{method}: {', '.join(settings)}" for method, settings in reasons.items()]
 
 
-def _asked(found: WorkPrecision, study: ConvergenceStudy) -> float:
-    return found.asked["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
+def _asked(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
+    return work_precision.asked["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
 
 
 def _judged(study: ConvergenceStudy) -> list[tuple[float, float, Setting]]:
@@ -132,31 +135,31 @@ def _judged(study: ConvergenceStudy) -> list[tuple[float, float, Setting]]:
     return sorted(known, key=lambda item: item[0])
 
 
-def _best(study: ConvergenceStudy, asked: float) -> Setting | None:
-    return next((row for _, error, row in _judged(study) if error <= asked), None)
+def _best(study: ConvergenceStudy, target: float) -> Setting | None:
+    return next((row for _, error, row in _judged(study) if error <= target), None)
 
 
-def _winner(study: ConvergenceStudy, asked: float) -> str:
-    best, limit = _best(study, asked), f"{formatting.significant(100 * asked)} %"
+def _winner(study: ConvergenceStudy, target: float) -> str:
+    best, limit = _best(study, target), f"{formatting.significant(100 * target)} %"
     if best is None:
-        return f"nothing meets {limit}{_doubt(study, asked)}"
+        return f"nothing meets {limit}{_doubt(study, target)}"
     text = f"{best.method} ({best.setting}) is the cheapest that meets {limit}, in {_milliseconds(best)} ms"
     second = next(
-        (row for _, error, row in _judged(study) if error <= asked and row.method != best.method),
+        (row for _, error, row in _judged(study) if error <= target and row.method != best.method),
         None,
     )
     if second is None:
-        return f"{text}; no other does{_doubt(study, asked)}"
+        return f"{text}; no other does{_doubt(study, target)}"
     times = formatting.significant((second.time_s or 0.0) / (best.time_s or 1.0), 2)
-    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(study, asked)}"
+    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(study, target)}"
 
 
-def _doubt(study: ConvergenceStudy, asked: float) -> str:
+def _doubt(study: ConvergenceStudy, target: float) -> str:
     """Whether the reference is too uncertain to tell if the winner, or what is cheaper, meets the accuracy."""
-    best = _best(study, asked)
+    best = _best(study, target)
     open_ones = []
     for _, error, row in _judged(study):
-        if row.uncertainty is not None and abs(error - asked) < row.uncertainty:
+        if row.uncertainty is not None and abs(error - target) < row.uncertainty:
             open_ones.append(row.uncertainty)
         if row is best:
             break
@@ -181,6 +184,6 @@ def _exponent(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
 
 
-def dumps(found: WorkPrecision) -> str:
+def dumps(work_precision: WorkPrecision) -> str:
     """The machine-readable result."""
-    return as_json(found.document())
+    return as_json(work_precision.document())

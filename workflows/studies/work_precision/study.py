@@ -49,8 +49,8 @@ _NOTHING = 1e-9
 
 def level(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper on a level floor with one mode along each axis, which is what the other methods know."""
-    kept = ("floor_friction", "restitution_by_speed")  # nothing but the exact events has an answer with these
-    return replace(system, **{name: default for name, default in unknown(system).items() if name not in kept})
+    exceptions = ("floor_friction", "restitution_by_speed")  # nothing but the exact events has an answer with these
+    return replace(system, **{name: default for name, default in unknown(system).items() if name not in exceptions})
 
 
 def damper_study(
@@ -153,10 +153,10 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
     shown = middle(finest.speeds)
     best = finest.speeds[shown]
     runs: list[tuple[Setting, Results | None]] = []
-    for asked in ASKED:
-        step.advance(f"accuracy {asked:g}")
-        work = partial(pipeline.run, _asking(source, asked, theory), quiet())
-        runs.append(measured("pipeline", f"accuracy {asked:g}", work, lambda _: (None, 0.0)))
+    for target in ASKED:
+        step.advance(f"accuracy {target:g}")
+        work = partial(pipeline.run, _asking(source, target, theory), quiet())
+        runs.append(measured("pipeline", f"accuracy {target:g}", work, lambda _: (None, 0.0)))
     own = pipeline.run(_asking(source, None, theory), quiet())
     studies, chosen = [], {}
     for name, quantity in QUANTITIES.items():
@@ -293,7 +293,7 @@ def sizes(problem: Problem, finest: int) -> list[int]:
 
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
-    found = {}
+    best = {}
     for method in (_thin(problem), Method("mindlin", "Mindlin", FINEST_PLATE["mindlin"]), _bricks(4)):
         theory, pair = method.theory, _finest(problem, method)
         step.advance(f"limit of {theory}")
@@ -304,8 +304,8 @@ def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
         limit = last + (last - before) / (growth - 1.0)
         if theory == "solid":
             limit = limit * _more_layers(problem, pair[0])
-        found[theory] = limit, _largest_error(limit, last)
-    return found
+        best[theory] = limit, _largest_error(limit, last)
+    return best
 
 
 def plate_studies(problem: Problem, step: Step) -> tuple[list[ConvergenceStudy], dict[str, tuple[Floats, float]]]:
@@ -389,10 +389,10 @@ def _finest(problem: Problem, method: Method) -> list[int]:
     most = method.finest
     if not isinstance(problem.form, fem.Rectangle):
         most = 4 if method.theory == "mindlin" else 2
-    tried = [size for size in problem.form.sizes if size <= most]
+    sizes = [size for size in problem.form.sizes if size <= most]
     if method.theory == "solid":
-        tried = [size for size in tried if _unknowns(problem, method, size) <= SOLID_AT_MOST]
-    return tried[-3::2] if len(tried) > 2 and isinstance(problem.form, fem.Rectangle) else tried[-2:]
+        sizes = [size for size in sizes if _unknowns(problem, method, size) <= SOLID_AT_MOST]
+    return sizes[-3::2] if len(sizes) > 2 and isinstance(problem.form, fem.Rectangle) else sizes[-2:]
 
 
 def _more_layers(problem: Problem, size: int) -> Floats:
@@ -410,7 +410,7 @@ def _unknowns(problem: Problem, method: Method, size: int) -> int:
 
 
 _TIMED_SPEEDS = 5
-"""Speeds solved by themselves; what all would take is reckoned from them."""
+"""Speeds solved by themselves; the time of all is estimated from them."""
 
 SPEEDS = 1000
 _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
@@ -419,11 +419,11 @@ _TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tuple[ConvergenceStudy, Choice]:
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
     omega = np.linspace(0.0, top, SPEEDS) if top > 0 else np.zeros(1)
-    tried = omega[np.unique(np.linspace(0, omega.size - 1, _TIMED_SPEEDS + 2).round().astype(int)[1:-1])]
-    direct = np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in tried])
+    timed = omega[np.unique(np.linspace(0, omega.size - 1, _TIMED_SPEEDS + 2).round().astype(int)[1:-1])]
+    direct = np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in timed])
 
     def judge(diagram: fem.Campbell) -> tuple[int | None, float]:
-        at = np.searchsorted(diagram.omega, tried)
+        at = np.searchsorted(diagram.omega, timed)
         return max(diagram.sizes, default=None), _largest_error(diagram.frequencies_hz[at], direct)
 
     rows = []
@@ -440,23 +440,23 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     step.advance("each speed by itself")
     alone = measure(
         "each speed by itself",
-        f"{tried.size} of {omega.size} timed",
-        lambda: np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in tried]),
-        lambda found: (operators.mass.shape[0], _largest_error(found, direct)),
-        share=omega.size / tried.size,
+        f"{timed.size} of {omega.size} timed",
+        lambda: np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in timed]),
+        lambda solved: (operators.mass.shape[0], _largest_error(solved, direct)),
+        share=omega.size / timed.size,
     )
     study = ConvergenceStudy(
         "speeds",
         f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(in_rpm(top))} rpm",
-        f"modes solved for at {tried.size} of the speeds on the same mesh, good to rounding",
+        f"modes solved for at {timed.size} of the speeds on the same mesh, good to rounding",
         (*rows, alone),
     )
-    return study, _chosen_basis(operators, omega, tried, direct, count)
+    return study, _chosen_basis(operators, omega, timed, direct, count)
 
 
-def _chosen_basis(operators: fem.Operators, omega: Floats, tried: Floats, direct: Floats, count: int) -> Choice:
+def _chosen_basis(operators: fem.Operators, omega: Floats, timed: Floats, direct: Floats, count: int) -> Choice:
     diagram = fem.campbell(operators, omega, count)
-    at = np.searchsorted(diagram.omega, tried)
+    at = np.searchsorted(diagram.omega, timed)
     error = _largest_error(diagram.frequencies_hz[at], direct)
     sizes = " and ".join(map(str, diagram.sizes))
     return Choice("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
@@ -472,10 +472,10 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     stages = stages or Stages()
     studies: list[ConvergenceStudy] = []
     chosen: dict[str, Choice] = {}
-    decided = choose_model(source, Stages(visible=False))
-    ball = None if source.scene.damper is None else _ball(source, decided)  # refused before the plate takes its time
-    if decided.form is not None:
-        plates, picked = _plate(source, decided, stages)
+    choice = choose_model(source, Stages(visible=False))
+    ball = None if source.scene.damper is None else _ball(source, choice)  # refused before the plate takes its time
+    if choice.form is not None:
+        plates, picked = _plate(source, choice, stages)
         studies += plates
         chosen |= picked
     if ball is not None:
@@ -487,21 +487,21 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
         whole, picked = pipeline_studies(source, step)
     if not studies:
         raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
-    asked = source.scene.accuracy.model_dump()
-    return WorkPrecision(source.scene.title, asked, (*studies, *whole), chosen | picked)
+    targets = source.scene.accuracy.model_dump()
+    return WorkPrecision(source.scene.title, targets, (*studies, *whole), chosen | picked)
 
 
-def _ball(source: SceneFile, decided: ModelChoice) -> tuple[damper.ParticleDamper, tuple[float, float], SpeedPoint]:
+def _ball(source: SceneFile, choice: ModelChoice) -> tuple[damper.ParticleDamper, tuple[float, float], SpeedPoint]:
     """The damper at the middle speed, on a level floor, its release, and the structure there."""
-    points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=decided).points
+    points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=choice).points
     point = points[middle(points)]
     with read_from(source.name):
-        system = level(particle_damper(source.scene, decided.effects, point))
+        system = level(particle_damper(source.scene, choice.effects, point))
         return system, coupling.released_at(source.scene, point, system), point
 
 
-def _plate(source: SceneFile, decided: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
-    (form, _), solver = decided.plate, discretise(source, decided, Stages(visible=False))
+def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
+    (form, _), solver = choice.plate, discretise(source, choice, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     problem = Problem(

@@ -18,10 +18,10 @@ import numpy as np
 
 from damper import laws, self_check
 from damper.batch import in_blocks
-from damper.damping_curve import (
+from damper.curves import (
     BINNED,
     BINS,
-    Working,
+    DampingCurve,
     continued,
     figures,
     folded,
@@ -97,19 +97,19 @@ class _Pace:
         whole("stay", self.stay)
 
 
-def working(
+def damping_curve(
     damper: ParticleDamper,
     *,
     threads: int | None = None,
     sweeps: int = SWEEPS,
     stay: int = STAY,
     reach: float = 0.0,
-) -> Working:
+) -> DampingCurve:
     """Measure the damper on sweeps through the amplitudes along x, the structure's own damping set aside.
 
     A ball may have two steady motions at an amplitude: it keeps bouncing where the vibration comes down, and rolls to
     and fro without a hit where it grows. Sweeps go down and up, and the figures are those of the way up, from a ball at
-    rest in the middle; `Working.from_above` has the others.
+    rest in the middle; `DampingCurve.from_above` has the others.
 
     Args:
         damper: what is measured; its damping ratio has no influence.
@@ -155,14 +155,16 @@ def working(
     return held_until(growing, bare.amplitude_of(bare.break_away_threshold))
 
 
-def falling(damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY) -> Working:
-    """The figures of the sweeps down alone; see :func:`working` for the arguments."""
+def falling(
+    damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
+) -> DampingCurve:
+    """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
     return _down(damper, _Pace(sweeps, stay), 0.0, threads)[0]
 
 
 def _down(
     damper: ParticleDamper, pace: _Pace, reach: float, threads: int | None
-) -> tuple[Working, Floats, float, float]:
+) -> tuple[DampingCurve, Floats, float, float]:
     """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
     bare, none = undamped(damper), (np.zeros((0, 3)), 0.0, 0.0)
     left = abs(1 - bare.tilt_share[0])
@@ -178,36 +180,36 @@ def _down(
     before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(pace.stay // _SLOWER, 1)), threads)
     if before.peak == 0:
         return before, *none
-    found, samples = _found(bare, cutoff, lowest, top, pace, threads)
-    if _moved(before, found) > _SAME:
+    curve, samples = _found(bare, cutoff, lowest, top, pace, threads)
+    if _moved(before, curve) > _SAME:
         slower = replace(pace, stay=_SLOWER * pace.stay)
-        before, (found, samples) = found, _found(bare, cutoff, lowest, top, slower, threads)
-    above = replace(found, error=max(found.error, _moved(before, found)))
+        before, (curve, samples) = curve, _found(bare, cutoff, lowest, top, slower, threads)
+    above = replace(curve, error=max(curve.error, _moved(before, curve)))
     return above, samples, max(cutoff, _LOWEST * gap / left), top
 
 
-def _moved(before: Working, found: Working) -> float:
+def _moved(before: DampingCurve, after: DampingCurve) -> float:
     """Relative difference of two peaks, or of the amplitudes between which half of them is left, the largest."""
-    if found.peak == 0:
+    if after.peak == 0:
         return 1.0
-    was, now = np.array([before.peak, *before.half]), np.array([found.peak, *found.half])
+    was, now = np.array([before.peak, *before.half]), np.array([after.peak, *after.half])
     return float(np.abs(was / now - 1).max())
 
 
 def _falling(
     damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
-) -> tuple[Working, float]:
+) -> tuple[DampingCurve, float]:
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
-        found, _ = _found(damper, cutoff, low, top, pace, threads)
-        if found.peak == 0 or found.damping_ratio[-1] < found.peak / 2 or top > low * 2**_MOST_OCTAVES:
-            return found, top
+        curve, _ = _found(damper, cutoff, low, top, pace, threads)
+        if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
+            return curve, top
         top *= 2**_OCTAVES
 
 
 def _found(
     damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
-) -> tuple[Working, Floats]:
+) -> tuple[DampingCurve, Floats]:
     """Figures of sweeps down at a pace, and their samples."""
     samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
     self_check.once("curves", falling)

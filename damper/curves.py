@@ -43,7 +43,7 @@ _PARTED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Working:
+class DampingCurve:
     """The damper's own figures; amplitudes are the structure's displacements along x at the damper.
 
     Attributes:
@@ -75,9 +75,9 @@ class Working:
     peak_amplitude: float
     half: tuple[float, float]
     error: float
-    from_above: Working | None = None
-    slow_ramp: Working | None = None
-    abrupt_start: Working | None = None
+    from_above: DampingCurve | None = None
+    slow_ramp: DampingCurve | None = None
+    abrupt_start: DampingCurve | None = None
     folds: tuple[float, float] = (math.nan, math.nan)
     jump: tuple[float, float] = (math.nan, math.nan)
 
@@ -87,27 +87,27 @@ class Working:
         return self.half
 
     @property
-    def descending(self) -> Working:
+    def descending(self) -> DampingCurve:
         """The figures of the way down."""
         return self if self.from_above is None else self.from_above
 
 
-def figures(samples: Floats, cutoff: float) -> Working | None:
+def figures(samples: Floats, cutoff: float) -> DampingCurve | None:
     """The curve through samples and what is read off it; None where the ball takes nothing."""
     amplitude, ratio = _curve(samples, cutoff)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
-    return at_bin(Working(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0), int(np.argmax(ratio)))
+    return at_bin(DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0), int(np.argmax(ratio)))
 
 
-def at_bin(curve: Working, best: int) -> Working:
+def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
     """The same curve with its peak at one of its points."""
     amplitude, ratio = curve.amplitude, curve.damping_ratio
     half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
-def grown(above: Working, up: Floats, rolls: Floats, meets: float) -> tuple[Working, tuple[int, int] | None]:
+def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple[DampingCurve, tuple[int, int] | None]:
     """What every vibration that grows slowly is given at least, and the bins between which that is another motion's.
 
     Where the sweeps up agree with those down both show one motion, and the many sweeps down give its figures; where
@@ -147,11 +147,11 @@ def grown(above: Working, up: Floats, rolls: Floats, meets: float) -> tuple[Work
     amplitude, ratio = np.array(points).T
     best = int(np.argmax(ratio))
     error = max(above.error, spreads.get(_bins(amplitude)[best], 0.0))
-    curve = at_bin(Working(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
+    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
     return curve, _largest(parted)
 
 
-def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> Working:
+def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> DampingCurve:
     """The same with its folds; on the way down a ball bounces no further than to where one of the sweeps falls off.
 
     Args:
@@ -175,7 +175,7 @@ def folded(curve: Working, region: tuple[int, int], down: Floats, up: Floats, me
     return replace(curve, from_above=above, folds=folds, jump=(min(joins), max(joins)))
 
 
-def resolved(curve: Working, rolls: Floats) -> Working:
+def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     """The same with the amplitudes of a ball that rolls about the middle next to the cut-off, where it shows that.
 
     Args:
@@ -186,8 +186,8 @@ def resolved(curve: Working, rolls: Floats) -> Working:
     below = rolls[rolls[:, :2].sum(axis=1) < 2 * math.log(last)] if last > 0 else rolls[:0]
     if not below.size:
         return curve
-    held = np.array([below[below[:, 2] == number, :2].mean(axis=0) for number in np.unique(below[:, 2])])
-    place, ratio = np.exp(held.mean(axis=1)), (held[:, 0] - held[:, 1]) / (2 * math.pi)
+    means = np.array([below[below[:, 2] == number, :2].mean(axis=0) for number in np.unique(below[:, 2])])
+    place, ratio = np.exp(means.mean(axis=1)), (means[:, 0] - means[:, 1]) / (2 * math.pi)
     shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
     if abs(ratio[-1] - shown) > _PARTED * shown:
         return curve
@@ -198,7 +198,7 @@ def resolved(curve: Working, rolls: Floats) -> Working:
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 
-def continued(curve: Working, other: Working) -> Working:
+def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
     """The same with what another shows beyond its last amplitude."""
     beyond = other.amplitude > curve.amplitude[-1]
     amplitude = np.concatenate([curve.amplitude, other.amplitude[beyond]])
@@ -206,7 +206,7 @@ def continued(curve: Working, other: Working) -> Working:
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 
-def held_until(curve: Working, amplitude: float) -> Working:
+def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     """The same of a ball at rest that stays so up to an amplitude."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
     starts: dict[str, Any] = {
@@ -216,8 +216,8 @@ def held_until(curve: Working, amplitude: float) -> Working:
     }
     if not ratio.any():
         return replace(nothing(amplitude), from_above=curve.descending, **starts)
-    held = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
-    return replace(held, half=(max(held.half[0], amplitude), held.half[1]))
+    sustained = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
+    return replace(sustained, half=(max(sustained.half[0], amplitude), sustained.half[1]))
 
 
 def _bins(amplitude: Floats) -> list[int]:
@@ -243,7 +243,7 @@ def _largest(parted: dict[int, float]) -> tuple[int, int] | None:
     return None if most is None else (most[0], most[-1])
 
 
-def _turn(curve: Working, samples: Floats, region: tuple[int, int]) -> float:
+def _turn(curve: DampingCurve, samples: Floats, region: tuple[int, int]) -> float:
     """Amplitude at which a sweep changes from the lower of two motions to the upper, in or beside a region [m].
 
     That splits it best: below it more cycles lose less than midway between the two, above it more lose more. The upper
@@ -302,7 +302,7 @@ def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
     return float(amplitude[at] * (amplitude[at + step] / amplitude[at]) ** share)
 
 
-def spread(samples: Floats, whole: Working) -> float:
+def spread(samples: Floats, whole: DampingCurve) -> float:
     """Largest relative deviation of the damping around the peak in a half of the samples.
 
     Around the peak means within two bins on either side of it. 1 where fewer than two halves see it.
@@ -321,7 +321,7 @@ def spread(samples: Floats, whole: Working) -> float:
     return max(float(abs(one / mean - 1)) for one in seen) if len(seen) > 1 else 1.0
 
 
-def nothing(cutoff: float) -> Working:
+def nothing(cutoff: float) -> DampingCurve:
     """Of a ball that takes nothing."""
     empty = np.zeros(0)
-    return Working(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0)
+    return DampingCurve(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0)
