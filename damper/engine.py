@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel
+from damper.compiled import kernel, part
 from damper.events import account, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, spin_after, travel
 from damper.impacts import let_go, read, resolve
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from damper.state import Tables
 
 
-@kernel
+@part
 def watch(it: Record, begin: float, end: float) -> bool:
     """Look for the window's largest speed from time `begin` to `end`, on which all axes fly.
 
@@ -47,7 +47,7 @@ def watch(it: Record, begin: float, end: float) -> bool:
     return bool(end >= cycle.closes)
 
 
-@kernel
+@part
 def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, float]) -> float:
     """Zero of the rate between two times of opposite sign, by the Illinois rule."""
     low, high = times
@@ -67,7 +67,7 @@ def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, flo
     return t
 
 
-@kernel
+@part
 def close(cycle: Record, last_motion: float) -> None:
     """Take the peak just found as the end of a cycle and the start of the next, and open the window after it."""
     first = cycle.last_speed < 0.0
@@ -80,7 +80,7 @@ def close(cycle: Record, last_motion: float) -> None:
     cycle.speed = cycle.square = -1.0
 
 
-@kernel
+@part
 def _tally(cycle: Record, last_motion: float) -> None:
     """Keep the largest capacity, and where the ball last moved: it may rest for a while and move again."""
     sdc = 1.0 - (cycle.speed / cycle.last_speed) ** 2 if cycle.last_speed > 0.0 else 0.0
@@ -93,14 +93,14 @@ def _tally(cycle: Record, last_motion: float) -> None:
         cycle.waiting_speed, cycle.waiting_since = cycle.last_speed, last_motion
 
 
-@kernel
+@part
 def resume(cycle: Record, last_motion: float) -> None:
     """If the ball moved after it had rested, the cycles in between count as ones before its last motion."""
     if cycle.waiting_speed >= 0.0 and last_motion > cycle.waiting_since:
         cycle.moving_speed, cycle.waiting_speed = cycle.waiting_speed, -1.0
 
 
-@kernel
+@part
 def pass_time(it: Record, time: float) -> None:
     """All is seen up to a time."""
     it.clock.watched = time
@@ -108,7 +108,7 @@ def pass_time(it: Record, time: float) -> None:
         it.clock.last_motion = time
 
 
-@kernel
+@part
 def _take(it: Record, time: float, square: float) -> None:
     """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
     cycle = it.cycle
@@ -118,7 +118,7 @@ def _take(it: Record, time: float, square: float) -> None:
         cycle.speed = math.sqrt(twice)
 
 
-@kernel
+@part
 def _twice_the_energy(it: Record, time: float) -> float:
     """Of all modes, the ball riding along [J]."""
     system, twice = it.system, 0.0
@@ -136,7 +136,7 @@ def _twice_the_energy(it: Record, time: float) -> float:
     return twice
 
 
-@kernel
+@part
 def _speed(it: Record, time: float) -> tuple[float, float]:
     """Square of the cavity's speed at a time, and half its rate.
 
@@ -159,13 +159,13 @@ def _speed(it: Record, time: float) -> tuple[float, float]:
     return square, rate
 
 
-@kernel
+@part
 def full(it: Record, tables: Tables) -> bool:
     """Whether there is no more room for the rows of an event."""
     return bool(len(tables.rows) > 0 and it.clock.rows + 2 > len(tables.rows))
 
 
-@kernel
+@part
 def write_peak(it: Record, tables: Tables) -> bool:
     """Count a velocity maximum, and write it if asked; False if the table is full."""
     clock = it.clock
@@ -191,7 +191,7 @@ TREMOR = 1e-7
 """Share of the energy that a ball must roll away in a cycle to count as moving, where it hits nothing."""
 
 
-@kernel
+@part
 def end_cycle(it: Record, tables: Tables) -> bool:
     """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
     if not write_peak(it, tables):
@@ -201,7 +201,7 @@ def end_cycle(it: Record, tables: Tables) -> bool:
     return True
 
 
-@kernel
+@part
 def _fade(it: Record) -> None:
     """At a velocity maximum, end a run soon in which nothing more will happen that counts.
 
@@ -224,7 +224,7 @@ def _fade(it: Record) -> None:
         settle_down(clock)
 
 
-@kernel
+@part
 def count(kind: int, axis: Record, clock: Record) -> None:
     """Count an event of an axis before the flight to it: the counters of `damper.state.Counts`."""
     clock.events += 1
@@ -232,7 +232,7 @@ def count(kind: int, axis: Record, clock: Record) -> None:
         clock.impacts += 1
 
 
-@kernel
+@part
 def settle_down(clock: Record) -> None:
     """End the run a little after the last event."""
     clock.rest = clock.time
@@ -250,7 +250,7 @@ def release(it: Record, flow: Floats, tables: Tables) -> None:
     _rest(it, 0.0)
 
 
-@kernel
+@part
 def restart(g: int, time: float, it: Record, flow: Floats) -> None:
     """Begin the flight that follows an event of a group, or the next step of one, and seek its end."""
     it.motion.start[g] = time
@@ -297,13 +297,13 @@ def run_block(
         status[k] = run(it, flow, tables, budget)
 
 
-@kernel
+@part
 def earliest(it: Record) -> int:
     """The group whose event, or end of a step, comes next; x before y."""
     return 0 if it.system.groups == 1 or it.motion.next[0] <= it.motion.next[1] else 1
 
 
-@kernel
+@part
 def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> None:
     """Fly to a group's next event, or the end of its step, resolve it, start the flights that follow, record it."""
     i, kind, clock, ball = it.motion.axis[g], it.motion.kind[g], it.clock, it.ball
@@ -326,7 +326,7 @@ def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> No
     _record(i, kind, before, it, tables)
 
 
-@kernel
+@part
 def arrive(it: Record, time: float) -> None:
     """Bring all groups to a time, in the middle of their flights."""
     for g in range(it.system.groups):
@@ -334,7 +334,7 @@ def arrive(it: Record, time: float) -> None:
         it.motion.start[g] = time
 
 
-@kernel
+@part
 def fly(g: int, x: float, it: Record) -> None:
     """Bring a group x steps on from its start: its state there, and the work done on the way."""
     system, motion, axes = it.system, it.motion, it.axes
@@ -347,12 +347,12 @@ def fly(g: int, x: float, it: Record) -> None:
         spend(axes[i], motion.gain[system.place[i]], x * span, it.ball, it.books)
 
 
-@kernel
+@part
 def _record(i: int, kind: int, before: float, it: Record, tables: Tables) -> None:
     """Write an event of an axis, whose relative velocity was `before`, and the state of the whole motion, if asked."""
     if len(tables.rows) == 0:
         return
-    for m in range(it.system.coordinates):
+    for m in range(tables.states.shape[2]):
         tables.states[it.clock.rows, 0, m] = it.motion.z[m]
         tables.states[it.clock.rows, 1, m] = it.motion.rate[m]
     row, axis = tables.rows[it.clock.rows], it.axes[i]
@@ -362,7 +362,7 @@ def _record(i: int, kind: int, before: float, it: Record, tables: Tables) -> Non
     it.clock.rows += 1
 
 
-@kernel
+@part
 def _rest(it: Record, now: float) -> None:
     """Once nothing will ever happen again, the run ends a little later than the last event."""
     for g in range(it.system.groups):
@@ -395,20 +395,24 @@ def sample_flights(it: Record, flow: Floats, tables: Tables, times: Floats, out:
                 regimes[k, i] = it.axes[i].regime
 
 
-@kernel
+@part
 def _resume(g: int, row: int, it: Record, flow: Floats, tables: Tables) -> None:
     """Put a group into its state after an event."""
     event = tables.rows[row]
     axis = it.axes[event.axis]
     axis.regime, axis.direction, axis.spin, axis.start = event.regime, event.direction, event.spin, event.time
     axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
-    for m in range(it.system.low[g], it.system.high[g]):
-        it.motion.z[m], it.motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
+    low, motion = it.system.low[g], it.motion
+    if tables.states.shape[2] == 0:
+        motion.z[low], motion.z[low + 1], motion.rate[low], motion.rate[low + 1] = event.u, event.s, event.v, event.w
+    else:
+        for m in range(low, it.system.high[g]):
+            motion.z[m], motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
     it.motion.start[g] = event.time
     expand(g, it, flow)
 
 
-@kernel
+@part
 def _place(i: int, x: float, it: Record, out: Floats) -> None:
     """Displacement, velocity, relative position and velocity along an axis x steps on."""
     system, g = it.system, it.system.group[i]
@@ -422,7 +426,7 @@ def _place(i: int, x: float, it: Record, out: Floats) -> None:
         out[2], out[3] = out[2] + gain, rate / span
 
 
-@kernel
+@part
 def _spin(time: float, axis: Record, ball: Record, out: Floats) -> None:
     out[4] = out[3] if axis.regime == ROLLING else 0.0
     if axis.regime == SLIPPING or (axis.regime == STUCK and axis.spin != 0.0):

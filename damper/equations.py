@@ -17,6 +17,7 @@ nor the load couples fall into two groups of coordinates that fly on their own.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -36,35 +37,59 @@ class Structures(NamedTuple):
 
     Attributes:
         mass, spring, dashpot: shape (n, k).
-        shape, slope: displacement and slope of the cavity's floor along x and y, shape (n, 2, k).
+        shape: displacement of the cavity along x and y, shape (n, 2, k).
         drawn: force on the modes by unit acceleration of the base, but for its sign, shape (n, 2, k) [kg].
+        pull, curve: E, shape (n, 2, k), and D, shape (n, 2, 2): the load accelerates the ball by -(E q + D s) [1/s²].
     """
 
     mass: Floats
     spring: Floats
     dashpot: Floats
     shape: Floats
-    slope: Floats
     drawn: Floats
+    pull: Floats
+    curve: Floats
+
+    @property
+    def coupled(self) -> npt.NDArray[np.bool_]:
+        """Whether anything couples the two axes of a damper, shape (n,)."""
+        active = (self.shape != 0) | (self.pull != 0)
+        coupled: npt.NDArray[np.bool_] = (active[:, 0] & active[:, 1]).any(axis=1) | (self.curve[:, 0, 1] != 0)
+        return coupled
 
 
 def structures_by(damper: ParticleDamper, rows: Parameters) -> Structures:
     """The structures that rows of a damper vibrate on."""
-    return single_modes(rows) if damper.modes is None else structures_of(rows, damper.modes)
+    return _own_structure(damper) if rows is damper.parameters else _structures(damper, rows)
 
 
-def single_modes(rows: Parameters) -> Structures:
-    """One mode along x and one along y, as in the paper."""
+@lru_cache(maxsize=64)
+def _own_structure(damper: ParticleDamper) -> Structures:
+    return _structures(damper, damper.parameters)
+
+
+def _structures(damper: ParticleDamper, rows: Parameters) -> Structures:
+    mass, spring, dashpot, shape, slope, drawn = (
+        _single_modes(rows) if damper.modes is None else _given_modes(rows, damper.modes)
+    )
+    spin, load = in_plane(rows), rows["centrifugal_acceleration"][:, None]
+    pull = load[:, :, None] * slope - spin @ shape
+    curve = (load * path_curvature(rows))[:, :, None] * np.eye(2) - spin
+    return Structures(mass, spring, dashpot, shape, drawn, pull, curve)
+
+
+def _single_modes(rows: Parameters) -> tuple[Floats, ...]:
+    """One mode along x and one along y, as in the paper; the slope of the floor stands before what a base draws."""
     n = len(rows)
     shape, slope = np.zeros((n, 2, 2)), np.zeros((n, 2, 2))
     shape[:, 0, 0] = shape[:, 1, 1] = 1.0
     slope[:, 0, 0], slope[:, 1, 1] = rows["floor_tilt"].T
     mass = np.repeat(rows["modal_mass"][:, None], 2, axis=1)
     dashpot = 2 * rows["damping_ratio"][:, None] * np.sqrt(rows["stiffness"] * mass)
-    return Structures(mass, rows["stiffness"].copy(), dashpot, shape, slope, mass[:, None, :] * shape)
+    return mass, rows["stiffness"].copy(), dashpot, shape, slope, mass[:, None, :] * shape
 
 
-def structures_of(rows: Parameters, modes: tuple[Mode, ...]) -> Structures:
+def _given_modes(rows: Parameters, modes: tuple[Mode, ...]) -> tuple[Floats, ...]:
     """A damper's modes, the same for all rows; those without a damping ratio have that of the rows."""
     n = len(rows)
     mass, spring = (np.tile([getattr(mode, name) for mode in modes], (n, 1)) for name in ("mass", "stiffness"))
@@ -73,33 +98,15 @@ def structures_of(rows: Parameters, modes: tuple[Mode, ...]) -> Structures:
         for name in ("shape", "slope", "participation")
     )
     ratio = np.stack([rows["damping_ratio"] if m.damping_ratio is None else np.full(n, m.damping_ratio) for m in modes])
-    return Structures(mass, spring, 2 * ratio.T * np.sqrt(spring * mass), shape, slope, drawn)
+    return mass, spring, 2 * ratio.T * np.sqrt(spring * mass), shape, slope, drawn
 
 
-def load_of(rows: Parameters, structures: Structures) -> tuple[Floats, Floats]:
-    """E, shape (n, 2, k), and D, shape (n, 2, 2): the load accelerates the ball by -(E q + D s) [1/s²]."""
-    spin, load = in_plane(rows), rows["centrifugal_acceleration"][:, None]
-    pull = load[:, :, None] * structures.slope - spin @ structures.shape
-    return pull, (load * path_curvature(rows))[:, :, None] * np.eye(2) - spin
-
-
-def couples(rows: Parameters, structures: Structures) -> npt.NDArray[np.bool_]:
-    """Whether anything couples the two axes of a damper, shape (n,)."""
-    return _coupled(structures, *load_of(rows, structures))
-
-
-def _coupled(structures: Structures, pull: Floats, curve: Floats) -> npt.NDArray[np.bool_]:
-    active = (structures.shape != 0) | (pull != 0)
-    coupled: npt.NDArray[np.bool_] = (active[:, 0] & active[:, 1]).any(axis=1) | (curve[:, 0, 1] != 0)
-    return coupled
-
-
-def members_of(rows: Parameters, structures: Structures) -> list[list[int]]:
+def members_of(structures: Structures) -> list[list[int]]:
     """Coordinates (q, s) of each group: those of x and those of y, or all in one where anything couples them."""
-    k, (pull, curve) = structures.mass.shape[1], load_of(rows, structures)
-    if _coupled(structures, pull, curve).any():
+    k = structures.mass.shape[1]
+    if structures.coupled.any():
         return [list(range(k + 2))]
-    along_y = ((structures.shape[:, 1] != 0) | (pull[:, 1] != 0)).any(axis=0)
+    along_y = ((structures.shape[:, 1] != 0) | (structures.pull[:, 1] != 0)).any(axis=0)
     return [[*np.flatnonzero(~along_y), k], [*np.flatnonzero(along_y), k + 1]]
 
 
@@ -121,20 +128,24 @@ REGIMES = 3
 def equations_of(
     rows: Parameters, structures: Structures, harmonic: Harmonic | Sequence[Harmonic] | None = None
 ) -> Equations:
-    """Equations of dampers on structures; one harmonic drives all of them, or each has its own."""
+    """Equations of dampers on structures; one harmonic drives all of them, or each has its own.
+
+    Where nothing couples the axes, one regime along both stands for all pairs in which it is that of an axis.
+    """
     n = len(rows)
-    pull, curve = load_of(rows, structures)
     sway, load, driven = _driven(rows, structures, harmonic)
-    ball, printed, pairs = rows["ball_mass"][:, None, None], rows["printed"][:, None], REGIMES**2
+    ball, printed = rows["ball_mass"][:, None, None], rows["printed"][:, None]
     # how much of the structure's acceleration the ball lags behind by: stuck, rolling, slipping
-    lags = np.stack([np.zeros(n), inertia_ratio(rows), np.ones(n)])[list(np.ndindex(REGIMES, REGIMES))]
-    beta = np.moveaxis(lags, 2, 0).reshape(-1, 2)
-    each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
-    coupling = _Coupling(
-        each, *(np.repeat(values, pairs, axis=0) for values in (pull, curve, ball, load, sway, printed))
+    lags = np.stack([np.zeros(n), inertia_ratio(rows), np.ones(n)])
+    both = (
+        np.ndindex(REGIMES, REGIMES) if structures.coupled.any() else zip(range(REGIMES), range(REGIMES), strict=True)
     )
+    beta = np.moveaxis(lags[list(both)], 2, 0)
+    pairs = beta.shape[1]
+    each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
+    coupling = _Coupling(each, *(np.repeat(values, pairs, axis=0) for values in (ball, load, sway, printed)))
     stiffness, damping, resistance, force = (
-        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(coupling, beta)
+        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(coupling, beta.reshape(-1, 2))
     )
     excess = np.zeros((n, 2))
     if printed.any():
@@ -146,7 +157,7 @@ def equations_of(
         resistance=np.ascontiguousarray(resistance),
         force=np.ascontiguousarray(force),
         shape=np.concatenate([structures.shape, np.zeros((n, 2, 2))], axis=2),
-        pull=np.concatenate([pull, curve], axis=2),
+        pull=np.concatenate([structures.pull, structures.curve], axis=2),
         sway=sway,
         excess=excess,
         power=load,
@@ -156,11 +167,9 @@ def equations_of(
 
 
 class _Coupling(NamedTuple):
-    """A structure, what the load and a harmonic do to the ball on it, the ball's mass, and whose equations hold."""
+    """A structure, what a harmonic does to the ball on it, the ball's mass, and whose equations hold."""
 
     structures: Structures
-    pull: Floats
-    curve: Floats
     ball: Floats
     load: Floats
     sway: Floats
@@ -174,7 +183,7 @@ def _flight(coupling: _Coupling, beta: Floats) -> tuple[Floats, Floats, Floats, 
     M q'' + C q' + K q + m Phi' b + m E's = 0: two equations for u'', the rest is substitution. In the printed equations
     the structure feels of a moving ball the rolling resistance alone, and one that is stuck adds to its dashpot.
     """
-    structures, pull, curve, ball, load, sway, printed = coupling
+    structures, ball, load, sway, printed = coupling
     n, k = structures.mass.shape
     alone = printed & (beta > 0.0)
     carried = np.where(alone, 0.0, 1.0 - beta)[:, :, None]
@@ -192,8 +201,9 @@ def _flight(coupling: _Coupling, beta: Floats) -> tuple[Floats, Floats, Floats, 
         return np.concatenate([moved, h - lag * u], axis=1)
 
     eye = np.broadcast_to(np.eye(k), (n, k, k))
-    springs = np.concatenate([structures.spring[:, :, None] * eye, ball * pull.transpose(0, 2, 1)], axis=2)
-    stiffness = -response(-inverse * springs, -lag * np.concatenate([pull, curve], axis=2))
+    springs = np.concatenate([structures.spring[:, :, None] * eye, ball * structures.pull.transpose(0, 2, 1)], axis=2)
+    load_pull = np.concatenate([structures.pull, structures.curve], axis=2)
+    stiffness = -response(-inverse * springs, -lag * load_pull)
     dashpot = structures.dashpot
     if printed.any():  # there is one mode along each axis
         dashpot = np.where(beta == 0.0, _dashpots(structures, ball, printed)[:, 0], dashpot)
@@ -234,17 +244,17 @@ class Swinging(NamedTuple):
     bias: Floats
 
 
-def swinging(structures: Structures, pull: Floats, curve: Floats, ball: Floats, members: list[list[int]]) -> Swinging:
+def swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> Swinging:
     """In the coordinates (q, s), N of them.
 
     In the modes v_k of M + m Phi'Phi and K, the structure swings about where the ball's place holds it; its dashpots
     add to the accelerations.
     """
-    n, k = structures.mass.shape
+    (n, k), pull = structures.mass.shape, structures.pull
     deflection, swing = np.zeros((n, k + 2, k + 2)), np.zeros((n, k + 2, k + 2))
     reach, bias = np.zeros((n, 2, k + 2)), np.zeros((n, 2, k + 2))
     sag = ball * pull.transpose(0, 2, 1) / structures.spring[:, :, None]  # q = -sag s at rest
-    bias[:, :, k:] = pull @ sag - curve
+    bias[:, :, k:] = pull @ sag - structures.curve
     for group in members:
         modes = [z for z in group if z < k]
         if not modes:
@@ -284,17 +294,15 @@ def flows_of(equations: Equations, members: list[list[int]], spans: Floats) -> F
     from damper.flight import fill_flows
 
     n, driven = len(spans), 2 * bool((equations.frequency > 0.0).any())
-    if len(members) == 1:
-        parts = [(members[0], [0, 1], range(REGIMES**2))]
-    else:
-        parts = [(members[0], [0], range(0, REGIMES**2, REGIMES)), (members[1], [1], range(REGIMES))]
+    pairs, along = equations.stiffness.shape[1], [[0, 1]] if len(members) == 1 else [[0], [1]]
     series, sources = (
-        max(k * len(z) + each * len(axes) + driven for z, axes, _ in parts) for k, each in ((1, 2), (2, 1))
+        max(k * len(z) + each * len(axes) + driven for z, axes in zip(members, along, strict=True))
+        for k, each in ((1, 2), (2, 1))
     )
-    flows = np.zeros((n, sum(len(pairs) for *_, pairs in parts), series, sources, TERMS))
-    room = np.zeros((max(len(group) for group, *_ in parts) + 1, TERMS + 2))
-    for g, (group, axes, pairs) in enumerate(parts):
-        fill_flows(equations, np.array(group), np.array(axes), np.array(pairs), spans, g, driven, room, flows)
+    flows = np.zeros((n, len(members) * pairs, series, sources, TERMS))
+    room = np.zeros((max(map(len, members)) + 1, TERMS + 2))
+    for g, (group, axes) in enumerate(zip(members, along, strict=True)):
+        fill_flows(equations, np.array(group), np.array(axes), spans, g, driven, room, flows)
     return flows
 
 
@@ -317,7 +325,7 @@ def systems_of(
     n, k = structures.mass.shape
     if k > MODES:
         raise ValueError(f"modes must be at most {MODES}, got {k}")
-    equations, members = equations_of(rows, structures, harmonic), members_of(rows, structures)
+    equations, members = equations_of(rows, structures, harmonic), members_of(structures)
     order = [z for group in members for z in group]
     spans = _spans(equations, members)
     constants = np.zeros(n, SYSTEM)
@@ -362,11 +370,10 @@ def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
 def _inertia(rows: Parameters, structures: Structures, members: list[list[int]]) -> dict[str, Floats]:
     """What has to do with masses and energies, in the coordinates (q, s)."""
     n = len(rows)
-    pull, curve = load_of(rows, structures)
     ball, none = rows["ball_mass"][:, None, None], np.zeros((n, 2))
     give = structures.shape / structures.mass[:, None, :]
-    mass, spring = _energies(structures, ball, pull, curve)
-    still = swinging(structures, pull, curve, ball, members)
+    mass, spring = _energies(structures, ball)
+    still = swinging(structures, ball, members)
     return {
         "mass": mass,
         "spring": spring,
@@ -384,14 +391,14 @@ def _sorted(values: dict[str, Floats], order: list[int]) -> dict[str, Floats]:
     return {name: each[:, two[0], two[1]] if name in square else each[..., order] for name, each in values.items()}
 
 
-def _energies(structures: Structures, ball: Floats, pull: Floats, curve: Floats) -> tuple[Floats, Floats]:
+def _energies(structures: Structures, ball: Floats) -> tuple[Floats, Floats]:
     """Matrices (n, k + 2, k + 2) of twice the kinetic and potential energy, spin apart; modes, then the ball."""
     n, k = structures.mass.shape
     ride = np.concatenate([structures.shape, np.broadcast_to(np.eye(2), (n, 2, 2))], axis=2)
     mass, spring = ball * (ride.transpose(0, 2, 1) @ ride), np.zeros((n, k + 2, k + 2))
     mass[:, range(k), range(k)] += structures.mass
     spring[:, range(k), range(k)] = structures.spring
-    spring[:, k:, :k], spring[:, k:, k:] = ball * pull, ball * curve
+    spring[:, k:, :k], spring[:, k:, k:] = ball * structures.pull, ball * structures.curve
     spring[:, :k, k:] = spring[:, k:, :k].transpose(0, 2, 1)
     return mass, spring
 

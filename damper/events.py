@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import fused, kernel
+from damper.compiled import fused, part
 from damper.flight import derivatives, gather, regimes, sizes
 from damper.state import GRIP, HIT, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
@@ -48,7 +48,7 @@ _ROUNDING = 4.5e-16
 """Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
 
 
-@kernel
+@part
 def first_zero(guard: Floats, end: float) -> float:
     """First x in [0, end] at which the guard, a series, reaches zero, inf if it stays above.
 
@@ -146,7 +146,7 @@ def polished(c: Floats, order: int, level: float, x: float) -> tuple[float, floa
     return np.nan, x, 0.0, 0.0, 0.0
 
 
-@kernel
+@part
 def _searched(guard: Floats, end: float) -> float:
     """First zero of a guard that begins above zero, by steps that no zero can lie in."""
     bound, noise = sizes(guard, 3, 0, 1.0), _ROUNDING * sizes(guard, 0, 0, 1.0)
@@ -211,7 +211,7 @@ def _least(ball: Record) -> float:
     return float(MARGIN * ball.threshold + _NOTHING)
 
 
-@kernel
+@part
 def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]:
     """Drive of the ball along an axis now, were it stuck, with the dashpot of a moving and of a stuck ball.
 
@@ -227,7 +227,7 @@ def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]
     return drive, drive + it.system.excess[i] * axis.v
 
 
-@kernel
+@part
 def departure(i: int, time: float, it: Record, flow: Floats) -> int:
     """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays."""
     one, other = drives(i, time, it, flow)
@@ -238,14 +238,14 @@ def departure(i: int, time: float, it: Record, flow: Floats) -> int:
     return 0
 
 
-@kernel
+@part
 def drive_lane(i: int, it: Record) -> int:
     """Which series of its group is the drive of a ball stuck along an axis."""
     system, g = it.system, it.system.group[i]
     return int(system.high[g] - system.low[g] + system.last[g] - 2 * system.first[g] + i)
 
 
-@kernel
+@part
 def settled(g: int, it: Record) -> bool:
     """Whether the balls of a group, all stuck, will never set off again of themselves."""
     system, axes = it.system, it.axes
@@ -264,7 +264,7 @@ def settled(g: int, it: Record) -> bool:
     return True
 
 
-@kernel
+@part
 def strongest_drive(it: Record) -> float:
     """Largest drive of the ball, were it stuck, along either axis from here on [m/s²]."""
     most = 0.0
@@ -274,7 +274,7 @@ def strongest_drive(it: Record) -> float:
     return most
 
 
-@kernel
+@part
 def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[float, float]:
     """Drive of a stuck ball at the structure's place of rest, and a bound on what its motion adds, now and later.
 
@@ -296,7 +296,7 @@ def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[floa
     return bias, math.sqrt(reaches * squares) if damped else total
 
 
-@kernel
+@part
 def seek(g: int, it: Record) -> None:
     """Write into a group when its next event happens, at the latest the end of its step, and what it is."""
     system, motion, axes = it.system, it.motion, it.axes
@@ -317,7 +317,7 @@ def seek(g: int, it: Record) -> None:
     motion.next[g] = motion.start[g] + end * system.span[g]
 
 
-@kernel
+@part
 def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
     """Hit of the wall ahead, or a zero of the relative velocity before it.
 
@@ -355,7 +355,7 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
     return _searched_end(s, guard, axis, end)
 
 
-@kernel
+@part
 def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
     """The end of a roll by its two guards, each for itself."""
     d = axis.direction
@@ -400,7 +400,7 @@ def _velocity(s: Floats, guard: Floats, d: int) -> None:
     guard[TERMS - 1] = 0.0
 
 
-@kernel
+@part
 def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> float:
     """Hit of the wall on a side; a ball on that wall, or by rounding beyond it, must have left it before."""
     for k in range(TERMS):
@@ -411,7 +411,7 @@ def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> fl
     return first_zero(guard, end)
 
 
-@kernel
+@part
 def _set_off(i: int, it: Record, end: float) -> float:
     """Setting off of a stuck ball, its drive above the threshold, away from any wall it rests on."""
     x, axis, guard, system = np.inf, it.axes[i], it.motion.guard, it.system
@@ -428,7 +428,7 @@ def _set_off(i: int, it: Record, end: float) -> float:
     return x
 
 
-@kernel
+@part
 def _both_drive(i: int, it: Record, d: int, x: float) -> bool:
     """Whether the dashpot of a stuck ball, too, lets the drive exceed the threshold x steps on.
 
@@ -440,7 +440,7 @@ def _both_drive(i: int, it: Record, d: int, x: float) -> bool:
     return bool(d * other >= it.ball.threshold / MARGIN)
 
 
-@kernel
+@part
 def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
     """End of spinning while pressed against a wall: the spin is spent, or the structure pulls the wall away."""
     system, axis, guard = it.system, it.axes[i], it.motion.guard
@@ -456,7 +456,7 @@ def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
     return (spent, GRIP) if spent <= end else (np.inf, NOTHING)
 
 
-@kernel
+@part
 def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     """Hit of either wall, or the end of sliding before it."""
     system, axis, guard = it.system, it.axes[i], it.motion.guard
@@ -476,7 +476,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     return x, kind
 
 
-@kernel
+@part
 def _drive(i: int, it: Record, d: int) -> None:
     """Into the guard: d times the drive of a stuck ball, what accelerates it against the structure [m/s²]."""
     drive = it.motion.series[it.system.group[i], drive_lane(i, it)]
@@ -484,7 +484,7 @@ def _drive(i: int, it: Record, d: int) -> None:
         it.motion.guard[k] = d * drive[k]
 
 
-@kernel
+@part
 def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: Record) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
 
@@ -499,7 +499,7 @@ def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: R
         axis.demand = max(axis.demand, abs(share * derivatives(s, _crest(s, x))[2] + resistance))
 
 
-@kernel
+@part
 def _crest(s: Floats, end: float) -> float:
     """Where the second derivative of a series is extreme within a step; its end where it is monotone."""
     low, high, j_low, j_high = 0.0, end, s[3], derivatives(s, end)[3]

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.equations import REGIMES
 from damper.model import pair, whole
 from damper.motion import flights, prepare
 from damper.state import STUCK
@@ -117,12 +116,12 @@ def propagators(systems: Systems, step: float) -> tuple[Floats, Floats]:
     of, scale = systems.equations, np.array([1.0, 1.0, step, step, step**2])
     steps, losses = np.zeros((2, 2, 4, 5)), np.zeros((2, 2, 5, 5))
     for axis, regime in np.ndindex(2, 2):
-        pair, group = regime * (REGIMES, 1)[axis], [axis, 2 + axis]
+        group = [axis, 2 + axis]
         here = np.ix_(group, group)
         rates, square = np.zeros((5, 5)), np.zeros((5, 5))
         rates[:2, 2:4], square[2, 2] = np.eye(2), 1.0
-        rates[2:4, :2], rates[2:4, 2:4] = -of.stiffness[0, pair][here] * step**2, -of.damping[0, pair][here] * step
-        rates[2:4, 4] = of.resistance[0, pair, axis, group]
+        rates[2:4, :2], rates[2:4, 2:4] = -of.stiffness[0, regime][here] * step**2, -of.damping[0, regime][here] * step
+        rates[2:4, 4] = of.resistance[0, regime, axis, group]
         both = expm(np.block([[-rates.T, square], [np.zeros((5, 5)), rates]]))
         after = both[5:, 5:]
         steps[axis, regime] = (after * scale / scale[:, None])[:4]

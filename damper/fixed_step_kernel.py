@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from damper.compiled import kernel
+from damper.compiled import kernel, part
 from damper.events import drives
 from damper.impacts import hit, read, rebound, roll, roll_on, rub, settle
 from damper.state import ROLLING, STUCK
@@ -48,7 +48,7 @@ def march(it: Record, flow: Floats, steps: Floats, losses: Floats, opposing: boo
     return impacts
 
 
-@kernel
+@part
 def _step(i: int, step: Floats, loss: Floats, it: Record) -> None:
     """Take an axis a step on: its state and the resistance times a matrix."""
     axis, motion, low = it.axes[i], it.motion, it.system.low[i]
@@ -70,7 +70,7 @@ def _step(i: int, step: Floats, loss: Floats, it: Record) -> None:
     axis.spin = axis.w
 
 
-@kernel
+@part
 def _turn(i: int, it: Record, flow: Floats) -> None:
     """The relative velocity has changed sign: stick if the structure no longer drives the ball, else roll on."""
     axis = it.axes[i]

@@ -26,7 +26,7 @@ from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
-from damper.compiled import fused, kernel
+from damper.compiled import fused, kernel, part
 from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
@@ -221,7 +221,6 @@ def fill_flows(
     of: Equations,
     group: Integers,
     axes: Integers,
-    pairs: Integers,
     spans: Floats,
     g: int,
     driven: int,
@@ -238,8 +237,8 @@ def fill_flows(
     for n in range(len(spans)):
         span = spans[n, g]
         inverse, turn = 1.0 / span, of.frequency[n] * span
-        for f in range(len(pairs)):
-            pair, terms = pairs[f], flows[n, g * len(pairs) + f]
+        for pair in range(of.force.shape[1]):
+            terms = flows[n, g * of.force.shape[1] + pair]
             for j in range(pressed + count + driven):
                 wave[0] = 1.0 if j == pressed + count else 0.0
                 wave[1] = -turn if j == pressed + count + 1 else 0.0
@@ -474,7 +473,7 @@ def _at_points(scaled: Floats, table: Floats) -> Floats:
     return add_times(add_times(one, two, fill(1.0)), add_times(three, four, fill(1.0)), fill(1.0))
 
 
-@kernel
+@part
 def spin_after(axis: Record, ball: Record, tau: float) -> float:
     """Surface speed after sliding for tau; a ball pressed against a wall spins down to rest."""
     if axis.f != 0.0:
@@ -482,13 +481,13 @@ def spin_after(axis: Record, ball: Record, tau: float) -> float:
     return math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
 
 
-@kernel
+@part
 def sliding_distance(axis: Record, path: float, tau: float) -> float:
     """Distance that the contact slid while the ball's centre moved by `path`."""
     return float(path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau)
 
 
-@kernel
+@part
 def spend(axis: Record, path: float, tau: float, ball: Record, books: Record) -> None:
     """Spin after a flight of length tau on which the ball went by `path`, and what the floor took on it."""
     if axis.regime == ROLLING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel
+from damper.compiled import kernel, part
 from damper.events import departure
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from damper.model import Floats, Record
 
 
-@kernel
+@part
 def restitution(speed: float, ball: Record) -> float:
     """Ratio of the normal relative speeds after and before a hit at this speed."""
     pairs = ball.restitution_by_speed
@@ -43,13 +43,13 @@ def restitutions(speeds: Floats, ball: Record, ratios: Floats) -> None:
         ratios[k] = restitution(speeds[k], ball)
 
 
-@kernel
+@part
 def sticks(axis: Record, ball: Record) -> bool:
     """Whether a ball that was just hit stays on the wall."""
     return bool(abs(axis.w) <= max(ball.sticking_ratio * abs(axis.v), ball.sticking_floor))
 
 
-@kernel
+@part
 def rubbing(w: float, normal: float, mass: float, ball: Record) -> float:
     """Relative velocity along a wall after a hit with this normal impulse: friction at most ends the sliding.
 
@@ -62,14 +62,14 @@ def rubbing(w: float, normal: float, mass: float, ball: Record) -> float:
     return w - math.copysign(min(change, most), w)
 
 
-@kernel
+@part
 def rubbed(spin: float, normal_impulse: float, ball: Record) -> float:
     """Spin after a wall hit with this impulse [N s]."""
     vertical = min(ball.friction * normal_impulse / ball.mass, abs(spin) / (1.0 + SPIN_UP))
     return math.copysign(abs(spin) - SPIN_UP * vertical, spin)
 
 
-@kernel
+@part
 def roll(axis: Record, direction: int) -> None:
     """Roll in a direction from now on, or stick (0)."""
     axis.direction = direction
@@ -77,20 +77,20 @@ def roll(axis: Record, direction: int) -> None:
     axis.spin = axis.w
 
 
-@kernel
+@part
 def roll_on(axis: Record) -> None:
     """Roll from now on as it moves."""
     roll(axis, 1 if axis.w > 0.0 else -1)
 
 
-@kernel
+@part
 def slip(axis: Record) -> None:
     """Slide on the floor from now on, with the spin that the ball has."""
     axis.regime = SLIPPING
     axis.direction = 1 if axis.w > axis.spin else -1
 
 
-@kernel
+@part
 def slip_or_press(axis: Record) -> None:
     """The same; a ball at rest on a wall spins against it until something pulls it off."""
     slip(axis)
@@ -105,7 +105,7 @@ _ROUNDS = 4
 """Of asking whether a ball let go at rest sets off along an axis: setting off along one changes the other's drive."""
 
 
-@kernel
+@part
 def let_go(it: Record, flow: Floats) -> None:
     """The regimes in which the state in `it.motion` begins at time 0."""
     for i in range(2):
@@ -121,7 +121,7 @@ def let_go(it: Record, flow: Floats) -> None:
                 settle(i, 0.0, it, flow)
 
 
-@kernel
+@part
 def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     """What an event along an axis does; whether the ball, hitting a wall, rubbed along it."""
     axis, other, time = it.axes[i], it.axes[1 - i], it.clock.time
@@ -147,7 +147,7 @@ def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     return rubs
 
 
-@kernel
+@part
 def read(i: int, it: Record) -> None:
     """Copy position and velocity of an axis from z into its record."""
     axis, z, rate, s = it.axes[i], it.motion.z, it.motion.rate, it.system.place[i]
@@ -159,14 +159,14 @@ def read(i: int, it: Record) -> None:
         axis.v += it.system.mode_shape[i, m] * rate[m]
 
 
-@kernel
+@part
 def settle(i: int, time: float, it: Record, flow: Floats) -> None:
     """At a zero of the relative velocity: the ball sticks, or rolls off the way it is driven."""
     it.motion.rate[it.system.place[i]] = it.axes[i].w = 0.0
     roll(it.axes[i], departure(i, time, it, flow))
 
 
-@kernel
+@part
 def hit(i: int, it: Record) -> float:
     """Impact with the wall on the side `heading`; returns the normal impulse [N s]."""
     axis, ball = it.axes[i], it.ball
@@ -179,7 +179,7 @@ def hit(i: int, it: Record) -> float:
     return impulse
 
 
-@kernel
+@part
 def rebound(i: int, it: Record) -> None:
     """Sticking to the wall after an impact, or the flight from it."""
     axis, ball = it.axes[i], it.ball
@@ -192,7 +192,7 @@ def rebound(i: int, it: Record) -> None:
         roll_on(axis)
 
 
-@kernel
+@part
 def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     """Friction at the wall of the other axis, at most what ends the sliding along it, eq. (11) of the paper."""
     axis, ball = it.axes[i], it.ball
@@ -204,13 +204,13 @@ def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
         settle(i, it.clock.time, it, flow)
 
 
-@kernel
+@part
 def reduced(i: int, it: Record) -> float:
     """Mass that an impulse between ball and cavity along an axis moves [kg]."""
     return float(1.0 / (1.0 / it.ball.mass - it.system.yielding[i, it.system.place[i]]))
 
 
-@kernel
+@part
 def _exchange(i: int, w: float, it: Record) -> None:
     """Give the ball the relative velocity w by an impulse between it and the cavity; book the loss."""
     axis, other, rate, ball, system = it.axes[i], it.axes[1 - i], it.motion.rate, it.ball, it.system
@@ -232,14 +232,14 @@ def _exchange(i: int, w: float, it: Record) -> None:
         _carry(other, it)
 
 
-@kernel
+@part
 def _follow(axis: Record, spin: float, it: Record) -> None:
     """The spin follows a new rolling velocity at once; what that takes is booked with the impact."""
     it.books.impact += 0.5 * it.ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
     axis.spin = spin
 
 
-@kernel
+@part
 def _carry(axis: Record, it: Record) -> None:
     """An impact along the other axis moved the cavity along this one, under the ball."""
     if it.ball.grip > 0.0:

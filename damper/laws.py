@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from damper.curves import BINS
-from damper.equations import load_of, structures_by
+from damper.equations import structures_by
 from damper.model import half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
 from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
@@ -92,7 +92,7 @@ class Bounds(NamedTuple):
 def bounds_of(rows: Parameters, structures: Structures) -> Bounds:
     """Bounds of dampers on structures."""
     gap, ball = half_gap(rows), rows["ball_mass"][:, None, None]
-    pull, curve = load_of(rows, structures)
+    pull, curve = structures.pull, structures.curve
     mass, spring, dashpot = (each[:, None, :] for each in (structures.mass, structures.spring, structures.dashpot))
     per_force = structures.shape / mass
     compliance = per_force @ structures.shape.transpose(0, 2, 1)
@@ -336,7 +336,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     rows, (structures, bounds) = damper.parameters, _bounds(damper, damper.parameters)
     if damper.modes is not None or damper.formulation == "printed" or kinds(damper, rows)[0] == COUPLED:
         return
-    pull, curve = (np.diag(each[0]) for each in load_of(rows, structures))
+    pull, curve = (np.diag(each[0]) for each in (structures.pull, structures.curve))
     omega = np.sqrt(structures.spring[0] / damper.stuck_mass)
     slope = abs(curve - damper.ball_mass * pull**2 / structures.spring[0]) * bounds.gap[0]
     with np.errstate(divide="ignore"):
@@ -349,7 +349,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
 def _drive_of_amplitude(damper: ParticleDamper) -> Floats:
     """Drive along x and y of a ball at rest in the middle, abs(omega² - E), for one mode an axis, shape (2,) [1/s²]."""
     structures = _bounds(damper, damper.parameters)[0]
-    pull = np.diag(load_of(damper.parameters, structures)[0][0])
+    pull = np.diag(structures.pull[0])
     drive: Floats = abs(structures.spring[0] / damper.stuck_mass - pull)
     return drive
 

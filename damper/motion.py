@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.equations import couples, structures_by, systems_of
+from damper.equations import structures_by, systems_of
 from damper.model import Floats, Harmonic, Records, half_gap, number, spin_mass, stuck_decay, stuck_frequency
 from damper.state import FLYING, RUN, Counts, balls_of
 
@@ -67,7 +67,7 @@ def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = 
     """How each of the rows flies, shape (n,)."""
     if rows["printed"].any() and not (harmonic is None and damper.modes is None):
         raise ValueError("the printed equations know one free mode only; use the consistent formulation")
-    return np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
+    return np.where(structures_by(damper, rows).coupled, COUPLED, APART)
 
 
 def flights(
@@ -84,7 +84,7 @@ def flights(
     """
     alike = harmonic is None or isinstance(harmonic, Harmonic)
     first, which = _distinct(rows) if alike else (np.arange(len(rows)), np.arange(len(rows)))
-    if harmonic is None and len(first) == 1 and rows[0] == damper.parameters[0]:
+    if harmonic is None and len(first) == 1 and rows[0].tobytes() == damper.parameters[0].tobytes():
         systems = _free(damper)
     else:
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
@@ -187,7 +187,8 @@ class RingDown(Counts[int]):
             None without a normal load. Rolling is tenable where the static friction exceeds it.
         rows: the event table (dtype `damper.state.EVENT`), None unless asked for.
         harmonic: what drove it.
-        states: coordinates and their velocities at each event, shape (n, 2, N), None unless asked for.
+        states: coordinates and their velocities at each event, shape (n, 2, N), None unless asked for; N is 0 where
+            each axis has one mode, whose motion stands in `rows`.
         modal_energies: kinetic and elastic energy of each of the damper's modes at the end, without the ball's part,
             shape (k,) [J]; None without modes.
     """

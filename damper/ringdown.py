@@ -115,7 +115,8 @@ def _followed(
 
     run, flow = flying.runs[0], flying.systems.flows[0]
     clock, size = run["clock"], 1024 if keep_events else 0
-    tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, run["system"]["coordinates"])))
+    more = int(run["system"]["coordinates"]) if run["system"]["cavity"].any() else 0
+    tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, more)))
     engine.release(run, flow, tables)
     while True:
         done = engine.run(run, flow, tables, min(_BUDGET, most - int(clock["events"]))) == engine.DONE
@@ -150,7 +151,7 @@ def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables:
         ),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=tables.rows if len(tables.rows) else None,
-        states=tables.states if tables.states.size else None,
+        states=tables.states if len(tables.states) else None,
         modal_energies=None if damper.modes is None else flying.modal_energies(damper, damper.parameters)[0],
     )
 

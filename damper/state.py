@@ -157,12 +157,14 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
 
 
 class Equations(NamedTuple):
-    """Of the flights of n dampers in every pair of regimes of x and y, in the N coordinates (q, s).
+    """Of the flights of n dampers in the N coordinates (q, s), in every pair of regimes of x and y.
+
+    These are p = 9, or the 3 regimes where nothing couples the axes.
 
     Attributes:
-        stiffness, damping: shape (n, 9, N, N).
-        resistance: what a unit of resisting acceleration does along each axis, shape (n, 9, 2, N).
-        force: what a harmonic does at its height, shape (n, 9, N).
+        stiffness, damping: shape (n, p, N, N).
+        resistance: what a unit of resisting acceleration does along each axis, shape (n, p, 2, N).
+        force: what a harmonic does at its height, shape (n, p, N).
         shape: u = shape z, shape (n, 2, N).
         pull: the load accelerates the ball in its cavity by -pull z, shape (n, 2, N).
         sway: the harmonic accelerates a stuck ball against its cavity, shape (n, 2).
@@ -257,7 +259,7 @@ FLYING = record(*_SHARED, ("system", SYSTEM), ("motion", MOTION))
 
 
 class Tables(NamedTuple):
-    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N)."""
+    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N), N = 0: as in events."""
 
     peaks: Floats
     rows: Records

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel
+from damper.compiled import kernel, part
 from damper.engine import advance, arrive, earliest, restart
 from damper.events import largest_drive
 from damper.flight import derivatives
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from damper.state import Tables
 
 
-@kernel
+@part
 def follow(it: Record, begin: float, end: float) -> None:
     """Take the probe's extremes between two times of the same flights, at most a step apart."""
     trace = it.envelope
@@ -54,12 +54,12 @@ def follow(it: Record, begin: float, end: float) -> None:
     _take(trace, u)
 
 
-@kernel
+@part
 def _take(trace: Record, u: float) -> None:
     trace.high, trace.low = max(trace.high, u), min(trace.low, u)
 
 
-@kernel
+@part
 def _probed(it: Record, time: float) -> tuple[float, float]:
     """The probe's displacement and velocity."""
     system, probe, u, v = it.run.system, it.envelope.probe, 0.0, 0.0
@@ -74,7 +74,7 @@ def _probed(it: Record, time: float) -> tuple[float, float]:
     return u, v
 
 
-@kernel
+@part
 def open_tally(tally: Record, it: Record) -> None:
     """Begin to add up."""
     tally.cycles = tally.total = tally.squares = tally.greatest = tally.impacts = 0.0
@@ -82,7 +82,7 @@ def open_tally(tally: Record, it: Record) -> None:
     tally.work, tally.lost, tally.stored = it.run.books.work, lost(it.run.books), stored(it.run)
 
 
-@kernel
+@part
 def add_cycle(tally: Record, amplitude: float, impacts: int) -> None:
     """Add a cycle."""
     tally.cycles += 1.0
@@ -92,7 +92,7 @@ def add_cycle(tally: Record, amplitude: float, impacts: int) -> None:
     tally.impacts += impacts
 
 
-@kernel
+@part
 def add_batch(batch: int, it: Record) -> None:
     """Add the last batch, closed, to the window."""
     window, last, means = it.window, it.last, it.envelope.means
@@ -106,20 +106,20 @@ def add_batch(batch: int, it: Record) -> None:
     window.least, window.greatest = min(window.least, last.least), max(window.greatest, last.greatest)
 
 
-@kernel
+@part
 def close_tally(tally: Record, it: Record) -> None:
     """From what was there at the beginning to what was gained."""
     tally.work, tally.lost = it.run.books.work - tally.work, lost(it.run.books) - tally.lost
     tally.stored = stored(it.run) - tally.stored
 
 
-@kernel
+@part
 def lost(books: Record) -> float:
     """Energy lost so far [J]."""
     return float(books.structure + books.rolling + books.impact + books.slip)
 
 
-@kernel
+@part
 def stored(it: Record) -> float:
     """Energy of structure and ball [J]."""
     system, motion = it.system, it.motion
@@ -133,7 +133,7 @@ def stored(it: Record) -> float:
     return float(0.5 * twice)
 
 
-@kernel
+@part
 def mark(it: Record) -> None:
     """Remember the state."""
     for m in range(it.run.system.coordinates):
@@ -142,7 +142,7 @@ def mark(it: Record) -> None:
         it.envelope.spin[i] = it.run.axes[i].spin
 
 
-@kernel
+@part
 def distance(it: Record, trace: Record) -> float:
     """Largest difference of the state from the one that a trace remembers, in the coordinates' scales."""
     system, motion, axes = it.run.system, it.run.motion, it.run.axes
@@ -174,7 +174,7 @@ _STILL = 1e-12
 """Variance over square below which an amplitude is constant, but for rounding."""
 
 
-@kernel
+@part
 def judge(trace: Record, window: Record, length: int, accuracy: float) -> None:
     """The verdict on a window, and the errors of its means."""
     for row in range(2):
@@ -194,7 +194,7 @@ def judge(trace: Record, window: Record, length: int, accuracy: float) -> None:
             trace.verdict, trace.left, trace.repeats = PERIODIC, varied, 1
 
 
-@kernel
+@part
 def _calmer(means: Floats) -> bool:
     """Whether the amplitudes of cycles vary less in the second half of the window than in the first."""
     half = BATCHES // 2
@@ -203,7 +203,7 @@ def _calmer(means: Floats) -> bool:
     return bool(second < _CALMER * first and first > _STILL * means[2, 0])
 
 
-@kernel
+@part
 def _left(middle: float, end: float, turns: float) -> float:
     """Way left to an orbit that is come to geometrically; what comes no closer is there, but for rounding."""
     if end >= middle:
@@ -211,14 +211,14 @@ def _left(middle: float, end: float, turns: float) -> float:
     return end / -math.expm1(math.log(end / middle) / turns) if end > 0.0 else 0.0
 
 
-@kernel
+@part
 def _steady(trace: Record, window: Record, allowed: float) -> bool:
     """Whether the mean amplitude is known so well, and drifts no more than chance explains or than that."""
     error = trace.error[0]
     return bool(error <= allowed and abs(trace.drift) <= max(6.0 * error, allowed))
 
 
-@kernel
+@part
 def _standard_error(means: Floats) -> float:
     """Of the mean of batches that each remember something of the one before."""
     n = len(means)
@@ -250,7 +250,7 @@ APART, NUDGE, TOGETHER = 1e-4, 1e-9, 512
 """Two motions that begin `NUDGE` apart and are `APART` within so many cycles are chaotic."""
 
 
-@kernel
+@part
 def cycle(it: Record, flow: Floats, tables: Tables) -> bool:
     """Go through one cycle of the force; False where it has too many events."""
     trace, clock, motion = it.envelope, it.run.clock, it.run.motion
@@ -282,7 +282,7 @@ def run_block(block: tuple[int, int], runs: Records, flows: Floats, tables: Tabl
             _settle(runs[k], flow, tables, accuracy, most)
 
 
-@kernel
+@part
 def _settle(it: Record, flow: Floats, tables: Tables, accuracy: float, most: int) -> None:
     """Double the run until its second half is steady."""
     trace = it.envelope
@@ -308,7 +308,7 @@ def _settle(it: Record, flow: Floats, tables: Tables, accuracy: float, most: int
         close_tally(it.last, it)
 
 
-@kernel
+@part
 def _one(it: Record, flow: Floats, tables: Tables) -> bool:
     """A cycle and its amplitude; False where that settles it."""
     trace = it.envelope
@@ -323,7 +323,7 @@ def _one(it: Record, flow: Floats, tables: Tables) -> bool:
     return True
 
 
-@kernel
+@part
 def _look(length: int, it: Record, flow: Floats, tables: Tables) -> bool:
     """Go through a window, batch by batch; False where it ends before."""
     trace = it.envelope
@@ -347,7 +347,7 @@ def _look(length: int, it: Record, flow: Floats, tables: Tables) -> bool:
     return True
 
 
-@kernel
+@part
 def _locked(it: Record) -> bool:
     """Whether the ball, at rest, will never move again: the structure's own motion dies out."""
     trace, system, motion, axes = it.envelope, it.run.system, it.run.motion, it.run.axes

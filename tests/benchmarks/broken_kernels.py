@@ -111,7 +111,7 @@ BREAKS = (
     ),
     Break(
         "wall friction has the wrong sign",
-        ("damper/impacts.py", "w - math.copysign(change, w)", "w + math.copysign(change, w)"),
+        ("damper/impacts.py", "w - math.copysign(min", "w + math.copysign(min"),
     ),
     Break(
         "the rolling threshold is 1 % too high",
@@ -123,7 +123,7 @@ BREAKS = (
     ),
     Break(
         "the floor does not tilt",
-        ("damper/equations.py", "pull = load[:, :, None] * structures.slope - spin", "pull = -spin"),
+        ("damper/equations.py", "pull = load[:, :, None] * slope - spin", "pull = -spin"),
     ),
     Break(
         "a step is taken 0.1 % too long",

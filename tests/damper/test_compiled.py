@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from damper import compiled
 from tests.compiler import needs_compiler
 from tests.limits import HANG
@@ -31,8 +33,10 @@ def test_no_place_for_compiled_code() -> None:
 FRESH = """
 from damper import compiled
 print(compiled.fresh())
-from damper.events import _safe  # a kernel that calls no other compiles soon
-_safe(1.0, 1.0, 1.0, 1.0, 1.0)
+import numpy as np
+from damper.impacts import restitutions  # a small kernel compiles soon
+from damper.state import BALL
+restitutions(np.ones(1), np.ones(1, BALL)[0], np.ones(1))
 print(compiled.fresh())
 """
 
@@ -48,9 +52,12 @@ def test_the_first_start_of_an_installation_is_known(tmp_path: Path) -> None:
 
 
 KEPT = """
-from damper import compiled
-from damper.events import _safe
-print(_safe(1.0, 1.0, 1.0, 1.0, 1.0), *_safe.stats.cache_hits.values())
+import numpy as np
+from damper.impacts import restitutions
+from damper.state import BALL
+ratios = np.zeros(1)
+restitutions(np.ones(1), np.full(1, 0.5, BALL)[0], ratios)
+print(ratios[0], *restitutions.stats.cache_hits.values())
 """
 
 
@@ -93,3 +100,12 @@ def test_code_of_other_sources_is_dropped(tmp_path: Path) -> None:
     os.utime(other, ns=(times.st_atime_ns, times.st_mtime_ns))
     assert "1" not in kept_in(kept, tree).split()[1:]
     assert kept_in(kept, tree).split()[1:] == ["1"]
+
+
+@needs_compiler
+def test_a_part_of_kernels_is_not_called_from_python() -> None:
+    """There is no way in compiled for that: a call would end the process."""
+    doubled = compiled.part(lambda x: 2 * x)
+    assert compiled.kernel(lambda x: doubled(x) + 1)(2) == 5
+    with pytest.raises(TypeError, match="is a part of kernels"):
+        doubled(2)

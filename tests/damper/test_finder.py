@@ -16,9 +16,14 @@ from tests.compiler import some
 FACTORIALS = np.array([math.factorial(k) for k in range(TERMS)], float)
 
 
+@kernel
+def of_series(guard, end):
+    return first_zero(guard, end)
+
+
 def first_root(guard: np.ndarray, end: float) -> float:
     """The finder's, of a polynomial: a series is kept as its derivatives."""
-    return first_zero(guard * FACTORIALS, end)
+    return of_series(guard * FACTORIALS, end)
 
 
 def brute(guard: np.ndarray, end: float = 1.0, samples: int = 10_000) -> float:

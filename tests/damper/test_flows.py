@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from damper import flight
-from damper.compiled import fused
+from damper.compiled import kernel
 from damper.flight import lobatto
 
 
-@fused
+@kernel
 def worked(a, b, x, out):
     one, two = flight.load(a, 1), flight.load(b, 0)
     flight.store(out, 2, flight.add_times(flight.times(one, two), one, flight.fill(x)))
