@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import spindamp
-from damper import ringdown, ringdowns
+from damper import Harmonic, forced, ringdown, ringdowns
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, solve_modes
 from tests.damper import scenes
 from workflows.io.serialise import dumps
@@ -47,6 +47,9 @@ def tasks() -> dict[str, Callable[[], Any]]:
     damper = scenes.paper()
     diagram, paper = spindamp.campbell(DIAGRAM), spindamp.run("paper")
     releases = np.column_stack([np.linspace(1e-3, 20e-3, 200), np.full(200, 5e-3)])
+    driven = scenes.paper(damping_ratio=2e-3, floor_tilt=(6.8, 6.8))
+    speeds = driven.stuck_frequency * np.linspace(0.985, 1.015, 60)
+    crossing = [Harmonic(float(nu), (size, 0.0)) for nu in speeds for size in (83.0, 193.0, 414.0, 828.0, 1655.0)]
     return {
         "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
         "six modes at one speed": lambda: solve_modes(operators, 1000.0),
@@ -54,6 +57,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
         "six modes at 1000 speeds": lambda: campbell(operators, np.linspace(0.0, 1800.0, 1000)),
         "a ring-down of 100 cycles": lambda: ringdown(damper, (20e-3, 5e-3), 100),
         "200 ring-downs of 20 cycles": lambda: ringdowns(damper, releases, 20),
+        "a crossing of 60 speeds under 5 forces": lambda: forced([driven] * len(crossing), crossing),
         "the JSON of 2000 speeds": lambda: dumps(diagram),
         "the data set of 2000 speeds": lambda: spindamp.dataset(diagram),
         "the JSON of a run of the paper": lambda: dumps(paper),

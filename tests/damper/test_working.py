@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,6 +16,9 @@ from damper.curve_measurement import STAY, swinging
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
 from tests.damper.scenes import paper
+
+curve = cache(damping_curve)
+"""Of a damper that several tests look at, measured once."""
 
 
 def at(found: DampingCurve, amplitude: float) -> float:
@@ -55,7 +59,7 @@ def two_hits(damper: ParticleDamper, amplitude: float) -> float:
 def test_two_hits_a_cycle_of_a_rolling_ball(over_gap: float) -> None:
     damper = paper(mass_ratio=1e-5, rolling_friction=1e-8, restitution=0.7)
     amplitude = over_gap * damper.half_gap[0]
-    assert at(damping_curve(damper).descending, amplitude) == pytest.approx(two_hits(damper, amplitude), rel=0.03)
+    assert at(curve(damper).descending, amplitude) == pytest.approx(two_hits(damper, amplitude), rel=0.03)
 
 
 def held(damper: ParticleDamper, amplitude: float, growth: float = 0.0) -> float:
@@ -89,7 +93,7 @@ def test_what_a_held_amplitude_loses(restitution: float, mass_ratio: float, over
     """Not what a ball still has of faster motion, where the amplitude no longer keeps it bouncing."""
     damper = paper(mass_ratio=mass_ratio, rolling_friction=1e-7, restitution=restitution)
     amplitude = over_gap * damper.half_gap[0]
-    assert at(damping_curve(damper).descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
+    assert at(curve(damper).descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
 
 
 def steel_ball() -> ParticleDamper:
@@ -115,7 +119,7 @@ def test_the_way_up_of_a_steel_ball() -> None:
 
     On a ramp of its kind the ball drifts and bounces at 1.47 mm, 1.81e-3; one that keeps to the middle does not.
     """
-    found, damper = damping_curve(steel_ball()), steel_ball()
+    found, damper = curve(steel_ball()), steel_ball()
     for amplitude, down, up in (
         (0.50e-3, 1.07e-2, 2.9e-4),
         (0.72e-3, 5.8e-3, 2.1e-4),
@@ -142,7 +146,7 @@ def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> N
 
     That one rolls on until its way is as long as the clearance, 2 h = 2 b A (1 - n²)½: beyond, all bounce.
     """
-    found = damping_curve(damper)
+    found = curve(damper)
     amplitude = math.sqrt(found.folds[0] * found.jump[0])
     assert at(found, amplitude) == pytest.approx(held(damper, amplitude, 1e-3), rel=0.02)
     assert at(found.descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
@@ -159,7 +163,7 @@ def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> N
 
 def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
     """The same starts in closed forms: both bounce where one that rolls about the middle meets no wall yet."""
-    found, damper = damping_curve(steel_ball()), steel_ball()
+    found, damper = curve(steel_ball()), steel_ball()
     assert found.slow_ramp is not None
     assert found.abrupt_start is not None
     clear = found.abrupt_start.amplitude > 1.2 * found.cutoff
@@ -171,7 +175,7 @@ def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
     assert at(found.slow_ramp, 1.47e-3) == pytest.approx(1.81e-3, rel=0.05)  # by an integrator of another hand
     assert found.peak < found.abrupt_start.peak < found.slow_ramp.peak < found.descending.peak
     assert found.jump[0] < found.slow_ramp.half[0] < found.jump[1]
-    dented = damping_curve(replace(damper, break_away=0.2))
+    dented = curve(replace(damper, break_away=0.2))
     assert [each.cutoff for each in (dented.slow_ramp, dented.abrupt_start) if each] == [dented.cutoff] * 2
     assert dented.cutoff > found.cutoff
 
@@ -179,26 +183,26 @@ def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
 def test_the_pace_of_the_sweeps_is_in_the_error() -> None:
     """A ball that hits take nothing from keeps its motion for long: sweeps slow down for it, and say what is left."""
     damper = paper(mass_ratio=6e-3, rolling_friction=1e-7, restitution=0.98)
-    found, slower = damping_curve(damper).descending, damping_curve(damper, stay=2 * STAY).descending
+    found, slower = curve(damper).descending, curve(damper, stay=2 * STAY).descending
     assert found.peak == pytest.approx(slower.peak, rel=2 * max(found.error, slower.error))
     assert 0.02 < found.error < 0.3
     assert found.half[0] < found.peak_amplitude < found.half[1]
     quick = replace(damper, restitution=0.6)
-    assert damping_curve(quick).descending.error < 0.06
+    assert curve(quick).descending.error < 0.06
 
 
 def test_a_dent_holds_a_ball_at_rest() -> None:
     """Up to (mu_r / r + slope) Omega² R over omega²: nothing below, the same beyond, and not on the way down."""
     free = paper(2687, 208.9)
-    dented = damping_curve(replace(free, break_away=0.05))
+    dented = curve(replace(free, break_away=0.05))
     first = (0.1 + 0.05) * 26870 / (2 * math.pi * 208.9) ** 2
     assert dented.cutoff == pytest.approx(first)
-    held, rolls = dented.amplitude < first, damping_curve(free)
+    held, rolls = dented.amplitude < first, curve(free)
     assert not dented.damping_ratio[held].any()
     assert np.array_equal(dented.damping_ratio[~held], rolls.damping_ratio[~held])
     assert np.array_equal(dented.descending.damping_ratio, rolls.descending.damping_ratio)
     assert dented.half[0] >= dented.cutoff
-    assert damping_curve(replace(free, break_away=10.0)).peak == 0
+    assert curve(replace(free, break_away=10.0)).peak == 0
 
 
 @pytest.mark.parametrize("over_gap", [1.5, 3.0, 6.0])
@@ -207,7 +211,7 @@ def test_ring_downs_of_a_ball_that_little_holds(over_gap: float, rolling_frictio
     """It keeps bouncing from above down to amplitudes at which it would not begin to: the curve is that of the ball in
     motion, which a ring-down from above shows."""
     damper = paper(rolling_friction=rolling_friction)
-    found, zeta = damping_curve(damper).descending, 3e-4
+    found, zeta = curve(damper).descending, 3e-4
     release = over_gap * damper.half_gap[0]
     books = ringdown(replace(damper, damping_ratio=zeta), (release, 0.0)).energy
     amplitude = np.linspace(0, release, 4001)[1:]
@@ -221,7 +225,7 @@ def test_ring_downs_of_a_ball_that_little_holds(over_gap: float, rolling_frictio
 def test_ring_downs_lose_what_the_curve_says(zeta: float, over_cutoff: float) -> None:
     """A ring-down with damping ratio z loses to the ball the integral of zb / (z + zb) dE, E = K A²/2."""
     damper = paper(2687, 208.9)
-    found = damping_curve(damper)
+    found = curve(damper)
     release = over_cutoff * found.cutoff
     books = ringdown(replace(damper, damping_ratio=zeta), (release, 0.0)).energy
     amplitude = np.linspace(found.cutoff, release, 4001)
@@ -243,7 +247,7 @@ def test_peaks_on_level_and_tilting_floors(
     load: float, frequency: float, share: float, peak: tuple[float, float]
 ) -> None:
     level = paper(load, frequency)
-    found, tilting = damping_curve(level), damping_curve(tilted(level, share))
+    found, tilting = curve(level), curve(tilted(level, share))
     for figures, expected in zip((found, tilting), peak, strict=True):
         assert -math.expm1(-4 * math.pi * figures.peak) == pytest.approx(expected, rel=0.03)
     assert tilting.cutoff == pytest.approx(found.cutoff / (1 - share))
@@ -256,7 +260,7 @@ def test_the_slope_scales_the_drive(share: float) -> None:
     At tau = 2 the slope drives it as much as the vibration does on a level one.
     """
     level = paper(mass_ratio=1e-4)
-    found, tilting = damping_curve(level), damping_curve(tilted(level, share))
+    found, tilting = curve(level), curve(tilted(level, share))
     left = abs(1 - share)
     assert tilting.peak == pytest.approx(found.peak * left**2, rel=0.02)
     assert tilting.cutoff == pytest.approx(found.cutoff / left, rel=1e-9)
@@ -264,7 +268,7 @@ def test_the_slope_scales_the_drive(share: float) -> None:
 
 def test_a_slope_that_takes_all_of_the_drive() -> None:
     level = paper()
-    nothing = damping_curve(tilted(level, 1.0))
+    nothing = curve(tilted(level, 1.0))
     assert (nothing.peak, nothing.cutoff) == (0.0, math.inf)
 
 
@@ -278,13 +282,13 @@ def tilted(damper: ParticleDamper, share: float) -> ParticleDamper:
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9])
 def test_never_more_than_the_work_bound(load: float, restitution: float) -> None:
     damper = paper(load, mass_ratio=1e-3, restitution=restitution)
-    found = damping_curve(damper)
+    found = curve(damper)
     for amplitude, ratio in zip(found.amplitude, found.damping_ratio, strict=True):
         assert -math.expm1(-4 * math.pi * ratio) <= 1.02 * work_bound(damper, amplitude)
 
 
 def test_own_damping_has_no_part_in_it() -> None:
-    one, other = damping_curve(paper()), damping_curve(paper(damping_ratio=0.02))
+    one, other = curve(paper()), curve(paper(damping_ratio=0.02))
     assert np.array_equal(one.damping_ratio, other.damping_ratio)
 
 
@@ -297,7 +301,7 @@ def test_the_error_is_what_another_ladder_differs_by(
     import sys
 
     damper = paper(mass_ratio=mass_ratio, rolling_friction=rolling_friction)
-    found = damping_curve(damper)
+    found = curve(damper)
     module = sys.modules["damper.curve_measurement"]
     monkeypatch.setattr(module, "SETTLING", 20)
     again = damping_curve(damper, sweeps=24, stay=170)
@@ -306,7 +310,7 @@ def test_the_error_is_what_another_ladder_differs_by(
 
 
 def test_range_and_half() -> None:
-    found = damping_curve(paper(2687, 208.9))
+    found = curve(paper(2687, 208.9))
     assert found.cutoff == pytest.approx(0.1 * 26870 / (2 * math.pi * 208.9) ** 2)
     assert found.half[0] > found.cutoff
     assert found.half == found.range
@@ -316,7 +320,7 @@ def test_range_and_half() -> None:
 
 @pytest.mark.parametrize("changes", [{"cavity": (2e-3, 2.4e-3)}, {"rolling_friction": 0.0, "restitution": 1.0}])
 def test_a_ball_that_takes_nothing(changes: dict[str, object]) -> None:
-    found = damping_curve(paper(**changes))
+    found = curve(paper(**changes))
     assert found.peak == 0
     assert not found.amplitude.size
 
@@ -332,7 +336,7 @@ def test_a_sweep_begins_with_the_ball_in_its_cavity() -> None:
 def test_printed_equations_feed_the_vibration() -> None:
     from damper import Formulation
 
-    found = damping_curve(paper(2687, 208.9, formulation=Formulation.PRINTED))
+    found = curve(paper(2687, 208.9, formulation=Formulation.PRINTED))
     assert found.damping_ratio.min() < 0 < found.peak
 
 

@@ -213,12 +213,6 @@ def test_sizes_are_multiples_of_one_grid():
     np.testing.assert_allclose(crowded(4), [-1.0, -0.75, 0.0, 0.75, 1.0])
 
 
-def test_refuses_a_tolerance_of_nothing():
-    planform = Rectangle(0.2, 0.08)
-    with pytest.raises(ValueError, match="tolerance must be above 0"):
-        choose_mesh(planform, builder(planform, 0.01), (0.0,), 3, 0.0)
-
-
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
 @pytest.mark.parametrize("degrees", [100.0, 115.0, 135.0, 160.0])
 def test_the_order_at_a_blunt_corner_of_the_root(nu, degrees):

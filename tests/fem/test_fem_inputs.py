@@ -1,16 +1,18 @@
 """What users type: refused early, with one clear line; and what `import fem` offers."""
 
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, paper_plate
+from fem_cases import STEEL, distorted, paper_plate
 
 import fem
 from fem import (
     Divergence,
     Effects,
+    ElasticRoot,
     Given,
     Material,
     Plate,
@@ -18,99 +20,139 @@ from fem import (
     Rotor,
     assemble,
     campbell,
+    choose_mesh,
     choose_theory,
     displacement,
     equilibrium,
     rectangle,
     reduce_at,
+    reduce_over,
     solve_modes,
     with_point_mass,
 )
 from fem.rotor import from_rpm, in_rpm
 
 
+@cache
+def small(**effects):
+    """The paper's plate on two cells."""
+    return assemble(paper_plate(2, 1), Rotor(), Effects(**effects))
+
+
+def plate(**keys):
+    return Plate(**{"mesh": rectangle(0.2, 0.08, 2, 1), "thickness": 0.01, "material": STEEL, **keys})
+
+
+def skew(theory):
+    return assemble(Plate(distorted(rectangle(0.2, 0.08, 4, 3), 0.004), 0.01, STEEL), Rotor(), Effects(), theory)
+
+
+def reduced(at=(0.2, 0.0), **keys):
+    return reduce_at(small(), 0.0, at, **keys)
+
+
+def of_another_speed():
+    return reduce_at(small(), 10.0, (0.2, 0.0), mass_ratio=0.1, modes=solve_modes(small(), 0.0, 3))
+
+
+def over(at, **keys):
+    return reduce_over(small(), campbell(small(), np.array([0.0, 100.0]), 4), at, **keys)
+
+
+REFUSED = {
+    "youngs_modulus must be a positive number of Pa, got 0.0": [lambda: Material(0.0, 0.3, 7850.0)],
+    "youngs_modulus": [lambda: Material(np.nan, 0.3, 7850.0)],
+    "poissons_ratio must lie between -1 and 0.5, got 0.5": [lambda: Material(2e11, 0.5, 7850.0)],
+    "poissons_ratio": [lambda: Material(2e11, -1.0, 7850.0)],
+    "density must be a positive number of kg/m³, got -1.0": [lambda: Material(2e11, 0.3, -1.0)],
+    "thickness must be a positive number of m": [lambda: plate(thickness=0.0)],
+    "tip_mass must be zero or more kg": [lambda: plate(tip_mass=-1.0)],
+    "tip_mass needs tip_at": [lambda: plate(tip_mass=1.0)],
+    "a place on the plate is": [lambda: plate(tip_at=(0.1, 0.0, 0.0))],
+    "does not lie on the plate": [
+        lambda: plate(tip_at=(5.0, 0.0)),
+        lambda: reduced((0.3, 0.0), mass_ratio=0.1),
+        lambda: over((0.3, 0.0), ball_mass=0.1),
+    ],
+    "does not move": [lambda: reduced((0.0, 0.0), mass_ratio=0.1)],
+    "belong to": [of_another_speed],
+    "give either ball_mass or mass_ratio": [
+        reduced,
+        lambda: reduced(ball_mass=1.0, mass_ratio=0.1),
+        lambda: over((0.2, 0.0)),
+        *(lambda bad=bad: reduced(mass_ratio=bad) for bad in (-0.1, np.nan, np.inf)),
+    ],
+    "mass must be zero or more kg": [
+        lambda bad=bad: with_point_mass(small(), (0.1, 0.0), bad) for bad in (-1.0, np.nan, np.inf)
+    ],
+    "hub_radius must be a finite number of m": [lambda: Rotor(hub_radius=np.inf)],
+    "stagger must be a finite angle": [lambda: Rotor(stagger=np.inf)],
+    "precone must be a finite angle in rad": [lambda: Rotor(precone=np.nan)],
+    "stress_stiffening": [lambda: Effects(large_deflection=True, stress_stiffening=False)],
+    "must be a positive number of N": [
+        lambda pair=pair: ElasticRoot(*pair) for pair in ((0.0, 1.0), (1.0, 0.0), (np.inf, 1.0), (1.0, np.nan))
+    ],
+    r"one of mindlin, .*kirchhoff/morley, solid/2.*, got 'solid/3'": [lambda: skew("solid/3")],
+    "theory must be": [lambda: skew("reissner")],
+    "rectangles": [lambda: skew("kirchhoff/bfs")],
+    "choose_theory": [lambda: skew("auto")],
+    "must be positive and finite": [
+        lambda bad=bad: choose_theory(paper_plate(2, 1), accuracy=bad) for bad in (0.0, -1.0, np.nan, np.inf)
+    ],
+    "tolerance must be above 0": [
+        lambda: choose_mesh(Rectangle(0.2, 0.08), lambda size: small(), (0.0,), 3, 0.0),
+    ],
+    "one finite speed": [
+        lambda: equilibrium(small(large_deflection=True), np.nan),
+        *(lambda bad=bad: solve_modes(small(), bad) for bad in (np.nan, np.inf, np.array([1.0, 2.0]))),
+    ],
+    "start must be of shape": [lambda: equilibrium(small(large_deflection=True), 1.0, np.zeros(3))],
+    "shapes must be": [lambda: displacement(small(), np.zeros(3))],
+    "must be positive": [
+        make
+        for bad in (0.0, -1.0, np.nan, np.inf)
+        for make in (lambda bad=bad: rectangle(bad, 1.0, 2, 2), lambda bad=bad: Rectangle(1.0, bad))
+    ],
+    "whole number from 1": [lambda: Rectangle(1.0, 1.0).mesh(0)],
+    "1, 2, 4, 8": [lambda: Given(rectangle(1.0, 1.0, 2, 2)).mesh(3)],
+    "at least one cell": [lambda: rectangle(1.0, 1.0, 0, 2)],
+    "count of modes": [
+        make
+        for bad in (0, 2.5, 10_000)
+        for make in (lambda bad=bad: solve_modes(small(), 0.0, bad), lambda bad=bad: campbell(small(), [0.0, 1.0], bad))
+    ],
+    "damping_ratio": [
+        make
+        for bad in (-0.1, np.nan, 1.0, np.inf)
+        for make in (
+            lambda bad=bad: solve_modes(small(), 0.0, 1, damping_ratio=bad),
+            lambda bad=bad: campbell(small(), [0.0, 1.0], 1, damping_ratio=bad),
+        )
+    ],
+    "campbell needs": [lambda bad=bad: campbell(small(), np.array(bad)) for bad in ([], [-1.0], [np.nan])],
+    "tolerance must": [lambda: campbell(small(), np.array([1.0]), tolerance=0.0)],
+}
+"""What each message is said of."""
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_what_makes_no_sense_is_refused(message):
+    for make in REFUSED[message]:
+        with pytest.raises(ValueError, match=message):
+            make()
+
+
 @pytest.mark.parametrize(
-    ("values", "message"),
+    ("make", "message"),
     [
-        ((0.0, 0.3, 7850.0), "youngs_modulus must be a positive number of Pa, got 0.0"),
-        ((np.nan, 0.3, 7850.0), "youngs_modulus"),
-        ((2e11, 0.5, 7850.0), "poissons_ratio must lie between -1 and 0.5, got 0.5"),
-        ((2e11, -1.0, 7850.0), "poissons_ratio"),
-        ((2e11, 0.3, -1.0), "density must be a positive number of kg/m³, got -1.0"),
+        (lambda: Plate(rectangle(0.2, 0.08, 2, 1), 0.01, None), "material must be"),
+        (lambda: skew(None), "theory must be the name of one"),
+        *((lambda bad=bad: Effects(coriolis=bad), "coriolis must be True or False") for bad in ("no", None, 1)),
     ],
 )
-def test_material(values, message):
-    with pytest.raises(ValueError, match=message):
-        Material(*values)
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"thickness": 0.0}, "thickness must be a positive number of m"),
-        ({"tip_mass": -1.0}, "tip_mass must be zero or more kg"),
-        ({"tip_mass": 1.0}, "tip_mass needs tip_at"),
-        ({"tip_at": (5.0, 0.0)}, "does not lie on the plate"),
-        ({"tip_at": (0.1, 0.0, 0.0)}, "a place on the plate is"),
-    ],
-)
-def test_plate(keys, message):
-    with pytest.raises(ValueError, match=message):
-        Plate(**{"mesh": rectangle(0.2, 0.08, 2, 1), "thickness": 0.01, "material": STEEL, **keys})
-
-
-def test_rotor():
-    with pytest.raises(ValueError, match="hub_radius must be a finite number of m"):
-        Rotor(hub_radius=np.inf)
-    with pytest.raises(ValueError, match="stagger must be a finite angle"):
-        Rotor(stagger=np.inf)
-    np.testing.assert_array_equal(Rotor(stagger=np.pi / 2).axis, [0.0, 1.0, 0.0])
-
-
-def test_plate_of_nothing():
-    with pytest.raises(TypeError, match="material must be"):
-        Plate(rectangle(0.2, 0.08, 2, 1), 0.01, None)
-
-
-@pytest.mark.parametrize("switch", ["no", None, 1])
-def test_effects_are_on_or_off(switch):
-    with pytest.raises(TypeError, match="coriolis must be True or False"):
-        Effects(coriolis=switch)
-
-
-def test_theory():
-    with pytest.raises(ValueError, match=r"one of mindlin, .*kirchhoff/morley, solid/2.*, got 'solid/3'"):
-        assemble(paper_plate(2, 1), Rotor(), Effects(), "solid/3")
-    with pytest.raises(TypeError, match="theory must be the name of one"):
-        assemble(paper_plate(2, 1), Rotor(), Effects(), None)
-
-
-@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
-def test_choice_of_theory(bad):
-    with pytest.raises(ValueError, match="must be positive and finite"):
-        choose_theory(paper_plate(2, 1), accuracy=bad)
-
-
-def test_point_mass():
-    operators = assemble(paper_plate(2, 1), Rotor(), Effects())
-    for mass in (-1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="mass must be zero or more kg"):
-            with_point_mass(operators, (0.1, 0.0), mass)
-        with pytest.raises(ValueError, match="give either ball_mass or mass_ratio"):
-            reduce_at(operators, 0.0, (0.2, 0.0), mass_ratio=mass)
-
-
-def test_equilibrium():
-    operators = assemble(paper_plate(2, 1), Rotor(), Effects(large_deflection=True))
-    with pytest.raises(ValueError, match="one finite speed"):
-        equilibrium(operators, np.nan)
-    with pytest.raises(ValueError, match="start must be of shape"):
-        equilibrium(operators, 1.0, np.zeros(3))
-
-
-def test_displacement_of_another_model():
-    with pytest.raises(ValueError, match="shapes must be"):
-        displacement(assemble(paper_plate(2, 1), Rotor(), Effects()), np.zeros(3))
+def test_what_is_of_another_type(make, message):
+    with pytest.raises(TypeError, match=message):
+        make()
 
 
 def test_divergence_with_a_ball_says_a_negative_eigenvalue():
@@ -120,40 +162,10 @@ def test_divergence_with_a_ball_says_a_negative_eigenvalue():
     assert caught.value.eigenvalue < 0.0
 
 
-def test_rectangle():
-    for length in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="must be positive"):
-            rectangle(length, 1.0, 2, 2)
-        with pytest.raises(ValueError, match="must be positive"):
-            Rectangle(1.0, length)
-    with pytest.raises(ValueError, match="whole number from 1"):
-        Rectangle(1.0, 1.0).mesh(0)
-    with pytest.raises(ValueError, match="1, 2, 4, 8"):
-        Given(rectangle(1.0, 1.0, 2, 2)).mesh(3)
-    with pytest.raises(ValueError, match="at least one cell"):
-        rectangle(1.0, 1.0, 0, 2)
-
-
-def test_modes():
-    operators = assemble(paper_plate(2, 1), Rotor(), Effects())
-    for count in (0, 2.5, 10_000):
-        with pytest.raises(ValueError, match="count of modes"):
-            solve_modes(operators, 0.0, count)
-        with pytest.raises(ValueError, match="count of modes"):
-            campbell(operators, [0.0, 1.0], count)
-    for omega in (np.nan, np.inf, np.array([1.0, 2.0])):
-        with pytest.raises(ValueError, match="one finite speed"):
-            solve_modes(operators, omega)
-    for ratio in (-0.1, np.nan, 1.0, np.inf):
-        with pytest.raises(ValueError, match="damping_ratio"):
-            solve_modes(operators, 0.0, 1, damping_ratio=ratio)
-        with pytest.raises(ValueError, match="damping_ratio"):
-            campbell(operators, [0.0, 1.0], 1, damping_ratio=ratio)
-
-
 def test_what_is_off_is_not_assembled():
-    operators = assemble(paper_plate(2, 1), Rotor(), Effects(stress_stiffening=False, spin_softening=False))
+    operators = small(stress_stiffening=False, spin_softening=False)
     assert operators.geometric is operators.softening is operators.gyroscopic is operators.prestress is None
+    np.testing.assert_array_equal(Rotor(stagger=np.pi / 2).axis, [0.0, 1.0, 0.0])
 
 
 def test_inputs_are_frozen():

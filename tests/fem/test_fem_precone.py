@@ -128,11 +128,6 @@ def test_a_cone_bends_what_is_raised_towards_the_plane():
     assert -0.2 * np.sin(precone) * 1.05 < lift < -0.2 * np.sin(precone) * 0.8
 
 
-def test_no_angle():
-    with pytest.raises(ValueError, match="precone must be a finite angle in rad"):
-        Rotor(precone=np.nan)
-
-
 def test_beam_rates_without_a_cone():
     """The rotor without precone is what it was."""
     assert Rotor(0.1, 0.3) == Rotor(0.1, 0.3, 0.0)

@@ -79,27 +79,6 @@ def test_floor_tilt():
 
 
 @pytest.mark.parametrize(
-    ("at", "keys", "message"),
-    [
-        (TIP, {}, "either ball_mass or mass_ratio"),
-        (TIP, {"ball_mass": 1.0, "mass_ratio": 0.1}, "either ball_mass or mass_ratio"),
-        (TIP, {"mass_ratio": -0.1}, "either ball_mass or mass_ratio"),
-        ((0.3, 0.0), {"mass_ratio": 0.1}, "does not lie on the plate"),
-        ((0.0, 0.0), {"mass_ratio": 0.1}, "does not move"),
-    ],
-)
-def test_refusals(at, keys, message):
-    with pytest.raises(ValueError, match=message):
-        reduce_at(assemble(paper_plate(4, 2), Rotor(), Effects()), 0.0, at, **keys)
-
-
-def test_modes_of_another_speed_are_refused():
-    operators = assemble(paper_plate(4, 2), Rotor(), Effects())
-    with pytest.raises(ValueError, match="belong to"):
-        reduce_at(operators, 10.0, TIP, mass_ratio=0.1, modes=solve_modes(operators, 0.0, 3))
-
-
-@pytest.mark.parametrize(
     ("rotor", "effects", "count"),
     [
         (Rotor(), Effects(), 200),
@@ -120,15 +99,6 @@ def test_over_speeds_as_at_each(rotor, effects, count, mass):
         for name in ("f1_hz", "M1", "K1", "f2_hz", "M2", "K2", "ball_mass", "slope", "floor_tilt"):
             assert getattr(found[k], name) == pytest.approx(getattr(alone, name), rel=1e-5), name
         assert found[k].f1_hz == pytest.approx(alone.f1_hz, rel=1e-6)
-
-
-def test_over_speeds_refuses():
-    operators = assemble(paper_plate(4, 2), Rotor(), Effects())
-    diagram = campbell(operators, np.array([0.0, 100.0]), 4)
-    with pytest.raises(ValueError, match="either ball_mass or mass_ratio"):
-        reduce_over(operators, diagram, TIP)
-    with pytest.raises(ValueError, match="does not lie on the plate"):
-        reduce_over(operators, diagram, (0.3, 0.0), ball_mass=0.1)
 
 
 @pytest.mark.parametrize("cells", [5, 7, 9])

@@ -179,8 +179,3 @@ def test_a_thin_strip_untwists():
         twist.append(-slope)
     # The chord lies at 0.7 rad to the plane of rotation; -w_y > 0 turns it back, and never past that plane.
     assert 0.0 < twist[0] < twist[1] < twist[2] < np.tan(0.7)
-
-
-def test_needs_stiffening():
-    with pytest.raises(ValueError, match="stress_stiffening"):
-        Effects(large_deflection=True, stress_stiffening=False)

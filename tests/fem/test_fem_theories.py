@@ -161,10 +161,7 @@ def test_choice_follows_thickness():
     assert [c.name for c in chosen.values()] == ["kirchhoff", "mindlin", "solid"]
     assert all(c.why for c in chosen.values())
     assert choose(0.01, accuracy=0.2).name == "kirchhoff"
-    plate = paper_plate(4, 2)
-    assert choose_theory(plate).name == "mindlin"
-    with pytest.raises(ValueError, match="choose_theory"):
-        assemble(plate, Rotor(), Effects(), "auto")
+    assert choose_theory(paper_plate(4, 2)).name == "mindlin"
 
 
 def test_choice_keeps_its_word():
@@ -256,14 +253,6 @@ def test_layers_of_a_solid():
     two, six = (solve_modes(assemble(plate, Rotor(), AT_REST, t), 0.0, 4).frequencies_hz for t in ("solid", names[2]))
     true = float((two / six - 1.0).max())
     assert true / 3.0 < solid_theory(0.2, 0.01, Budget(1e-2).layers)[1] < 3.0 * true
-
-
-def test_refusals():
-    skew = Plate(distorted(rectangle(0.2, 0.08, 4, 3), 0.004), 0.01, STEEL)
-    with pytest.raises(ValueError, match="rectangles"):
-        assemble(skew, Rotor(), Effects(), "kirchhoff/bfs")
-    with pytest.raises(ValueError, match="theory must be"):
-        assemble(skew, Rotor(), Effects(), "reissner")
 
 
 @cache

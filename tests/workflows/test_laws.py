@@ -18,7 +18,6 @@ import damper
 import fem
 import spindamp as face
 from damper.motion import Flights
-from tests.benchmarks import broken_kernels
 from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Command, changed, write
 from workflows.cli.main import main
@@ -208,13 +207,3 @@ def test_no_plate_is_published_by_programs_that_fail(
     assert main(["campbell", "campbell", "--json"]) == 1
     assert capsys.readouterr().err.startswith("spindamp: an internal error: 'beam' has the frequency 3.5, but")
     assert not new_machine.exists()
-
-
-@needs_compiler
-def test_a_program_broken_by_hand_publishes_nothing(tmp_path: Path) -> None:
-    """In a process of its own; that the floor does not tilt breaks no law, but the self-check knows."""
-    (each,) = (each for each in broken_kernels.BREAKS if each.name == "the floor does not tilt")
-    tree = broken_kernels.broken_copy(tmp_path / "tree", each)
-    ended, said, _ = broken_kernels.run(tree, broken_kernels.ON_STRUCTURES["ringdown"])
-    assert ended == "status 1", said
-    assert "in the self-check of the compiled kernels" in said
