@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.meshes.decks import NASTRAN, plain
 from fem.meshes.planform import MeshError, check_mesh, root, root_facets
 
 if TYPE_CHECKING:
@@ -92,23 +93,25 @@ def raw_mesh(path: Path, reader: ModuleType) -> Any:
     try:
         _check_kind(path)
         _check_named_files(path)
-        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
-            return reader.read(path)
+        with plain(path) as deck, contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+            return reader.read(deck)
     except MeshError:
         raise
     except SystemExit:
         lines = [
             line for line in output.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))
         ]
-        why = f" ({lines[0].strip()})" if lines and " id" in lines[0] else ""
-        raise MeshError(f"not a mesh file that {reader.__name__} can read{why}") from None
+        why = lines[0].strip() if lines and " id" in lines[0] else _DAMAGED
+        raise MeshError(f"not a mesh file that {reader.__name__} can read ({why})") from None
     except reader.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what readers stumble over, said in terms of their own code
-        raise MeshError(f"not a readable mesh file: damaged or cut short ({type(error).__name__})") from None
+        raise MeshError(f"not a readable mesh file: {_DAMAGED} ({type(error).__name__})") from None
 
+
+_DAMAGED = "damaged or cut short, or its cells lack some of their nodes"
 
 GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES", ".brep": "BREP"}
 """Geometry that is to be meshed, by the ending of its files."""
@@ -123,7 +126,7 @@ def _check_kind(path: Path) -> None:
         raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
         raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
-    if path.suffix.lower() in (".bdf", ".nas", ".fem") and _BULK not in path.read_bytes().upper():
+    if path.suffix.lower() in NASTRAN and _BULK not in path.read_bytes().upper():
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 
 

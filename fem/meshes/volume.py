@@ -275,6 +275,9 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     cells = [
         (kind, np.vstack([block.data for block in solid if block.type == kind]).astype(np.int64)) for kind in kinds
     ]
+    for kind, nodes in cells:
+        if nodes.shape[1] != len(cell(kind).nodes):
+            raise MeshError(f"it gives {kind} cells {nodes.shape[1]} nodes: some of their lines are not read")
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes in cells]))
     if used[0] < 0 or used[-1] >= len(points):
         raise MeshError("a cell names a node that the file does not hold")
@@ -293,7 +296,8 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     sets = {}
     for name, nodes in _sets(raw).items():
         nodes_kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
-        sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
+        if (nodes_kept >= 0).any():
+            sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
     return VolumeMesh(points, tuple(renumbered), sets)
 
 

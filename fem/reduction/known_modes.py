@@ -28,13 +28,17 @@ STILL = 1e-6
 """Displacement of a place, relative to the largest of its mode, that counts as none."""
 
 
+LEAST_PRESSED = 0.1
+"""Part of the load that has to press the ball onto a floor."""
+
+
 @dataclass(frozen=True, eq=False)
 class Floor:
-    """The cavity's floor at a speed. It faces the axis: its normal is along the load.
+    """The cavity's floor at a speed. It faces the axis, its normal along the load, unless it was given one.
 
     Attributes:
-        normal: unit vector along the load, (3,); axes: of the floor, unit vectors (2, 3).
-        radius: of the place, from the axis [m].
+        normal: unit vector, (3,); axes: of the floor, unit vectors (2, 3).
+        radius: of the place, from the axis [m]; lean: parts of that along the axes, (2,), 0 of a floor that faces it.
         moved: displacement of the place along the axes in each mode, (2, k).
         slope: of the floor along them, (2, k) [1/m]; spread: what of it is uncertain, (2, k).
     """
@@ -42,9 +46,15 @@ class Floor:
     normal: Array
     axes: Array
     radius: float
+    lean: Array
     moved: Array
     slope: Array
     spread: Array
+
+    @property
+    def pressing(self) -> float:
+        """Part of the radius along the normal [m]."""
+        return float(np.sqrt(self.radius**2 - self.lean @ self.lean)) if self.lean.any() else self.radius
 
     def stagger(self, axis: Array) -> float:
         """Angle [rad] from axis 1 of the floor to the spin axis, towards axis 2, as of a plate."""
@@ -53,14 +63,15 @@ class Floor:
         return quarters * 0.5 * np.pi if abs(angle - quarters * 0.5 * np.pi) <= STILL else angle
 
 
-def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array) -> Floor:
-    """The floor of a cavity at a place, its axis 1 along a direction (3,) less what of that is along the load.
+def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, given: Array | None = None) -> Floor:
+    """The floor of a cavity at a place, its axis 1 along a direction (3,) less what of that is along its normal.
 
     The structure is deformed by the static displacement, where that is known: place, load and slopes are those of the
-    deformed structure.
+    deformed structure. A normal (3,) that is given, out of the undeformed structure, is that of a plane in it, which
+    turns with it.
 
     Raises:
-        NoMotion: there is no load's direction there, or the direction given is along it.
+        NoMotion: there is no load's direction there, it does not press on the floor, or axis 1 would be its normal.
     """
     deformed = np.eye(3)
     point = at.point
@@ -73,12 +84,20 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array) -
     if radius <= STILL * model.size:
         raise NoMotion("the place is on the spin axis, where there is no load and no floor faces it")
     normal = arm / radius
+    if given is not None:
+        turned = np.linalg.solve(deformed.T, given)
+        normal = np.asarray(turned / np.linalg.norm(turned))
+        if arm @ normal <= LEAST_PRESSED * radius:
+            raise NoMotion(
+                "the load does not press the ball onto a floor with this normal, which has to point outwards"
+            )
     axes = frame(normal, direction)
+    lean = np.zeros(2) if given is None else axes @ arm
     gradient, spread = at.gradient(modes)
     moved = axes @ at.displacement(modes.shapes).T
     slope = -np.einsum("i,kij,aj->ak", normal, gradient @ np.linalg.inv(deformed), axes)
     unsure = np.einsum("i,kij,aj->ak", np.abs(normal), spread, np.abs(axes))
-    return Floor(normal, axes, radius, moved, slope, unsure)
+    return Floor(normal, axes, radius, lean, moved, slope, unsure)
 
 
 def frame(normal: Array, direction: Array) -> Array:
@@ -90,7 +109,7 @@ def frame(normal: Array, direction: Array) -> Array:
     first = direction - (direction @ normal) * normal
     length = float(np.linalg.norm(first))
     if length <= STILL * float(np.linalg.norm(direction)):
-        raise NoMotion("the direction is along the load, in which the floor has no axis")
+        raise NoMotion("the direction is along the load, or the normal of the floor, in which it has no axis")
     first = first / length
     return np.array([first, np.cross(first, normal)])
 
@@ -168,7 +187,7 @@ def reduced_modes(
         ball_mass=ball,
         mode_index=index,
         slope=float(at.slope[0, index] / lift),
-        floor_tilt=modes.omega**2 * at.radius * float(at.slope[0, index] / lift) / stuck,
+        floor_tilt=modes.omega**2 * at.pressing * float(at.slope[0, index] / lift) / stuck,
     )
     check_reduced(reduced)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T

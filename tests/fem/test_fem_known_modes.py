@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from fem.meshes.cells import KINDS, cell
 from fem.modal_files import document, in_si, joined, read, write
@@ -27,8 +28,8 @@ from fem.modal_model import (
     pull,
     volume,
 )
-from fem.reduction.known_modes import bending_direction, floor, reduced_modes
-from fem.rotor import from_rpm
+from fem.reduction.known_modes import NoMotion, bending_direction, floor, reduced_modes
+from fem.rotor import Rotor, from_rpm
 
 DATA = Path(__file__).parent / "data"
 Z, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
@@ -273,3 +274,32 @@ def test_a_neutral_file_comes_back_bit_for_bit(plate: ModalModel, tmp_path: Path
     assert in_mm.speeds[0].shapes == pytest.approx(full.speeds[0].shapes, rel=1e-14)
     with pytest.raises(ValueError, match=r"\.npz or \.json"):
         write(full, tmp_path / "one.csv")
+
+
+def test_a_floor_that_is_given_its_normal_turns_with_the_structure() -> None:
+    """A bar with precone: the load's parts by hand; turned as a whole at speed, as if the bar were laid so."""
+    rotor, length = Rotor(hub_radius=0.1, precone=np.radians(6.0), stagger=np.radians(25.0)), 0.2
+    nodes = 0.5 * (cell("hexahedron").nodes + 1.0) * [length, 0.02, 0.02] - [0.0, 0.01, 0.01]
+    cells = (("hexahedron", np.arange(8)[None]),)
+    still = modes(np.repeat(np.eye(3)[2][None, None], 8, axis=1))
+    model = ModalModel(nodes, (still,), rotor.axis, -0.1 * rotor.outwards, cells)
+    at, x, z = place(model, np.array([length, 0.0, 0.0])), np.eye(3)[0], np.eye(3)[2]
+    faced, seen = floor(model, at, still, z), floor(model, at, still, z, 2.0 * x)
+    radius = 0.1 + length * np.cos(rotor.precone)
+    assert faced.radius == seen.radius == pytest.approx(radius, rel=1e-12)
+    assert not faced.lean.any()
+    assert seen.pressing == pytest.approx(radius * np.cos(rotor.precone), rel=1e-12)
+    across = -radius * np.sin(rotor.precone) * np.array([np.cos(rotor.stagger), np.sin(rotor.stagger)])
+    np.testing.assert_allclose(seen.axes, [z, np.cross(z, x)], atol=1e-12)
+    np.testing.assert_allclose(seen.lean, across, rtol=1e-12)
+    turn = Rotation.from_rotvec([0.0, 0.1, -0.2]).as_matrix()
+    moved = replace(still, static=nodes @ (turn - np.eye(3)).T)
+    laid = ModalModel(nodes @ turn.T, (still,), rotor.axis, -0.1 * rotor.outwards, cells)
+    turned, expected = (
+        floor(model, at, moved, z, x),
+        floor(laid, place(laid, turn @ at.point), still, z, turn @ x),
+    )
+    np.testing.assert_allclose(turned.normal, turn @ x, atol=1e-12)
+    np.testing.assert_allclose(turned.lean, expected.lean, rtol=1e-10)
+    with pytest.raises(NoMotion, match="the load does not press the ball onto a floor with this normal"):
+        floor(model, at, still, z, -x)

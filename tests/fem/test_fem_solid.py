@@ -367,7 +367,7 @@ FILES = {
     "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
     "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
     "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
-    "no such kind": (deck(kind="C3D99"), "no cells with a volume"),
+    "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
     "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
     "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
     "in um": (deck(scaled(1e-3)), "measures 0.0002 m: are its coordinates in m"),

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from damper import ringdown
+from damper.state import HIT
 from meshes import make
 from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
@@ -17,6 +19,7 @@ from workflows.report.verdict import answer
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import resources
 from workflows.solve.blade import blade_of, in_words
+from workflows.solve.damper import particle_damper
 
 SCENE = """
 title = "fan"
@@ -305,6 +308,47 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
 def test_a_direction_along_the_load_is_refused_by_its_own_key(bricks):
     with pytest.raises(BadInput, match=r"\[damper\] direction = \[1\.0, 0\.0, 0\.0\]: the direction is along the load"):
         pipeline.run(on_bricks(bricks, "friction = 0.3", "friction = 0.3\ndirection = [1, 0, 0]"))
+
+
+CONED = 'speeds = ["300 rpm"]\naxis = [0.08715574, 0, 0.9961947]'
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_ball_on_a_floor_that_does_not_face_the_load_falls_to_a_wall(bricks, way):
+    """Precone of 5 degrees: Omega² r sin cos along the floor; the fall of a rolling ball, and where it rests."""
+    text = (bricks / on_bricks(bricks).name).read_text(encoding="utf-8")
+    text = text.replace('speeds = ["10000 rpm"]', CONED).replace("count = 20", "count = 1\nnormal = [1, 0, 0]")
+    (bricks / "coned.toml").write_text(text.replace("0.08715574", f"{way * 0.08715574}"), encoding="utf-8")
+    source = load(bricks / "coned.toml")
+    state = pipeline.structure(source, Stages(visible=False))
+    (point,) = state.points
+    system = particle_damper(source.scene, state.effects, point)
+    drawn, angle = (300 * np.pi / 30) ** 2 * 0.25, np.radians(5.0)
+    assert system.centrifugal_acceleration == pytest.approx(drawn * np.cos(angle) ** 2, rel=1e-4)
+    pull = -way * drawn * np.sin(angle) * np.cos(angle)
+    assert system.lateral_acceleration == pytest.approx((pull, 0.0), rel=2e-3, abs=1e-9)
+    motion = ringdown(system, (1e-9, 0.0), 200, keep_events=True)
+    first = motion.rows["time"][motion.rows["kind"] == HIT][0]
+    rolling = 5 / 7 * (abs(pull) - 0.02 / 2 * drawn * np.cos(angle) ** 2)
+    assert first == pytest.approx(np.sqrt(2 * 0.5e-3 / rolling), rel=5e-3)
+    # the load bends the plate, and turns the floor with it: a cantilever under rho A Omega² (a + x) sin cos
+    bends = 4430 * 8e-4 * (drawn / 0.25) * np.cos(angle) * np.sin(angle) * (0.05 * 0.2**3 / 6 + 0.2**4 / 8)
+    turned = bends / (113.8e9 * 0.08 * 0.01**3 / 12)
+    lost = 1 - system.lateral_acceleration[0] / pull
+    assert lost == pytest.approx(turned / np.tan(angle), rel=0.15)
+
+
+def test_a_leaning_ball_is_remarked_and_its_normal_looks_outwards(bricks):
+    text = (bricks / on_bricks(bricks).name).read_text(encoding="utf-8")
+    text = text.replace('speeds = ["10000 rpm"]', CONED).replace("count = 20", "count = 1\nnormal = [1, 0, 0]")
+    (bricks / "coned.toml").write_text(text, encoding="utf-8")
+    said = remarks.leaning_load(pipeline.run(load(bricks / "coned.toml")))
+    assert said is not None
+    assert "from the normal of the cavity's floor by 5°" in said
+    assert "leans on a wall" in said
+    (bricks / "coned.toml").write_text(text.replace("normal = [1", "normal = [-1"), encoding="utf-8")
+    with pytest.raises(BadInput, match=r"\[damper\] normal = \[-1.0, 0.0, 0.0\]: the load does not press"):
+        pipeline.run(load(bricks / "coned.toml"))
 
 
 def test_the_scene_of_the_guide_is_read():

@@ -179,6 +179,7 @@ BENT: dict[str, dict[str, str]] = {
     "rotor.axis": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "rotor.origin": NO_VECTOR,
     "damper.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
+    "damper.normal": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "excitation.at": {"two lengths": "[0.1, 0]", "a switch": "true", "nothing": '""', "no node": "-1"},
     "excitation.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
     "damper.floor_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"stel"'},
@@ -249,7 +250,7 @@ def _home(table: str, key: str) -> Raw:
     if table == "structure" and key in KnownModes.model_fields:
         units = {} if key == "modes" else {"unit": '"mm"', "mass_unit": '"t"'}
         return _in_space("structure", modes='"a.npz"', **units)
-    if table == "blade" or f"{table}.{key}" in ("rotor.axis", "rotor.origin", "damper.direction"):
+    if table == "blade" or f"{table}.{key}" in ("rotor.axis", "rotor.origin", "damper.direction", "damper.normal"):
         return _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
     if f"{table}.{key}" in ("excitation.at", "excitation.direction"):
         raw = _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')

@@ -383,6 +383,8 @@ def still_across(results: Results) -> str | None:
 def leaning_load(results: Results) -> str | None:
     """A load that does not point along the plate at the cavity, whose floor is taken to face it."""
     scene = results.scene
+    if scene.damper is not None and scene.damper.normal is not None and ring_downs(results):
+        return _leaning_ball(results)
     if scene.damper is None or scene.damper.on_plate is None or scene.plate is None or not ring_downs(results):
         return None
     across = abs(scene.damper.on_plate[1] * math.cos(scene.rotor.stagger))
@@ -395,6 +397,19 @@ def leaning_load(results: Results) -> str | None:
         f"At this place the load leans by {significant(math.degrees(math.atan(lean)), 2)}° from the plate's length,"
         f" away from its centre line: the cavity's floor is taken to face it. On one square to the length the ball"
         f" {consequence}, which is not what is simulated."
+    )
+
+
+def _leaning_ball(results: Results) -> str:
+    """A floor that does not face the load: where a ball at rest is, and what that takes."""
+    scene = results.scene
+    point = max((p for p, _, _ in ring_downs(results)), key=lambda p: math.hypot(*p.lean) / p.pressing)
+    assert scene.damper is not None
+    slope, rolls = math.hypot(*point.lean) / point.pressing, limits.lever(scene, point) / scene.damper.radius
+    rests = "leans on a wall" if slope > rolls else "stays where it is, held by its rolling resistance"
+    return (
+        f"The load leans from the normal of the cavity's floor by {significant(math.degrees(math.atan(slope)), 2)}°"
+        f" {at_load(point)}: a ball at rest {rests}, which is simulated."
     )
 
 

@@ -33,6 +33,11 @@ class Damper(Table):
         description="axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what"
         " of it is along the load does not count",
     )
+    normal: q.Direction | None = Field(
+        None,
+        description="of the cavity's floor, outwards, on a structure in space at rest; default: the floor faces the"
+        " load at each speed. One that does not is pulled along: the ball leans on a wall",
+    )
     mass_ratio: Annotated[q.Number, q.Positive, Field(le=HEAVIEST)] | None = Field(
         None, description="mass of all balls together over the effective mass M2, dimensionless"
     )

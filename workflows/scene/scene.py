@@ -696,7 +696,11 @@ class Scene(Table):
 
     def _not_in_space(self) -> None:
         """The keys of structures in space alone are left out."""
-        for table, names in {"rotor": ("axis", "origin"), "damper": ("direction",), "excitation": ("at",)}.items():
+        for table, names in {
+            "rotor": ("axis", "origin"),
+            "damper": ("direction", "normal"),
+            "excitation": ("at",),
+        }.items():
             for name in names:
                 if getattr(getattr(self, table), name, None) is not None:
                     raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
@@ -707,8 +711,8 @@ class Scene(Table):
         if self.damper is not None and self.rotor.precone and not self.in_space:
             raise fault(
                 "rotor.precone",
-                "the load then slopes along the cavity's floor, which the damper model does not support: expected 0,"
-                " or the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
+                "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal, or the"
+                " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
             )
 
     def _without_a_plate(self, structure: Structure) -> None:

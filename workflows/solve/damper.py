@@ -200,7 +200,8 @@ def particle_damper(
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
             ball_radius=spec.radius,
-            centrifugal_acceleration=point.omega**2 * point.radius,
+            centrifugal_acceleration=point.omega**2 * point.pressing,
+            lateral_acceleration=(point.omega**2 * point.lean[0], point.omega**2 * point.lean[1]),
             formulation=Formulation(spec.formulation),
             **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
         )

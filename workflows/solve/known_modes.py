@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Seat:
-    """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the load, its pull.
+    """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the normal, its pull.
+
+    `normal`: of the floor (3,) at rest; None: along the load.
 
     `force`: where and in which direction (3,) a force shakes the structure; None: not elsewhere than here.
     """
@@ -48,6 +50,7 @@ class Seat:
     direction: Floats
     pull: Pull
     force: tuple[Place, Floats] | None = None
+    normal: Floats | None = None
 
     def load(self, modes: ModesAtSpeed) -> Floats | None:
         """What a unit of the force is on the modes (count,)."""
@@ -155,6 +158,7 @@ class SpaceStructure:
             reduced=reduced_of(reduced),
             cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
+            lean=(float(floor.lean[0]), float(floor.lean[1])),
             root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
         )
 
@@ -202,7 +206,7 @@ class SpaceStructure:
 
         if self.seat is None:
             raise ValueError("the scene has no [damper]")
-        return floor(self.model, self.seat.place, modes, self.seat.direction)
+        return floor(self.model, self.seat.place, modes, self.seat.direction, self.seat.normal)
 
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
@@ -291,7 +295,8 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
     force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
-    seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds), force)
+    first = min(source.scene.rotor.speeds)
+    seat = None if damper is None else (damper.at, damper.direction or first, damper.normal, force)
     structure = _built(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
@@ -671,9 +676,11 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     try:
         wanted = damper.direction
         direction = bending_direction(model, at, modes) if wanted is None else np.array(wanted, dtype=np.float64)
-        seen = floor(model, at, modes, direction)
+        normal = None if damper.normal is None else np.array(damper.normal, dtype=np.float64)
+        seen = floor(model, at, modes, direction, normal)
     except NoMotion as error:
-        key, odd = ("at", value) if damper.direction is None else ("direction", list(damper.direction))
+        keys = [("normal", damper.normal), ("direction", damper.direction)]
+        key, odd = next(((key, list(given)) for key, given in keys if given is not None), ("at", value))
         raise source.wrong(str(error), f"[damper] {key}", odd) from error
     if damper.housing is None and max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
@@ -688,7 +695,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     remarks += _misfits(damper, model, at, seen)
     lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
     if modes.rotations is not None:
-        other = float(floor(model, at, replace(modes, rotations=None), direction).slope[0, 0])
+        other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, 0])
         if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
             raise source.wrong(
                 f"in the first mode the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
@@ -705,7 +712,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    return Seat(at, direction, pull(model, at), force), tuple(remarks)
+    return Seat(at, direction, pull(model, at), force, normal), tuple(remarks)
 
 
 def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:

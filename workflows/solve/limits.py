@@ -185,7 +185,7 @@ def _pressed(scene: Scene, point: SpeedPoint) -> tuple[float, float, Solid, Soli
     damper, made_of = scene.damper, solids(scene)
     if damper is None or made_of is None or point.reduced is None or point.omega == 0:
         return None
-    load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.radius
+    load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.pressing
     floor = math.inf if damper.floor_radius is None else 2 / sum(1 / radius for radius in damper.floor_radius)
     return load, damper.radius, *made_of, floor
 
@@ -296,7 +296,7 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
         return 0.0
     drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * amplitude
     resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
-    return (2 * drive / (point.omega**2 * point.radius) + 5 * resistance) / 7
+    return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 
 
 def root_stress(results: Results, omega: float) -> float | None:

@@ -676,6 +676,7 @@ class SpeedPoint:
         damper: what the scene's release leads to, with its effects.
         working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
+        lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
@@ -713,15 +714,21 @@ class SpeedPoint:
         part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
     ] = None
     stagger: Annotated[float | None, KEPT] = None
+    lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
+
+    @property
+    def pressing(self) -> float:
+        """Part of the radius along the normal of the cavity's floor [m]: times Ω² what presses the ball onto it."""
+        return math.sqrt(self.radius**2 - self.lean[0] ** 2 - self.lean[1] ** 2) if any(self.lean) else self.radius
 
     @property
     def tilt_share(self) -> float:
         """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
         if self.reduced is None:
             return 0.0
-        return self.omega**2 * self.radius * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
+        return self.omega**2 * self.pressing * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
 
     @property
     def level(self) -> Figures | None:

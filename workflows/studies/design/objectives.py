@@ -138,6 +138,7 @@ class Crossed:
             stiffness=(x * stiffer, y * stiffer),
             modes=modes,
             centrifugal_acceleration=system.centrifugal_acceleration * square,
+            lateral_acceleration=(system.lateral_acceleration[0] * square, system.lateral_acceleration[1] * square),
             rotation=system.rotation * math.sqrt(square),
         )
         return turned, replace(self.harmonic, frequency=self.crossing.order * omega)

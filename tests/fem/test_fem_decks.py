@@ -1,0 +1,145 @@
+"""Decks as they are met: files in files, sets of sets, Nastran's continuations; what would be misread is refused."""
+
+import numpy as np
+import pytest
+
+from fem import MeshError
+from fem.meshes.volume import read_volume
+from tests.fem.test_fem_solid import CELLS, DECK, NODES, box
+
+FACE = [str(n) for n in np.flatnonzero(DECK.points[:, 0] == 0.0) + 1]
+MESH = ["*NODE,NSET=NALL", *NODES, "*ELEMENT,TYPE=C3D20R,ELSET=EALL"]
+MESH += [line for cell in CELLS for line in (",".join(map(str, cell[:16])) + ",", ",".join(map(str, cell[16:])))]
+ROOT = ["*NSET,NSET=NROOT", ",".join(FACE)]
+ASSEMBLY = ["*ASSEMBLY,NAME=A", "*INSTANCE,NAME=B-1,PART=B", "{}", "*END INSTANCE", "{}", "*END ASSEMBLY"]
+PART = ["*PART,NAME=B", *MESH, *ROOT, "*END PART", *ASSEMBLY]
+
+READ = {
+    "as it is": [*MESH, *ROOT],
+    "from Windows": ["\ufeff*HEADING\r", *(f"{line}\r" for line in (*MESH, *ROOT))],
+    "small letters, spaces": [line.lower().replace("nroot", "NROOT").replace("=", " = ") for line in (*MESH, *ROOT)],
+    "mesh from a file": ["*HEADING", "a blade", "*INCLUDE, INPUT=mesh.inc", *ROOT],
+    "nodes from a file": ["*NODE, INPUT=nodes.inc, NSET=NALL", *MESH[len(NODES) + 1 :], *ROOT],
+    "files in files": ["*Include, input='outer.inc'", *ROOT],
+    "set of a set": [*MESH, "*NSET,NSET=FACE", ",".join(FACE), "*NSET,NSET=NROOT", "FACE"],
+    "set of a set and nodes": [
+        *MESH,
+        "*NSET,NSET=F",
+        ",".join(FACE[:3]),
+        "*NSET,NSET=NROOT",
+        f"f,{','.join(FACE[3:])}",
+    ],
+    "set in two parts": [*MESH, "*NSET,NSET=NROOT", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])],
+    "generated set": [*MESH, "*NSET,NSET=G,GENERATE", f"{FACE[0]},{FACE[-1]}", "*NSET,NSET=NROOT", "G"],
+    "quotes": [*MESH, '*NSET,NSET="NROOT"', ",".join(FACE)],
+    "a part": [line.format("") for line in PART],
+    "a part, moved": [line.format("0.5,0,0", "") if line == "{}" else line for line in PART],
+    "a set of the assembly": [
+        *("*PART,NAME=B", *MESH, "*NSET,NSET=FACE", ",".join(FACE), "*END PART", *ASSEMBLY[:2], ASSEMBLY[3]),
+        *("*NSET,NSET=NROOT,INSTANCE=B-1", *ROOT[1:], "*END ASSEMBLY"),
+    ],
+    "elements of Abaqus alone": [line.replace("C3D20R", "C3D20RH") for line in (*MESH, *ROOT)],
+    "springs and skins beside": [
+        *(*MESH, "*ELEMENT,TYPE=SPRINGA,ELSET=S", "901,3,4", "*ELEMENT,TYPE=S8R,ELSET=SKIN", "902,1,2,3,4,5,6,7,8"),
+        *(*ROOT, "*STEP", "*STATIC", "*NODE PRINT,NSET=NROOT", "U", "*END STEP"),
+    ],
+}
+
+
+@pytest.mark.parametrize("case", READ)
+def test_decks_are_read_with_their_root(case, tmp_path):
+    path = tmp_path / "blade.inp"
+    (tmp_path / "mesh.inc").write_text("\n".join(MESH))
+    (tmp_path / "nodes.inc").write_text("\n".join(NODES))
+    (tmp_path / "outer.inc").write_text("*INCLUDE,INPUT=mesh.inc\n")
+    path.write_text("\n".join(READ[case]) + "\n", encoding="utf-8")
+    mesh = read_volume(path)
+    assert [(kind, len(nodes)) for kind, nodes in mesh.cells] == [("hexahedron20", 2)]
+    offset = 0.5 if "moved" in case else 0.0
+    np.testing.assert_allclose(np.sort(mesh.points[:, 0]), np.sort(DECK.points[:, 0]) + offset, atol=1e-12)
+    root = np.flatnonzero(mesh.points[:, 0] == offset)
+    if case == "generated set":
+        root = np.arange(int(FACE[0]) - 1, int(FACE[-1]))
+    np.testing.assert_array_equal(mesh.sets["NROOT"], root)
+
+
+REFUSED = {
+    "no such file": (["*INCLUDE,INPUT=none.inc"], r"line 1: it includes 'none.inc', which is not a file"),
+    "a ring": (["*INCLUDE,INPUT=blade.inp", "*NODE"], r"line 1: it includes 'blade.inp', which includes it"),
+    "generated nodes": (["*NODE", "1,0,0,0", "9,1,0,0", "*NGEN", "1,9"], r"line 4: \*NGEN generates nodes, .* in full"),
+    "copied nodes": ([*MESH, "*NCOPY,CHANGE NUMBER=100,OLD SET=NALL,SHIFT", "0,0,1"], r"\*NCOPY generates nodes"),
+    "generated elements": ([*MESH, "*ELGEN,ELSET=EALL", "1,2,1,1"], r"line \d+: \*ELGEN generates elements"),
+    "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
+    "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
+    "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"line \d+: a set of nodes holds 'FACE', which is no number"),
+    "set of elements' nodes": ([*MESH, "*NSET,NSET=NROOT,ELSET=EALL"], r"\*NSET, ELSET=EALL is not read: name that"),
+    "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
+    "without middles": ([*MESH[:-1], "0,0,0,0"], "its cells lack some of their nodes"),
+    "twice in place": (
+        [line.format("") for line in (*PART[:-1], "*INSTANCE,NAME=B-2,PART=B", "1,0,0", "*END INSTANCE", PART[-1])],
+        "the mesh is in 2 pieces",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_would_be_misread_is_one_line(case, tmp_path):
+    lines, problem = REFUSED[case]
+    path = tmp_path / "blade.inp"
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(MeshError, match=problem) as refused:
+        read_volume(path)
+    assert "\n" not in str(refused.value)
+
+
+ORDER = {
+    "hexahedron20": ("CHEXA", [*range(12), *range(16, 20), *range(12, 16)]),
+    "tetra10": ("CTETRA", [*range(10)]),
+    "wedge15": ("CPENTA", [*range(9), *range(12, 15), *range(9, 12)]),
+}
+"""Nastran's names, and its order of nodes: those between bottom and top before those of the top."""
+
+
+def bulk(kind, style, nodes=()):
+    """A mesh as Nastran's cards: of fixed width with or without marks, or free."""
+    mesh, (card, order) = box(kind, (2, 1, 1), (0.2, 0.04, 0.02)), ORDER[kind]
+    lines = [f"GRID    {n:>8}        " + "".join(f"{x:8.5f}" for x in at) for n, at in enumerate(mesh.points, 1)]
+    for number, cell in enumerate(mesh.cells[0][1], 1):
+        own = [str(each) for each in (number, 1, *(cell[order] + 1))]
+        rows = [own[:8], own[8:16], own[16:]] if len(own) > 16 else [own[:8], own[8:]]
+        for k, row in enumerate(rows):
+            if style == "free":
+                lines.append(",".join([card if k == 0 else "", *row]))
+            else:
+                mark = "+" if style == "marks" else ""
+                after = mark if k + 1 < len(rows) else ""
+                lines.append(f"{card if k == 0 else mark:<8}" + "".join(f"{n:>8}" for n in row) + after)
+    return mesh, ["SOL 103", "CEND", "BEGIN BULK", *nodes, *lines, "ENDDATA"]
+
+
+@pytest.mark.parametrize("style", ["marks", "blanks", "free"])
+@pytest.mark.parametrize("kind", ORDER)
+def test_nastran_continues_cards_in_three_ways(kind, style, tmp_path):
+    path = tmp_path / "blade.bdf"
+    mesh, lines = bulk(kind, style)
+    path.write_text("\n".join(lines) + "\n")
+    found = read_volume(path)
+    ((name, cells),) = found.cells
+    assert name == kind
+    np.testing.assert_allclose(found.points[cells], mesh.points[mesh.cells[0][1]], atol=1e-9)
+
+
+def test_nastran_from_two_files_and_in_other_systems(tmp_path):
+    mesh, lines = bulk("tetra10", "blanks")
+    nodes = [line for line in lines if line.startswith("GRID")]
+    (tmp_path / "nodes.bdf").write_text("\n".join(nodes) + "\n")
+    path = tmp_path / "blade.bdf"
+    path.write_text("\n".join([*lines[:3], "INCLUDE 'nodes.bdf'", *lines[3 + len(nodes) :]]) + "\n")
+    np.testing.assert_allclose(read_volume(path).points, mesh.points, atol=1e-9)
+    for turned in (f"{nodes[0][:16]}       5{nodes[0][24:]}", "GRID,1,5,0.,0.,0."):
+        path.write_text("\n".join([*lines[:3], turned, *lines[4:]]) + "\n")
+        with pytest.raises(MeshError, match=r"line 4: node 1 lies in coordinate system 5: expected nodes in the basic"):
+            read_volume(path)
+    path.write_text("\n".join([*lines[:-2], lines[-2][:24], "ENDDATA"]) + "\n")
+    with pytest.raises(MeshError, match=r"lack some of their nodes|some of their lines are not read"):
+        read_volume(path)
