@@ -118,9 +118,7 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
     """Slope of the dent's rim when the elastic part has gone with the ball: what a ball climbs before it rolls away.
 
     The contact of radius a and mean pressure p closes again elastically, so that the hollow has the curvature 1/r less
-    that of Hertz's contact of the same a and load: its rim slopes by a/r - (3 pi / 4) p / E*. Between first yield and
-    full plasticity, at E* a / Y r = 40, the mean pressure grows from 1.07 Y to H with the logarithm of that (Johnson,
-    Fig. 6.16).
+    that of Hertz's contact of the same a and load: its rim slopes by a/r - (3 pi / 4) p / E*.
 
     Args:
         load: N [N].
@@ -132,29 +130,35 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
     Returns:
         The slope [-]: 0 below first yield, nan where yield strength or hardness is not known.
     """
-    contact, stiff = resting(load, radius, ball, floor, floor_radius), modulus(ball, floor)
+    contact = resting(load, radius, ball, floor, floor_radius)
     strength, hardness = _strengths(ball, floor)
     if math.isnan(strength + hardness + contact.dent_radius):
         return math.nan
     if contact.yield_ratio <= 1:
         return 0.0
-    relative = 1 / (1 / radius - 1 / floor_radius)
-    first = 2 / 3 * ONSET * strength
-    onset = math.pi / 2 * ONSET * strength * relative / stiff
-
-    def pressure(a: float) -> float:
-        grown = math.log(a / onset) / math.log(_PLASTIC * strength * relative / stiff / onset)
-        return first + max(hardness - first, 0.0) * min(grown, 1.0)
-
-    low, high = onset, math.sqrt(load / (math.pi * first))
+    most = _most(hardness / strength)
+    low, high = 1.0, math.sqrt(contact.yield_ratio)  # contact radius over that at first yield
     for _ in range(100):
-        a = math.sqrt(low * high)
-        low, high = (a, high) if math.pi * a**2 * pressure(a) < load else (low, a)
-    return max(low / relative - 0.75 * math.pi * pressure(low) / stiff, 0.0)
+        c = math.sqrt(low * high)
+        low, high = (c, high) if c**2 * _pressure(c, most) < contact.yield_ratio else (low, c)
+    return math.pi / 2 * ONSET * strength / modulus(ball, floor) * max(low - _pressure(low, most), 0.0)
 
 
-_PLASTIC = 40.0
-"""E* a / Y r from which on a contact is fully plastic."""
+_PLASTIC = 40 / (math.pi / 2 * ONSET)
+"""Contact radius over that at first yield from which on a contact is fully plastic: E* a / Y r = 40."""
+
+
+def _most(hardness_ratio: float) -> float:
+    """Mean pressure of full plasticity over that at first yield, by the hardness over the yield strength."""
+    return max(hardness_ratio / (2 / 3 * ONSET), 1.0)
+
+
+def _pressure(c: float, most: float) -> float:
+    """Mean pressure over that at first yield, by the contact radius over that at first yield.
+
+    It grows from 1.07 Y to the hardness with the logarithm of the radius (Johnson, Fig. 6.16).
+    """
+    return 1 + (most - 1) * min(math.log(c) / math.log(_PLASTIC), 1.0)
 
 
 def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
@@ -175,21 +179,41 @@ def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
     return math.sqrt(0.8 * load * approach / mass)
 
 
-def restitution(speed: float, onset: float) -> float:
-    """Ratio of the normal speeds after and before a hit of elastic and perfectly plastic solids [-].
+def restitution(speed: float, mass: float, radius: float, ball: Solid, wall: Solid) -> float:
+    """Ratio of the normal speeds after and before a hit on a flat wall [-]; nan where its strength is not known.
 
-    1 up to the speed of first yield, then Thornton's (J. Appl. Mech. 64 (1997) 383, eq. 37), which tends to Johnson's
-    1.18 (v_y / v)^(1/4).
+    1 up to the speed of first yield. Beyond, the pressure grows as under a resting ball: where contact radius and mean
+    pressure are c and q times those at first yield, the elastic work is q² c³ times that up to there, and the pressure
+    has spent (5/8) of the integral of q d(c⁴ - q c³) on the volume that does not spring back. The elastic part returns.
+    A fully plastic hit returns Johnson's power of the speed, -1/4 (eq. 11.47).
 
     Args:
         speed: of the hit [m/s].
-        onset: of first yield, `yield_speed` [m/s].
+        mass: of the ball [kg].
+        radius: of the ball [m].
+        ball: its material.
+        wall: that of the wall; a hardness that is not known is 2.8 times the yield strength (Tabor).
     """
-    if speed <= onset:
-        return 1.0
-    x = onset / speed
-    rest = x / (x + 2 * math.sqrt(1.2 - 0.2 * x * x))
-    return math.sqrt(1.2 * math.sqrt(3) * (1 - x * x / 6) * math.sqrt(rest))
+    strength, hardness = _strengths(ball, wall)
+    faster = speed / yield_speed(mass, radius, ball, wall)
+    if math.isnan(faster):
+        return math.nan
+    most = _most(2.8 if math.isnan(hardness) else hardness / strength)
+    low, high = 0.0, math.log(max(faster, 1.0)) + 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if sum(_works(math.exp(middle), most)) < faster**2 else (low, middle)
+    elastic, plastic = _works(math.exp(low), most)
+    return math.sqrt(elastic / (elastic + plastic))
+
+
+def _works(c: float, most: float) -> tuple[float, float]:
+    """Elastic work and that of denting over the work up to first yield, by the contact radius over that there."""
+    q, s = _pressure(c, most), min(c, _PLASTIC)
+    at, grows = _pressure(s, most), (most - 1) / math.log(_PLASTIC)
+    dented = at * s**3 * (s - at) - grows * ((s**4 - 1) / 4 - (at * s**3 - 1) / 3 + grows * (s**3 - 1) / 9)
+    dented += q * (c**3 * (c - q) - s**3 * (s - at))
+    return q**2 * c**3, 0.625 * dented
 
 
 def hit_time(speed: float, mass: float, radius: float, ball: Solid, wall: Solid) -> float:

@@ -50,8 +50,8 @@ _SAME = 0.03
 _CLIMBS, _PACES = 3, (0.4, 0.6)
 """Sweeps up through the amplitudes at each of two paces, and the shares of all cycles of sweeps down for each."""
 
-_SLOW = 3
-"""Sweeps down again, more slowly, through the amplitudes at which there are two motions."""
+_SLOW, _SLOWEST = 5, 1 / 3
+"""Sweeps down again, through the amplitudes at which there are two motions, and the share of all cycles for each."""
 
 _APART = (math.sqrt(5) - 1) / 2
 """Cycles by which sweeps up begin apart, no two by a whole number: where a rolling ball meets a wall goes by that."""
@@ -137,7 +137,7 @@ def damping_curve(
     growing, region = grown(above, np.vstack(climbs), rolls, meets)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
-        down = samples_of(bare, first, last, _SLOW, max(cycles // _SLOW, 1), threads)
+        down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
         growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": np.vstack(climbs[: len(paces)]), "abrupt_start": begun}

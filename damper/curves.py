@@ -112,6 +112,7 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
 
     Where the sweeps up agree with those down both show one motion, and the many sweeps down give its figures; where
     they differ, the least counts: of the sweeps up, and of a ball that rolls about the middle until it meets the walls.
+    A ball that the sweeps down leave at rest, as at a wall against which it is drawn, stays so below their end.
 
     Args:
         above: figures of the way down.
@@ -123,12 +124,14 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
     rolling = _binned(rolls, above.cutoff)
     known = dict(zip(_bins(above.amplitude), zip(above.amplitude, above.damping_ratio, strict=True), strict=True))
     merged, parted, spreads = dict(known), dict[int, float](), dict[int, float]()
-    edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else min(known) - 1  # bins that a cut-off shares
+    end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
+    edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else end - 1  # bins that a cut-off shares
     for k in sorted(set(rolling).union(*climbs)):
         seen = [curve[k] for curve in (*climbs, rolling) if k in curve]
         place, least = min(seen, key=lambda point: point[1])
-        if k <= edge if k in known else k > min(known):
+        if k <= edge if k in known else k > end:
             continue
+        least = 0.0 if rests and k < end else least
         if k in known and least > (1 - _PARTED) * known[k][1]:
             merged[k] = min(merged[k], rolling.get(k, merged[k]), key=lambda point: point[1])
             continue

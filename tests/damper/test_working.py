@@ -180,6 +180,22 @@ def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
     assert dented.cutoff > found.cutoff
 
 
+def test_a_ball_drawn_to_a_wall_is_promised_nothing_below_what_moves_it_there() -> None:
+    """Outward by Omega² sin² of the stagger, more than little rolling friction holds: it sets off and ends at a wall.
+
+    What it takes on the way there does not last. A bouncing ball falls to rest below the same amplitude.
+    """
+    damper = paper(2687, 208.9, rolling_friction=1e-8, restitution=0.99, cavity=(2.6e-3, 2.6e-3))
+    damper = replace(damper, rotation=300.0, stagger=math.pi / 4)
+    drawn, omega = 0.5 * 300.0**2 * damper.half_gap[0], damper.stuck_frequency
+    assert drawn > 20 * damper.rolling_threshold
+    found = damping_curve(damper)
+    below = found.amplitude < 0.5 * drawn / omega**2
+    assert below.sum() > 12
+    assert np.abs(found.damping_ratio[below]).max() < 1e-3 * found.peak
+    assert found.peak_amplitude > drawn / omega**2
+
+
 def test_the_pace_of_the_sweeps_is_in_the_error() -> None:
     """A ball that hits take nothing from keeps its motion for long: sweeps slow down for it, and say what is left."""
     damper = paper(mass_ratio=6e-3, rolling_friction=1e-7, restitution=0.98)

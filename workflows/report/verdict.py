@@ -143,7 +143,7 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     (stops, rolls), most = figures.folds, figures.from_above.peak
     return [
         "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
-        f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm.",
+        f" {at_load(point)} the ball may roll or rest without hitting a wall up to {millimetres(rolls)} mm.",
         f"Once it bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
     ]
 

@@ -126,10 +126,10 @@ def lever(scene: Scene, point: SpeedPoint) -> float:
     return 0.0 if pressed is None else rolling_lever(pressed)
 
 
-SPEEDS_OF_HITS = 16
+_SPEEDS_OF_HITS = 16
 """Pairs of impact speed and restitution that stand for the law of dents."""
 
-_FASTEST = 100.0
+_FASTEST = 1000.0
 """Impact speed over that of first yield from which on Johnson's power of it holds."""
 
 
@@ -149,8 +149,8 @@ def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
         if math.isnan(onset):
             raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
         most = math.sqrt(1 - contacts.HYSTERESIS)
-        ratios = np.geomspace(1.0, _FASTEST, SPEEDS_OF_HITS).tolist()
-        pairs = tuple((ratio * onset, min(most, contacts.restitution(ratio, 1.0))) for ratio in ratios)
+        speeds = (onset * np.geomspace(1.0, _FASTEST, _SPEEDS_OF_HITS)).tolist()
+        pairs = tuple((v, min(most, contacts.restitution(v, mass, damper.radius, *made_of))) for v in speeds)
     return {"restitution": pairs[0][1], "restitution_by_speed": pairs}
 
 
