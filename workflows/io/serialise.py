@@ -21,6 +21,7 @@ from pydantic import Field, TypeAdapter
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import GenerateJsonSchema
 
+from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import parse, unfit
@@ -37,7 +38,6 @@ NAME = "results.json"
 DATA = "results.nc"
 
 _Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-_SAME = "; the same in every file of a run"
 
 
 @dataclass(frozen=True)
@@ -54,29 +54,22 @@ class Document:
 
     schema_version: Literal[1]
     title: str
-    scene: Annotated[dict[str, Any], Field(description="the scene with defaults filled in and choices made")]
-    scene_sha256: Annotated[
-        _Hash, Field(description=f"of the scene as JSON in UTF-8 with sorted keys and no spaces{_SAME}")
-    ]
+    scene: dict[str, Any]
+    """the scene with defaults filled in and choices made"""
+    scene_sha256: _Hash
+    """of the scene as JSON in UTF-8 with sorted keys and no spaces; the same in every file of a run"""
     versions: dict[str, str]
-    timings: Annotated[
-        dict[Literal["mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"], float],
-        Field(description="seconds; a stage not run is absent"),
-    ]
+    timings: dict[Literal["mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"], float]
+    """seconds; a stage not run is absent"""
     notes: tuple[str, ...]
     effects: dict[str, Switch]
     speeds: tuple[SpeedPoint, ...]
-    reductions: Annotated[
-        tuple[VibrationReduction, ...],
-        Field(description="at each crossing of an engine order of [excitation] with a mode, from free vibration"),
-    ] = ()
-    root_length: Annotated[
-        float | None,
-        Field(description="m, of the plate's clamped edge, or of that on springs; absent without a plate"),
-    ] = None
-    mesh_sha256: Annotated[
-        _Hash | None, Field(description=f"of the mesh file's bytes, where the scene names one{_SAME}")
-    ] = None
+    reductions: tuple[VibrationReduction, ...] = ()
+    """at each crossing of an engine order of [excitation] with a mode, from free vibration"""
+    root_length: float | None = None
+    """m, of the plate's clamped edge, or of that on springs; absent without a plate"""
+    mesh_sha256: _Hash | None = None
+    """of the mesh file's bytes, where the scene names one; the same in every file of a run"""
 
 
 _UNPUBLISHED = {"speeds": {"__all__": {"damper": {"duration"}}}}
@@ -124,11 +117,15 @@ def dumps(results: Results) -> str:
 
 
 class _Closed(GenerateJsonSchema):
-    """Objects have no other keys; names say what titles would, and annotations what docstrings would."""
+    """Objects have no other keys; names say what titles would, and docstrings what each key means."""
 
     def dataclass_schema(self, schema: Any) -> dict[str, Any]:
         closed = super().dataclass_schema(schema) | {"additionalProperties": False}
         closed.pop("description", None)
+        record = schema["cls"]
+        for name, text in docstrings.of_fields(record).items():
+            if (key := _fields(record)[name].alias or name) in closed["properties"]:
+                closed["properties"][key]["description"] = text
         return closed
 
     def field_title_should_be_set(self, schema: Any) -> bool:

@@ -16,7 +16,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ValidationError
+from pydantic.json_schema import GenerateJsonSchema
 
+from workflows import docstrings
 from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import revolutions
 from workflows.scene import quantities
@@ -402,11 +404,13 @@ def _unknown(error: Any, loc: list[str]) -> str:
 def _meant(loc: list[str]) -> str:
     """What a key that is missing means, and which keys a table needs."""
     tables = _tables().get(loc[0], []) if len(loc) > 1 else [Scene]
-    field = next((table.model_fields[loc[-1]] for table in tables if loc[-1] in table.model_fields), None)
-    if field is None or not field.description:
+    table = next((table for table in tables if loc[-1] in table.model_fields), None)
+    if table is None:
         return ""
-    needs = [name for table in _models(field) for name, key in table.model_fields.items() if key.is_required()]
-    return f": {field.description}" + (f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else "")
+    inner = _models(table.model_fields[loc[-1]])
+    needs = [name for table in inner for name, key in table.model_fields.items() if key.is_required()]
+    needed = f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else ""
+    return f": {docstrings.of_fields(table)[loc[-1]]}{needed}"
 
 
 def key_name(loc: list[str]) -> str:
@@ -463,9 +467,22 @@ def slug(title: str) -> str:
     return "-".join(re.findall(r"[a-z0-9]+", plain))[:60].rstrip("-") or "run"
 
 
+class _Described(GenerateJsonSchema):
+    """Docstrings say what each key means."""
+
+    def model_schema(self, schema: Any) -> dict[str, Any]:
+        table = super().model_schema(schema)
+        for name, text in docstrings.of_fields(schema["cls"]).items():
+            table["properties"][name]["description"] = text
+        return table
+
+
 def schema() -> dict[str, Any]:
     """The schema, from the same model that validates scenes."""
-    document = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    document = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Scene.model_json_schema(schema_generator=_Described),
+    }
     for table in (document, *document["$defs"].values()):
         for key in table["properties"].values():
             if si := unit(key):

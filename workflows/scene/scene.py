@@ -126,10 +126,10 @@ _LOWEST, _HIGHEST = 1e-3, 1e6
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
 
-    frequency: q.Frequencies = Field(
-        description="ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"
-    )
-    mass: Annotated[q.Mass, q.Positive] = Field(description="M2: effective mass at the damper, without the ball")
+    frequency: q.Frequencies
+    """ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"""
+    mass: Annotated[q.Mass, q.Positive]
+    """M2: effective mass at the damper, without the ball"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -139,11 +139,8 @@ class Structure(Table):
             raise fault("frequency", problem)
         return self
 
-    floor_tilt: q.Slopes = Field(
-        (0.0, 0.0),
-        description="slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along"
-        " each",
-    )
+    floor_tilt: q.Slopes = (0.0, 0.0)
+    """slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along each"""
 
 
 def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
@@ -172,16 +169,13 @@ Modes = Annotated[
 class KnownModes(Table):
     """A structure whose modes are known already, instead of a plate: by another program, or from a test."""
 
-    modes: Modes = Field(
-        description="file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the"
-        " speeds of their modes"
-    )
-    unit: q.LengthUnit | None = Field(
-        None, description="of the file's coordinates; default: what the file says, m where it says nothing"
-    )
-    mass_unit: q.MassUnit | None = Field(
-        None, description="of the file's modal masses; default: what the file says, kg where it says nothing"
-    )
+    modes: Modes
+    """file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the speeds of their
+    modes"""
+    unit: q.LengthUnit | None = None
+    """of the file's coordinates; default: what the file says, m where it says nothing"""
+    mass_unit: q.MassUnit | None = None
+    """of the file's modal masses; default: what the file says, kg where it says nothing"""
 
     @property
     def files(self) -> dict[float | None, str]:
@@ -199,18 +193,15 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: q.Line = Field(
-        description="file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"
-    )
-    unit: q.LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
-    root: q.Line | None = Field(
-        None,
-        description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
-        " as '100 mm'; default: the innermost face",
-    )
-    size: Annotated[q.Length, q.Positive] | None = Field(
-        None, description="of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"
-    )
+    mesh: q.Line
+    """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
+    unit: q.LengthUnit | None = None
+    """of the coordinates in the mesh file; default: m"""
+    root: q.Line | None = None
+    """what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such as '100 mm';
+    default: the innermost face"""
+    size: Annotated[q.Length, q.Positive] | None = None
+    """of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"""
 
     @model_validator(mode="after")
     def _named(self) -> Self:
@@ -254,30 +245,24 @@ _LARGEST_HUB = 20.0
 class Rotor(Table):
     """How the structure spins."""
 
-    speeds: Speeds = Field(description="rotation speeds: a list, or count of them from start to stop")
-    hub_radius: Annotated[q.Length, q.NotNegative] = Field(
-        0.0, description="from the axis to the clamped root, wherever a mesh draws the root"
-    )
-    radius: Annotated[q.Length, q.Positive] | None = Field(
-        None, description="from the axis to the damper; only with [structure]"
-    )
-    stagger: q.Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
-    precone: q.Angle = Field(
-        0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
-    )
-    axis: q.Direction | None = Field(
-        None,
-        description="direction of the spin axis, of a structure in space; default: that of a plate by stagger and"
-        " precone",
-    )
-    origin: q.LengthTriple | None = Field(
-        None,
-        description="a point on the spin axis, of a structure in space; default: hub_radius before its smallest x",
-    )
-    gravity: Annotated[q.Acceleration, q.Positive] = Field(
-        q.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
-    )
-    modes: Annotated[int, Field(ge=1, le=200)] = Field(6, description="number of modes at each speed")
+    speeds: Speeds
+    """rotation speeds: a list, or count of them from start to stop"""
+    hub_radius: Annotated[q.Length, q.NotNegative] = 0.0
+    """from the axis to the clamped root, wherever a mesh draws the root"""
+    radius: Annotated[q.Length, q.Positive] | None = None
+    """from the axis to the damper; only with [structure]"""
+    stagger: q.Angle = 0.0
+    """spin axis tilted from the plate's normal towards y"""
+    precone: q.Angle = 0.0
+    """of the plate's length out of the plane of rotation, towards the axis; after the stagger"""
+    axis: q.Direction | None = None
+    """direction of the spin axis, of a structure in space; default: that of a plate by stagger and precone"""
+    origin: q.LengthTriple | None = None
+    """a point on the spin axis, of a structure in space; default: hub_radius before its smallest x"""
+    gravity: Annotated[q.Acceleration, q.Positive] = q.STANDARD_GRAVITY
+    """the unit g of loads and accelerations"""
+    modes: Annotated[int, Field(ge=1, le=200)] = 6
+    """number of modes at each speed"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -294,35 +279,39 @@ class Rotor(Table):
 class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
 
-    stress_stiffening: q.Switch = Field(default="auto", description="the centrifugal pull stiffens the plate")
-    spin_softening: q.Switch = Field(default="auto", description="motion across the spin axis is softened")
-    coriolis: q.Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
-    large_deflection: q.Switch = Field(
-        default="auto", description="modes about the plate or blade as the load bends or twists it"
-    )
-    rotary_inertia: q.Switch = Field(default="auto", description="inertia of the turning cross-sections")
-    rolling_resistance: q.Switch = Field(default="auto", description="the load resists the ball's rolling")
-    impact_friction: q.Switch = Field(default="auto", description="friction where the ball hits a wall")
-    ball_slip: q.Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
-    floor_tilt: q.Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
-    indentation: q.Switch = Field(default="auto", description="the dent under a resting ball holds it")
-    structural_modes: q.Switch = Field(
-        default="auto",
-        description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",
-    )
-    cavity_mass: q.Switch = Field(default="auto", description="the cavities take metal out of the plate")
+    stress_stiffening: q.Switch = "auto"
+    """the centrifugal pull stiffens the plate"""
+    spin_softening: q.Switch = "auto"
+    """motion across the spin axis is softened"""
+    coriolis: q.Switch = "auto"
+    """Coriolis forces; the modes are complex"""
+    large_deflection: q.Switch = "auto"
+    """modes about the plate or blade as the load bends or twists it"""
+    rotary_inertia: q.Switch = "auto"
+    """inertia of the turning cross-sections"""
+    rolling_resistance: q.Switch = "auto"
+    """the load resists the ball's rolling"""
+    impact_friction: q.Switch = "auto"
+    """friction where the ball hits a wall"""
+    ball_slip: q.Switch = "auto"
+    """slip after a wall hit, until the ball rolls again"""
+    floor_tilt: q.Switch = "auto"
+    """the cavity's floor tilts as the structure bends"""
+    indentation: q.Switch = "auto"
+    """the dent under a resting ball holds it"""
+    structural_modes: q.Switch = "auto"
+    """the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper"""
+    cavity_mass: q.Switch = "auto"
+    """the cavities take metal out of the plate"""
 
 
 class Accuracy(Table):
     """Relative errors asked for."""
 
-    frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = Field(
-        default=1e-3,
-        description="relative error of the plate's frequencies, dimensionless; no less than double precision can give",
-    )
-    damping: Annotated[q.Number, Field(gt=0, lt=1)] = Field(
-        default=1e-3, description="relative error of the damping, dimensionless"
-    )
+    frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = 1e-3
+    """relative error of the plate's frequencies, dimensionless; no less than double precision can give"""
+    damping: Annotated[q.Number, Field(gt=0, lt=1)] = 1e-3
+    """relative error of the damping, dimensionless"""
 
 
 FLAT = "flat"
@@ -368,31 +357,30 @@ Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole nu
 class Design(Table):
     """What `spindamp design` may choose, and what limits it: a pair is a range, any other list a choice."""
 
-    ball_material: Materials | None = Field(None, description="names of materials to choose from")
-    ball_diameter: q.Lengths | None = Field(None, description="of a ball")
-    clearance: q.Lengths | None = Field(None, description="of the cavity beyond the ball's diameter, along both axes")
-    floor_radius: Floors | None = Field(None, description="of the cavity's floor; with 'flat' in it a choice")
-    count: Counts | None = Field(None, description="of balls, each in a cavity of its own")
-    place: q.Lengths | None = Field(None, description="of the damper along the plate: x of damper.at")
-    mass: Annotated[q.Mass, q.Positive] | None = Field(None, description="of all balls together, at most")
-    wall: Annotated[q.Length, q.NotNegative] = Field(
-        0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
-    )
-    hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = Field(
-        1.0,
-        description="mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1:"
-        " it flows. It takes materials known by name, dimensionless",
-    )
-    yield_ratio: Annotated[q.Number, q.Positive] | None = Field(
-        None,
-        description="load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default:"
-        " none",
-    )
-    amplitude: q.LengthPair | None = Field(
-        None,
-        description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"
-        " the greatest amplitude at the crossings counts",
-    )
+    ball_material: Materials | None = None
+    """names of materials to choose from"""
+    ball_diameter: q.Lengths | None = None
+    """of a ball"""
+    clearance: q.Lengths | None = None
+    """of the cavity beyond the ball's diameter, along both axes"""
+    floor_radius: Floors | None = None
+    """of the cavity's floor; with 'flat' in it a choice"""
+    count: Counts | None = None
+    """of balls, each in a cavity of its own"""
+    place: q.Lengths | None = None
+    """of the damper along the plate: x of damper.at"""
+    mass: Annotated[q.Mass, q.Positive] | None = None
+    """of all balls together, at most"""
+    wall: Annotated[q.Length, q.NotNegative] = 0.0
+    """left of the plate on either side of the cavity, through the thickness, at least"""
+    hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = 1.0
+    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1: it flows. It
+    takes materials known by name, dimensionless"""
+    yield_ratio: Annotated[q.Number, q.Positive] | None = None
+    """load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default: none"""
+    amplitude: q.LengthPair | None = None
+    """range of amplitudes at the cavity over which the least damping counts; default: with [excitation], the greatest
+    amplitude at the crossings counts"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -431,27 +419,20 @@ Orders = Annotated[tuple[int, ...], *_whole_numbers(_ORDERS, 1000, "expected eve
 class Excitation(Table):
     """Harmonic forces whose frequency is a multiple of the rotation's, at one level or several."""
 
-    orders: Orders = Field(
-        description="engine orders, frequency over that of the rotation: whole numbers, dimensionless"
-    )
-    force: Forces | None = Field(
-        None,
-        description="height of a force at the damper's place along the damper's axis 1: a level, or a list of them",
-    )
-    at: q.Place | None = Field(
-        None,
-        description="where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's"
-        " number; default: the damper's place, along its axis 1",
-    )
-    direction: q.Direction | None = Field(None, description="of the force at `at`, in the structure's coordinates")
-    pressure: Pressures | None = Field(
-        None, description="height of a pressure all over the plate, along its z: a level, or a list of them"
-    )
-    base: Loads | None = Field(
-        None,
-        description="height of the root's acceleration along the damper's axis 1: a level, or a list of them;"
-        " amplitudes are then relative to the root",
-    )
+    orders: Orders
+    """engine orders, frequency over that of the rotation: whole numbers, dimensionless"""
+    force: Forces | None = None
+    """height of a force at the damper's place along the damper's axis 1: a level, or a list of them"""
+    at: q.Place | None = None
+    """where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's number; default:
+    the damper's place, along its axis 1"""
+    direction: q.Direction | None = None
+    """of the force at `at`, in the structure's coordinates"""
+    pressure: Pressures | None = None
+    """height of a pressure all over the plate, along its z: a level, or a list of them"""
+    base: Loads | None = None
+    """height of the root's acceleration along the damper's axis 1: a level, or a list of them; amplitudes are then
+    relative to the root"""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -581,18 +562,30 @@ _OF_A_MESH = {
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
-    title: Annotated[q.Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
-    plate: Plate | None = Field(None, description="the plate")
-    blade: Blade | None = Field(None, description="a solid blade from a mesh of its volume, instead of a plate")
-    material: Material | None = Field(None, description="what the plate or the blade is made of")
-    structure: AnyStructure | None = Field(None, description="what carries the damper, instead of a plate")
-    rotor: Rotor = Field(description="how it spins")
-    effects: Effects = Field(Effects(), description="which effects are simulated")
-    damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
-    release: Release | None = Field(None, description="how a ring-down begins; left out beside a damper: by default")
-    excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
-    accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
-    design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
+    title: Annotated[q.Line, Field(max_length=200)] = "untitled"
+    """for people; one line"""
+    plate: Plate | None = None
+    """the plate"""
+    blade: Blade | None = None
+    """a solid blade from a mesh of its volume, instead of a plate"""
+    material: Material | None = None
+    """what the plate or the blade is made of"""
+    structure: AnyStructure | None = None
+    """what carries the damper, instead of a plate"""
+    rotor: Rotor
+    """how it spins"""
+    effects: Effects = Effects()
+    """which effects are simulated"""
+    damper: Damper | None = None
+    """balls in cavities; left out, with [release], for the plate alone"""
+    release: Release | None = None
+    """how a ring-down begins; left out beside a damper: by default"""
+    excitation: Excitation | None = None
+    """what shakes the structure, for `response`"""
+    accuracy: Accuracy = Accuracy()
+    """errors that are allowed"""
+    design: Design | None = None
+    """what `spindamp design` may choose; of no influence elsewhere"""
 
     @model_validator(mode="before")
     @classmethod
