@@ -17,7 +17,7 @@ from tests.workflows.browser import findings, needs_chromium
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import remarks
-from workflows.scene.load import SHIPPED, opened
+from workflows.scene.load import SHIPPED, as_scene_file
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import ForceLevel, Mode, SpeedPoint
@@ -52,7 +52,7 @@ force = ["20 N", "2 N"]
 
 
 def read(text):
-    return opened(tomllib.loads(text))
+    return as_scene_file(tomllib.loads(text))
 
 
 def changed(old, new):
@@ -206,7 +206,7 @@ def test_orders_that_drive_no_mode():
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["rotor"]["speeds"], scene["excitation"]["orders"] = ["3900 rpm", "4000 rpm"], [50]
     refused_alike(
-        with_forced_effects(opened(scene)),
+        with_forced_effects(as_scene_file(scene)),
         "[excitation] orders = [50]: none of these orders drives a mode at the damper's place between 3900 and"
         " 4000 rpm",
     )
@@ -221,7 +221,7 @@ def test_crossings_beyond_the_speeds():
             )
             for rpm in (low, high)
         ]
-        found = engine_orders.beyond(points, order)
+        found = engine_orders.crossing_beyond(points, order)
         if share > order**2:
             assert found is None
         else:
@@ -298,7 +298,7 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
         "release": known["release"],
         "excitation": {"orders": [3], kind: level},
     }
-    found = respond(opened(scene))
+    found = respond(as_scene_file(scene))
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (21, FEW_SPEEDS)
@@ -397,7 +397,7 @@ def blade(force):
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """The only force asked for is too strong: what is said of lower ones is held against their motion, in both ways."""
     monkeypatch.setattr(study, "SPEEDS", 9)
-    found = respond(opened(blade("20 N")))
+    found = respond(as_scene_file(blade("20 N")))
     best, strong = study.rows(found)
     assert found.asked == (strong.force,) == (20.0,)
     assert study.is_beyond(found, strong)

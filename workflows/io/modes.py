@@ -11,7 +11,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed
-from workflows.io.folder import whole_file
+from workflows.io.folder import replacing_file
 from workflows.solve.results import rounded_rpm
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
 
     path = named(file, key)
     try:
-        with whole_file(path) as fresh:
+        with replacing_file(path) as fresh:
             write(model, fresh)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error

@@ -24,9 +24,9 @@ from pydantic.json_schema import GenerateJsonSchema
 from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
-from workflows.scene.load import parse, unfit
+from workflows.scene.load import non_file_kind, parse
 from workflows.scene.scene import Scene
-from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, expect
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, require_results
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def document(results: Results) -> dict[str, Any]:
     Raises:
         TypeError: not results.
     """
-    expect(results, "document")
+    require_results(results, "document")
     values: dict[str, Any] = json.loads(_json(results, None))
     return values
 
@@ -309,11 +309,11 @@ def _owner(owners: dict[tuple[str, ...], _Listed], path: tuple[str, ...]) -> _Li
 _FORMAT = 3
 """Version of what `results.nc` keeps beside the data set; before the third it kept nothing."""
 
-_KEPT = "run"
+_GROUP = "run"
 """The group that holds it."""
 
 
-def keep(results: Results, file: h5netcdf.File) -> None:
+def write_unpublished(results: Results, file: h5netcdf.File) -> None:
     """Keep what JSON leaves out of a run in a group of its data set, from which :func:`read` has it back.
 
     Two variables: the records as JSON text, and the bytes of all their arrays, since each variable costs a millisecond.
@@ -328,7 +328,7 @@ def keep(results: Results, file: h5netcdf.File) -> None:
         return {f.name: getattr(value, f.name) for f in fields(value)}
 
     text = json.dumps(_unpublished(results) | {"scene": _scene(results.scene)}, default=plain)
-    group = file.create_group(_KEPT)
+    group = file.create_group(_GROUP)
     group.attrs["format"] = _FORMAT
     for name, content in (
         ("records", np.frombuffer(text.encode(), np.uint8)),
@@ -384,14 +384,14 @@ def read(folder: str | os.PathLike[str]) -> Results:
     path, name = Path(folder), NAME
     try:
         for name in (NAME, DATA):
-            if problem := unfit(path / name):
+            if problem := non_file_kind(path / name):
                 raise _unreadable(path, f"expected a file {name}, found {problem}: run it again")
         name = NAME
         published = json.loads((path / NAME).read_text(encoding="utf-8"))
         if (version := published["schema_version"]) != SCHEMA_VERSION:
             raise _unreadable(path, f"has version {version} of {NAME}: expected {SCHEMA_VERSION}; run it again")
         name = DATA
-        stored = _kept(path)
+        stored = _read_unpublished(path)
         results: Results = adapter(Results).validate_python(
             _merged(published, stored) | {"scene": parse(stored["scene"])}
         )
@@ -406,7 +406,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
     return results
 
 
-def _kept(folder: Path) -> dict[str, Any]:
+def _read_unpublished(folder: Path) -> dict[str, Any]:
     """What JSON leaves out, arrays in their places.
 
     Raises:
@@ -415,7 +415,7 @@ def _kept(folder: Path) -> dict[str, Any]:
     import h5py
 
     with (folder / DATA).open("rb"), h5py.File(folder / DATA, "r") as file:  # h5netcdf writes to stderr where it fails
-        group = file.get(_KEPT)
+        group = file.get(_GROUP)
         version = 2 if group is None else int(np.ravel(group.attrs["format"])[0])
         if group is None or version != _FORMAT:
             raise _unreadable(folder, f"has version {version} of what a run keeps: expected {_FORMAT}; run it again")

@@ -68,7 +68,7 @@ class Damper(Table):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.filled(data, "ball_material", materials.BALLS, ("ball_density",))
+        return materials.with_numbers(data, "ball_material", materials.BALLS, ("ball_density",))
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -78,7 +78,7 @@ class Damper(Table):
             ways = "expected one of mass_ratio, mass, ball_density and ball_material"
             raise fault(present[0] if present else "mass_ratio", f"{ways}{': leave one out' * bool(present)}")
         if self.ball_density is not None:
-            materials.dense_enough("ball_density", self.ball_density)
+            materials.check_density("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
                 raise fault(
                     "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium: nothing is denser"
@@ -203,7 +203,7 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
     )
 
 
-def beside(damper: Damper, thickness: float, width: float) -> int:
+def cavities_abreast(damper: Damper, thickness: float, width: float) -> int:
     """How many cavities, wall to wall, lie side by side in a section of the plate; at least one."""
     layers, across = int(thickness / damper.cavity[0] + ROUNDING), int(width / damper.cavity[1] + ROUNDING)
     return max(layers, 1) * max(across, 1)
@@ -211,7 +211,7 @@ def beside(damper: Damper, thickness: float, width: float) -> int:
 
 def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -> tuple[str, str] | None:
     """The cavities of all balls lie between the root and the damper's place, in as many rows as it takes."""
-    most = beside(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
+    most = cavities_abreast(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
     if damper.housing or damper.count <= most:
         return None
     return "count", (

@@ -305,7 +305,7 @@ class Material(Table):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.filled(data, "name", materials.PLATES, _NUMBERS)
+        return materials.with_numbers(data, "name", materials.PLATES, _NUMBERS)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -314,5 +314,5 @@ class Material(Table):
         if modulus < _SOFTEST * (1 - ROUNDING):
             meant = f": {modulus:g} is in Pa; was '{modulus:g} GPa' meant?" if modulus >= 0.1 else ""
             raise fault("youngs_modulus", f"expected at least {_SOFTEST:g} Pa, of the softest rubber{meant}")
-        materials.dense_enough("density", self.density)
+        materials.check_density("density", self.density)
         return self

@@ -40,11 +40,11 @@ def omega_of(rpm: float) -> float:
     if not (omega == 0 or SLOWEST <= omega <= FASTEST):
         low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
         problem = f"expected a rotation speed between 0 and {high} rpm, and no less than {low} rpm unless at rest"
-        raise BadInput(problem, key="--rpm", value=typed(rpm))
+        raise BadInput(problem, key="--rpm", value=as_typed(rpm))
     return omega
 
 
-def typed(rpm: float) -> float:
+def as_typed(rpm: float) -> float:
     """A speed as somebody types it: 4500, where the command line has made 4500.0 of it."""
     return int(rpm) if float(rpm).is_integer() else rpm
 
@@ -467,42 +467,42 @@ class Excitation(Table):
         return {"force": "N", "pressure": "Pa", "base": "m/s²"}[self.kind]
 
 
-def on_the_plate(plate: Plate, damper: Damper | None, release: Release | None) -> None:
+def check_on_plate(plate: Plate, damper: Damper | None, release: Release | None) -> None:
     """Damper, tip mass and release are where the plate is. Where a mesh gives the planform, `plate_mesh` looks on."""
     if damper is not None and plate.tip_mass_at is not None:
         raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
     if plate.length is not None and plate.width is not None:
-        _on_a_rectangle(plate, (plate.length, plate.width), damper)
+        _check_rectangle(plate, (plate.length, plate.width), damper)
     elif damper is not None and isinstance(plate.thickness, float):
-        _refused(through_the_thickness(damper, plate.thickness))
+        _raise_misfit(through_the_thickness(damper, plate.thickness))
     if damper is not None:
-        _number(damper, damper.balls)
+        _check_count(damper, damper.balls)
     if release is not None and plate.length is not None:
-        _displaced(release, plate.length, "the plate's length")
+        _check_displacement(release, plate.length, "the plate's length")
 
 
-def _on_a_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
+def _check_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
     length, width = sides
     key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.on_plate)
     x, y = (length, 0.0) if at is None else at
     if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
         raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
     if damper is not None:
-        _refused(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
+        _raise_misfit(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
 
 
-def _refused(odd: tuple[str, str] | None) -> None:
+def _raise_misfit(odd: tuple[str, str] | None) -> None:
     """Raise what is odd about a damper, as key and problem."""
     if odd is not None:
         raise fault(f"damper.{odd[0]}", odd[1])
 
 
-def _displaced(release: Release, most: float, what: str, slack: float = 0.0) -> None:
+def _check_displacement(release: Release, most: float, what: str, slack: float = 0.0) -> None:
     if max(map(abs, release.displacement or (0.0,))) > most * (1 + slack):
         raise fault("release.displacement", f"expected at most {what}, {most:g} m")
 
 
-def within(radius: float, damper: Damper, release: Release | None) -> None:
+def check_reach(radius: float, damper: Damper, release: Release | None) -> None:
     """Ball, cavity and release that do not reach beyond the axis about which they turn, `radius` away."""
     most, distance = radius * (1 + ROUNDING), f"its distance from the axis, {radius:g} m"
     if damper.radius > most:
@@ -510,10 +510,10 @@ def within(radius: float, damper: Damper, release: Release | None) -> None:
     if max(damper.cavity) > most:
         raise fault("damper.cavity", f"the cavity is larger than {distance}")
     if release is not None:
-        _displaced(release, radius, "the damper's distance from the axis", ROUNDING)
+        _check_displacement(release, radius, "the damper's distance from the axis", ROUNDING)
 
 
-def weight(damper: Damper, structure: float) -> None:
+def check_weight(damper: Damper, structure: float) -> None:
     """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
     if damper.balls is not None and damper.balls > HEAVIEST * structure:
         key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
@@ -522,10 +522,10 @@ def weight(damper: Damper, structure: float) -> None:
             f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
             f" {damper.balls:g} kg",
         )
-    _number(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
+    _check_count(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
 
 
-def _number(damper: Damper, mass: float | None) -> None:
+def _check_count(damper: Damper, mass: float | None) -> None:
     """No more balls than share their mass [kg], where it is known, and are each as heavy as foam at least."""
     if mass is None or damper.count == 1:
         return
@@ -589,7 +589,7 @@ class Scene(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _tables(cls, data: Any) -> Any:
+    def _with_defaults(cls, data: Any) -> Any:
         """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other.
 
         A damper without a [release] has the default one.
@@ -611,15 +611,15 @@ class Scene(Table):
         return data
 
     @model_validator(mode="after")
-    def _together(self) -> Self:
+    def _check_tables(self) -> Self:
         """Which tables belong together, which exclude each other, and whether what they describe fits together."""
         if self.given is not None:
-            self._without_a_plate(self.given)
+            self._check_given(self.given)
         elif self.in_space:
-            self._in_space()
+            self._check_space()
         else:
-            self._with_a_plate()
-        self._with_a_damper()
+            self._check_plate()
+        self._check_damper()
         if self.design is not None and self.design.amplitude is None and self.excitation is None:
             raise fault(
                 "design.amplitude",
@@ -632,9 +632,9 @@ class Scene(Table):
                 " such as 0.001",
             )
         if self.plate is not None:
-            on_the_plate(self.plate, self.damper, self.release)
-        if self.damper is not None and (radius := self._turning_at) is not None:
-            within(radius, self.damper, None if self.plate is not None else self.release)
+            check_on_plate(self.plate, self.damper, self.release)
+        if self.damper is not None and (radius := self._damper_radius) is not None:
+            check_reach(radius, self.damper, None if self.plate is not None else self.release)
         if self.release is not None and self.release.ratio is not None and not any(self.rotor.speeds):
             raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
         return self
@@ -654,7 +654,7 @@ class Scene(Table):
         """Whether the structure lies in space, its floor across the load wherever the damper is."""
         return self.known is not None or self.blade is not None
 
-    def _in_space(self) -> None:
+    def _check_space(self) -> None:
         """What a blade or a structure of known modes takes, and what it leaves out."""
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
@@ -666,7 +666,7 @@ class Scene(Table):
             )
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
-        self._left_as_they_are(_OF_A_MESH)
+        self._require_defaults(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
@@ -676,25 +676,25 @@ class Scene(Table):
                 " its nodes or a node's number",
             )
 
-    def _with_a_plate(self) -> None:
+    def _check_plate(self) -> None:
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
-        self._not_in_space()
+        self._forbid_space_keys()
         at = None if self.damper is None else self.damper.at
         if at is not None and (not isinstance(at, tuple) or len(at) != 2):
             raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
 
-    def _not_in_space(self) -> None:
+    def _forbid_space_keys(self) -> None:
         """The keys of structures in space alone are left out."""
         for table, names in {"rotor": ("axis", "origin"), "damper": ("direction",), "excitation": ("at",)}.items():
             for name in names:
                 if getattr(getattr(self, table), name, None) is not None:
                     raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
-    def _with_a_damper(self) -> None:
+    def _check_damper(self) -> None:
         if self.damper is None and self.release is not None:
             raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
@@ -704,17 +704,17 @@ class Scene(Table):
                 " or the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
             )
 
-    def _without_a_plate(self, structure: Structure) -> None:
+    def _check_given(self, structure: Structure) -> None:
         if self.damper is None:
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-        self._not_in_space()
-        self._tilt(self.damper, structure.floor_tilt)
-        weight(self.damper, structure.mass)
-        self._left_as_they_are(_OF_A_PLATE, "belongs to a plate; ")
+        self._forbid_space_keys()
+        self._check_tilt(self.damper, structure.floor_tilt)
+        check_weight(self.damper, structure.mass)
+        self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")
 
-    def _left_as_they_are(self, keys: Mapping[str, str], why: str = "") -> None:
+    def _require_defaults(self, keys: Mapping[str, str], why: str = "") -> None:
         """Keys that have their defaults, with what is said where one has not."""
         for key, instead in keys.items():
             table, name = key.split(".")
@@ -722,7 +722,7 @@ class Scene(Table):
             if value is not None and getattr(value, name) != type(value).model_fields[name].default:
                 raise fault(key, f"{why}{instead}")
 
-    def _tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
+    def _check_tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
         if max(map(abs, tilt)) * damper.radius >= 1:
             raise fault("structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / damper.radius:g} 1/m")
         if any(tilt) and damper.formulation == "printed":
@@ -731,7 +731,7 @@ class Scene(Table):
             raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
 
     @property
-    def _turning_at(self) -> float | None:
+    def _damper_radius(self) -> float | None:
         """The damper's distance from the axis [m]; None where it is known only once a mesh is read."""
         if self.in_space:
             return None

@@ -28,7 +28,7 @@ from workflows.solve.results import (
     SpeedPoint,
     Surface,
     rounded_rpm,
-    shown_of,
+    speeds_with_shapes,
 )
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class ModeThere:
+class ModeAtSeat:
     """What a mode does at the damper's place; pairs are along the axes of the cavity.
 
     Attributes:
@@ -72,14 +72,14 @@ class ModeThere:
 
 
 @dataclass(frozen=True)
-class Seated:
+class SeatDescription:
     """How a cavity lies at a speed: its place [m], unit vectors along load and axes, and what the modes do there."""
 
     place: tuple[float, ...]
     how: str
     load: tuple[float, ...]
     axes: tuple[tuple[float, ...], ...]
-    modes: tuple[ModeThere, ...]
+    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class SpaceStructure:
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        names, strains = _seen(self.model, modes)
+        names, strains = _families_and_strains(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
@@ -164,22 +164,22 @@ class SpaceStructure:
         points = self.model.points if self.seat is None else self.seat.place.point[None]
         return float(np.linalg.norm(self.model.load(points), axis=1).max())
 
-    def seated(self, omega: float) -> Seated | None:
+    def seat_at(self, omega: float) -> SeatDescription | None:
         """How the damper lies at a speed [rad/s]; None without one."""
         if self.seat is None:
             return None
         modes = self.modes(omega)
-        floor, names = self.floor(modes), _seen(self.model, modes)[0]
+        floor, names = self.floor(modes), _families_and_strains(self.model, modes)[0]
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
-        return Seated(
+        return SeatDescription(
             tuple((at.point + 0.0).tolist()),
             at.how,
             tuple((floor.normal + 0.0).tolist()),
             tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
             tuple(
-                ModeThere(
+                ModeAtSeat(
                     k + 1,
                     names[k],
                     float(modes.frequencies_hz[k]),
@@ -208,7 +208,7 @@ class SpaceStructure:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         from fem.modal_model import edges, faces, held
 
-        shown = shown_of(len(speeds))
+        shown = speeds_with_shapes(len(speeds))
         points, triangles = self.model.points, faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
@@ -292,7 +292,7 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
     force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
     seat = None if damper is None else (damper.at, damper.direction or min(source.scene.rotor.speeds), force)
-    structure = _built(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
     return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
@@ -303,7 +303,7 @@ _SPEEDS = 64
 
 
 @lru_cache(_SPEEDS)
-def _seen(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
+def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
     """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
     from fem.modal_model import families, root_strains
 
@@ -319,7 +319,7 @@ class Request:
 
 
 @lru_cache(maxsize=8)
-def _built(request: Request) -> SpaceStructure:
+def _structure(request: Request) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
     from fem.modal_model import chosen, densities
 
@@ -354,7 +354,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         digests.append(sha256)
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
-        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _set(source):
+        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
             problem = (
                 "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
                 " hub_radius, from the axis to the smallest x)"
@@ -377,7 +377,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return turning(source, model, turns=turns), tuple(remarks), whole
+    return about_spin_axis(source, model, turns=turns), tuple(remarks), whole
 
 
 def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
@@ -402,13 +402,13 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
     return problems
 
 
-def _set(source: SceneFile) -> set[str]:
+def _rotor_keys(source: SceneFile) -> set[str]:
     """The keys of [rotor] that the scene has."""
     return source.scene.rotor.model_fields_set
 
 
 @lru_cache(maxsize=8)
-def _kept(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
+def _file(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
     """A file that is read again and again, as long as it stays the same."""
     from fem.modal_files import read
 
@@ -432,7 +432,7 @@ def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
     from fem.modal_files import ModesFileError
 
     try:
-        return _kept(source.folder / name, _stamp(source, name))
+        return _file(source.folder / name, _stamp(source, name))
     except (ModesFileError, OSError, MemoryError) as error:
         problem = "larger than the memory that is there" if isinstance(error, MemoryError) else str(error)
         raise source.wrong(problem, "[structure] modes", name) from error
@@ -575,7 +575,7 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def turning(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
+def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
     """The model about the scene's axis, with forces by the root's motion.
 
     turns: axis and point on it are the file's where the scene does not give them.
@@ -583,7 +583,7 @@ def turning(source: SceneFile, model: ModalModel, *, turns: bool = False) -> Mod
     from fem import Rotor
     from fem.modal_model import drawn_by
 
-    rotor, axis_given = source.scene.rotor, _set(source)
+    rotor, axis_given = source.scene.rotor, _rotor_keys(source)
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
     if rotor.axis is not None:

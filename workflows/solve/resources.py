@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
@@ -94,10 +96,7 @@ def parts(source: SceneFile) -> list[Part]:
     listed = []
     if scene.plate is not None:
         unknowns, points = _least_size(source)
-        cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
-        if source.mesh is not None:
-            cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
-        listed.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), *cause))
+        listed.append(_of_the_mesh(source, of_a_plate(scene.plate.theory, unknowns, modes)))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
         listed.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
         listed.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
@@ -111,6 +110,14 @@ def parts(source: SceneFile) -> list[Part]:
     return sorted(listed, key=lambda part: -part.memory)
 
 
+def _of_the_mesh(source: SceneFile, memory: float) -> Part:
+    """What a plate's mesh takes."""
+    plate = source.scene.plate
+    if plate is not None and plate.mesh is not None:
+        return Part(memory, "[plate] mesh", plate.mesh, "coarsen the mesh")
+    return Part(memory, "[rotor] modes", source.scene.rotor.modes, "ask for fewer modes")
+
+
 def memory(source: SceneFile) -> float:
     """Bytes that a run of a scene takes at least, roughly."""
     return BASE + sum(part.memory for part in parts(source))
@@ -122,10 +129,8 @@ def check(source: SceneFile) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    needed, there = memory(source), available() + _held()
-    if needed > there:
-        worst = parts(source)[0]
-        raise source.wrong(_too_much(needed, there, worst.advice), worst.key, worst.value)
+    if worst := parts(source)[:1]:
+        _require(source, memory(source), worst[0])
 
 
 def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
@@ -156,16 +161,8 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
     modes, others, there = source.scene.rotor.modes, _beside_the_plate(source), available()
     each = of_a_plate(model, 1.0, modes, large_deflection)
     most = int(min(max((there - BASE - others) / each, 1.0), 2**60))
-    first = _first_unknowns(form, model, modes, most)
-    needed = BASE + others + of_a_plate(model, first, modes, large_deflection)
-    there += _held()
-    if needed > there:
-        mesh = source.scene.plate.mesh if source.scene.plate is not None else None
-        if mesh is not None:
-            problem = _too_much(needed, there, "coarsen the mesh")
-            raise source.wrong(problem, "[plate] mesh", mesh)
-        problem = _too_much(needed, there, "ask for fewer modes")
-        raise source.wrong(problem, "[rotor] modes", modes)
+    first = of_a_plate(model, _first_unknowns(form, model, modes, most), modes, large_deflection)
+    _require(source, BASE + others + first, _of_the_mesh(source, first))
     return most
 
 
@@ -184,15 +181,17 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    needed, there = BASE + of_a_blade(unknowns), available() + _held()
+    name = None if source.scene.blade is None else source.scene.blade.mesh
+    advice = f"coarsen the mesh, which has {unknowns} unknowns"
+    _require(source, BASE + of_a_blade(unknowns), Part(of_a_blade(unknowns), "[blade] mesh", name, advice))
+
+
+def _require(source: SceneFile, needed: float, worst: Part) -> None:
+    """Refuse what needs more memory than there is, by its largest part."""
+    there = available() + _own_memory()
     if needed > there:
-        name = None if source.scene.blade is None else source.scene.blade.mesh
-        problem = _too_much(needed, there, f"coarsen the mesh, which has {unknowns} unknowns")
-        raise source.wrong(problem, "[blade] mesh", name)
-
-
-def _too_much(needed: float, there: float, advice: str) -> str:
-    return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {advice}"
+        problem = f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {worst.advice}"
+        raise source.wrong(problem, worst.key, worst.value)
 
 
 def _beside_the_plate(source: SceneFile) -> float:
@@ -202,18 +201,14 @@ def _beside_the_plate(source: SceneFile) -> float:
 
 def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
     """Unknowns of the first mesh of a search that has enough cells for the modes, or of the only one."""
+    from fem.accuracy.mesh_selection import has_pair
     from fem.meshes.mesh_sequence import Rectangle, begun_with
 
     if not isinstance(form, Rectangle):
-        from fem.accuracy.mesh_selection import has_pair
-
         coarsest = unknowns(model, form.mesh(form.sizes[0]))
         if not has_pair(form, coarsest, model, most):
             return coarsest
-        return unknowns(model, form.mesh(begun_with(form, modes)))
-    along, across = form.cells(begun_with(form, modes))
-    counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
-    return _in_all(_of_each(model, quads=True), counts)
+    return unknowns(model, form.mesh(begun_with(form, modes)))
 
 
 def of_lines(scene: Scene) -> float:
@@ -237,26 +232,17 @@ def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool =
 def unknowns(model: str, mesh: Any) -> float:
     """How many a theory has on a mesh, those at the clamped root included."""
     from fem.theory.kirchhoff import is_rectangles
+    from fem.theory.registry import theory_of
     from fem.theory.solid import quadrilaterals
 
+    theory, element = theory_of(model)
     name, quads = model.partition("/")[0], mesh.t.shape[0] == 4
     if name == "kirchhoff" and quads and not is_rectangles(mesh):
         mesh, quads = mesh.to_meshtri(), False
     if name == "solid":
         mesh = quadrilaterals(mesh)
-    return _in_all(_of_each(model, quads), (mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]))
-
-
-def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
-    """Unknowns of each corner, edge and cell of a mesh in a theory."""
-    from fem.theory.registry import theory_of
-
-    theory, element = theory_of(model)
-    return theory.unknowns(element, quads)
-
-
-def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:
-    return float(sum(own * count for own, count in zip(each, counts, strict=True)))
+    counts = mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]
+    return float(np.dot(theory.unknowns(element, quads), counts))
 
 
 def available() -> float:
@@ -277,7 +263,7 @@ def available() -> float:
     return min(free)
 
 
-def _held() -> float:
+def _own_memory() -> float:
     """Bytes that this process has of those in BASE: counted in what is needed, and gone from what is there."""
     import psutil
 

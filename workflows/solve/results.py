@@ -68,7 +68,7 @@ COLUMN = Field(exclude=True, json_schema_extra={"column": True})
 """An array that is published as a column of a list of rows, which is a property of the record."""
 
 
-def taken_over(record: type[T], source: object, **more: object) -> T:
+def copy_fields(record: type[T], source: object, **more: object) -> T:
     """A record whose fields are those of the same names of another object, and more."""
     fields_of: Mapping[str, Any] = {
         f.name: getattr(source, f.name)
@@ -259,7 +259,7 @@ class OwnFigures(Figures):
     """that over load_g"""
 
     @property
-    def parted(self) -> bool:
+    def ways_differ(self) -> bool:
         """Whether the way down differs from the way up."""
         return self.folds[0] < self.folds[1]
 
@@ -268,8 +268,8 @@ class OwnFigures(Figures):
         cls, measured: damper.DampingCurve, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor."""
-        more |= {way: taken_over(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
-        return taken_over(cls, measured, tilt_share=tilt_share, level=level, **more)
+        more |= {way: copy_fields(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
+        return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
 
 
 OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
@@ -822,12 +822,12 @@ def rounded_rpm(omega: float) -> float:
     return float(f"{in_rpm(omega):.13g}")
 
 
-def middle(points: tuple[SpeedPoint, ...]) -> int:
+def middle_speed(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
 
 
-def expect(results: object, who: str) -> None:
+def require_results(results: object, who: str) -> None:
     """Raise TypeError unless results are what `who` was given."""
     if not isinstance(results, Results):
         raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")
@@ -955,8 +955,8 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[i
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    shown = shown_of(len(numbers))
-    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in shown])
+    shown = speeds_with_shapes(len(numbers))
+    unknowns = np.hstack([_in_phase(diagram.shapes(numbers[k])[:, :count]) for k in shown])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
     coarse = _shaped(operators, operators.plate.mesh, shapes, shown)
@@ -968,7 +968,7 @@ def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, 
     by_speed = shapes.reshape(len(shown), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
     thickness = _thickness(operators.plate, mesh)
-    return replace(bare(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
+    return replace(bare_surface(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
 
 
 def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -> Surface | None:
@@ -991,7 +991,7 @@ def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -
     return replace(_shaped(operators, refined.mesh, small, shown), lines=refined.lines)
 
 
-def bare(mesh: Any) -> Surface:
+def bare_surface(mesh: Any) -> Surface:
     """A mesh's mid-surface, without shapes."""
     from fem.meshes.planform import root_facets
 
@@ -1035,7 +1035,7 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested:
     )
 
 
-def _upright(shapes: Floats) -> Floats:
+def _in_phase(shapes: Floats) -> Floats:
     """Complex shapes turned to the phase at which their largest unknown peaks; real ones as they are."""
     if not np.iscomplexobj(shapes):
         return shapes
@@ -1043,7 +1043,7 @@ def _upright(shapes: Floats) -> Floats:
     return np.asarray(shapes * (np.abs(largest) / largest))
 
 
-def shown_of(count: int) -> tuple[int, ...]:
+def speeds_with_shapes(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
     if count <= SHAPES_AT_MOST:
         return tuple(range(count))
