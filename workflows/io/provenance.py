@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from fem.meshes.mesh_sequence import Planform
+from fem.meshes.planform import clamped_length
 from workflows import versions
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
@@ -77,8 +78,6 @@ def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, fl
 def _root_length(source: SceneFile, form: Planform | None) -> float | None:
     """Length [m] of the clamped edge, None without a plate."""
     if form is not None:
-        from fem.meshes.planform import clamped_length
-
         return clamped_length(_mesh(form))
     return None if source.scene.plate is None else source.scene.plate.width
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     ConfigDict,
@@ -17,7 +18,8 @@ from pydantic import (
     model_validator,
 )
 
-from fem.meshes.thickness import Profile
+from fem.meshes.thickness import Bilinear, Polynomial, Profile
+from fem.meshes.thickness import of as thickness_of
 from workflows.scene import materials
 from workflows.scene import quantities as q
 from workflows.scene.quantities import ROUNDING, Table, fault, wrong
@@ -126,8 +128,6 @@ class Thickness(Table):
         Raises:
             ValueError: it is a field of the mesh file, which is not given.
         """
-        from fem.meshes.thickness import Bilinear, Polynomial
-
         if self.polynomial is not None:
             return Polynomial(self.polynomial)
         if self.values is not None:
@@ -150,12 +150,8 @@ def extremes(profile: float | Thickness, length: float, width: float) -> tuple[f
     """
     if isinstance(profile, float):
         return profile, profile
-    import numpy as np
-
-    from fem.meshes import thickness
-
     x, y = np.linspace(0.0, length, GRID), np.linspace(-0.5 * width, 0.5 * width, GRID)
-    values = np.asarray(thickness.of(profile.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
+    values = np.asarray(thickness_of(profile.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
     return float(values.min()), float(values.max())
 
 

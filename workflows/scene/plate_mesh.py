@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 import fem
 from fem.meshes.mesh_sequence import Planform
+from fem.meshes.planform import PlaceError, clamped_length, locate
 from fem.meshes.thickness import Profile
 from workflows.errors import BadInput
 from workflows.scene.damper import misfit
@@ -134,8 +135,6 @@ def coarse_mesh(form: Planform, cells: int) -> Any:
 
 def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
-    from fem.meshes.planform import clamped_length
-
     if isinstance(form, fem.Rectangle):
         along, across = form.cells(size)
         return f"{along} × {across} quadrilaterals, finer towards the edges"
@@ -162,7 +161,6 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
     at = damper_at(source.scene, mesh.p)
     if source.scene.damper is not None or source.scene.point_mass:
         return at
-    from fem.meshes.planform import PlaceError, locate
 
     try:
         locate(mesh, at)
@@ -257,8 +255,6 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
 
 def _check_place(source: SceneFile, form: fem.Given) -> None:
     """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
-    from fem.meshes.planform import PlaceError, locate
-
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)
     reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)

@@ -11,6 +11,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modal_files import ModesFileError, Raw, in_si, joined, read
+from fem.modal_model import (
+    SAME_SPEED,
+    BadCells,
+    ModalModel,
+    ModesAtSpeed,
+    OffTheStructure,
+    Place,
+    Pull,
+    chosen,
+    densities,
+    drawn_by,
+    edges,
+    faces,
+    families,
+    held,
+    place,
+    pull,
+    root_strains,
+    thickness,
+)
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
@@ -32,8 +53,6 @@ from workflows.solve.results import (
 )
 
 if TYPE_CHECKING:
-    from fem.modal_files import Raw
-    from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
     from fem.reduction.known_modes import Floor
 
 
@@ -206,8 +225,6 @@ class SpaceStructure:
 
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        from fem.modal_model import edges, faces, held
-
         shown = speeds_with_shapes(len(speeds))
         points, triangles = self.model.points, faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
@@ -305,8 +322,6 @@ _SPEEDS = 64
 @lru_cache(_SPEEDS)
 def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
     """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
-    from fem.modal_model import families, root_strains
-
     return tuple(families(model, modes)), root_strains(model, modes)
 
 
@@ -321,8 +336,6 @@ class Request:
 @lru_cache(maxsize=8)
 def _structure(request: Request) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
-    from fem.modal_model import chosen, densities
-
     source = request.source
     known = source.scene.known
     assert known is not None
@@ -346,8 +359,6 @@ def _structure(request: Request) -> SpaceStructure:
 
 def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
     """The structure in m and kg about the scene's axis; remarks; the digest of the files."""
-    from fem.modal_files import ModesFileError, joined
-
     models, remarks, digests, turns = [], list[str](), list[str](), True
     for omega, name in known.files.items():
         raw, sha256 = _read(source, name)
@@ -410,8 +421,6 @@ def _rotor_keys(source: SceneFile) -> set[str]:
 @lru_cache(maxsize=8)
 def _file(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
     """A file that is read again and again, as long as it stays the same."""
-    from fem.modal_files import read
-
     return read(path), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -429,8 +438,6 @@ def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
 
 
 def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
-    from fem.modal_files import ModesFileError
-
     try:
         return _file(source.folder / name, _stamp(source, name))
     except (ModesFileError, OSError, MemoryError) as error:
@@ -472,9 +479,6 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     Raises:
         BadInput: they do not; the message asks for those that would.
     """
-    from fem.modal_files import in_si
-    from fem.modal_model import BadCells, densities
-
     for key in ("unit", "mass_unit"):
         own, unit_given = getattr(raw, key), getattr(known, key)
         if own is not None and unit_given is not None and own != unit_given:
@@ -515,9 +519,6 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
 
 def _units(name: str, raw: Raw, size: float, density: float) -> str:
     """What is wrong with the units of a file, and which would make sense."""
-    from fem.modal_files import in_si
-    from fem.modal_model import densities
-
     plain = in_si(raw, 1.0, 1.0)
     own = densities(plain, plain.speeds[0])
     fitting = []
@@ -563,8 +564,6 @@ _UNEVEN = 1.05
 
 def _density_remark(name: str, model: ModalModel) -> str | None:
     """What mass the shapes say that the structure has, where it is not that of one density."""
-    from fem.modal_model import densities
-
     fits = densities(model, model.speeds[0])
     if fits is None or fits.max() <= _UNEVEN * fits.min():
         return None
@@ -581,7 +580,6 @@ def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False
     turns: axis and point on it are the file's where the scene does not give them.
     """
     from fem import Rotor
-    from fem.modal_model import drawn_by
 
     rotor, axis_given = source.scene.rotor, _rotor_keys(source)
     axis, origin = model.axis, model.origin
@@ -610,8 +608,6 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     Raises:
         BadInput: it does not, or they cannot be.
     """
-    from fem.modal_model import SAME_SPEED
-
     known = np.array([modes.omega for modes in model.speeds])
     slack, key = SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
@@ -661,7 +657,6 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     Raises:
         BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements.
     """
-    from fem.modal_model import pull
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
     damper = source.scene.damper
@@ -710,8 +705,6 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
 
 def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
     """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
-    from fem.modal_model import thickness
-
     middle = at.point - damper.radius * seen.normal
     room = [thickness(model, middle, axis) for axis in seen.axes]
     return [
@@ -738,8 +731,6 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
     Raises:
         BadInput: there is none.
     """
-    from fem.modal_model import OffTheStructure, place
-
     try:
         return place(model, _point(source, model, at, key))
     except OffTheStructure as error:

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
@@ -201,14 +199,18 @@ def _beside_the_plate(source: SceneFile) -> float:
 
 def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
     """Unknowns of the first mesh of a search that has enough cells for the modes, or of the only one."""
-    from fem.accuracy.mesh_selection import has_pair
     from fem.meshes.mesh_sequence import Rectangle, begun_with
 
     if not isinstance(form, Rectangle):
+        from fem.accuracy.mesh_selection import has_pair
+
         coarsest = unknowns(model, form.mesh(form.sizes[0]))
         if not has_pair(form, coarsest, model, most):
             return coarsest
-    return unknowns(model, form.mesh(begun_with(form, modes)))
+        return unknowns(model, form.mesh(begun_with(form, modes)))
+    along, across = form.cells(begun_with(form, modes))  # no mesh is made, for which scikit-fem would be loaded
+    counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
+    return _in_all(_of_each(model, quads=True), counts)
 
 
 def of_lines(scene: Scene) -> float:
@@ -232,17 +234,26 @@ def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool =
 def unknowns(model: str, mesh: Any) -> float:
     """How many a theory has on a mesh, those at the clamped root included."""
     from fem.theory.kirchhoff import is_rectangles
-    from fem.theory.registry import theory_of
     from fem.theory.solid import quadrilaterals
 
-    theory, element = theory_of(model)
     name, quads = model.partition("/")[0], mesh.t.shape[0] == 4
     if name == "kirchhoff" and quads and not is_rectangles(mesh):
         mesh, quads = mesh.to_meshtri(), False
     if name == "solid":
         mesh = quadrilaterals(mesh)
-    counts = mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]
-    return float(np.dot(theory.unknowns(element, quads), counts))
+    return _in_all(_of_each(model, quads), (mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]))
+
+
+def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
+    """Unknowns of each corner, edge and cell of a mesh in a theory."""
+    from fem.theory.registry import theory_of
+
+    theory, element = theory_of(model)
+    return theory.unknowns(element, quads)
+
+
+def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:
+    return float(sum(own * count for own, count in zip(each, counts, strict=True)))
 
 
 def available() -> float:

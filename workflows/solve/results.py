@@ -23,6 +23,7 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
+from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
@@ -993,8 +994,6 @@ def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -
 
 def bare_surface(mesh: Any) -> Surface:
     """A mesh's mid-surface, without shapes."""
-    from fem.meshes.planform import root_facets
-
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     outline, root = (np.asarray(mesh.facets[:, facets].T) for facets in (mesh.boundary_facets(), root_facets(mesh)))
@@ -1013,7 +1012,6 @@ def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
     from fem import critical_speed
-    from fem.meshes.planform import clamped_length
 
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
