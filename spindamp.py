@@ -30,7 +30,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError, lawful
-from workflows.scene.load import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file, load, parse, shipped
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def campbell(scene: SceneLike = DEFAULT) -> Results:
     from workflows import pipeline
     from workflows.report import text
 
-    return text.run(pipeline.plate_only(opened(scene)))
+    return text.run(pipeline.plate_only(as_scene_file(scene)))
 
 
 @lawful()
@@ -118,7 +118,7 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
     from workflows.io.modes import save_modes
     from workflows.progress import Stages
 
-    model = pipeline.modes(opened(scene), Stages(visible=False))
+    model = pipeline.modes(as_scene_file(scene), Stages(visible=False))
     if file is not None:
         save_modes(model, file)
     return model
@@ -130,7 +130,7 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     from workflows import pipeline
     from workflows.report import text
 
-    return text.run(pipeline.at_one_speed(opened(scene), rpm))
+    return text.run(pipeline.at_one_speed(as_scene_file(scene), rpm))
 
 
 @lawful()
@@ -141,7 +141,7 @@ def response(scene: SceneLike = DEFAULT) -> Response:
     """
     from workflows.studies.response import respond
 
-    return respond(opened(scene))
+    return respond(as_scene_file(scene))
 
 
 @lawful()
@@ -157,7 +157,7 @@ def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
     """What accuracy costs in time. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.study import study
 
-    return study(opened(scene))
+    return study(as_scene_file(scene))
 
 
 @lawful()
@@ -165,7 +165,7 @@ def effects(scene: SceneLike = DEFAULT) -> Switches:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.effects import switching
 
-    return switching(opened(scene))
+    return switching(as_scene_file(scene))
 
 
 @lawful()

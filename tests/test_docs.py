@@ -157,7 +157,7 @@ ANSWERS = {
         ("workflows/studies/work_precision/integration.py", "self.e"),
     ],
     "Where are hits and events counted?": [("damper/engine.py", "def count("), ("damper/state.py", "class Counts")],
-    "Which file do I change to add a material?": [("workflows/scene/materials.py", "\nKNOWN = ")],
+    "Which file do I change to add a material?": [("workflows/materials.toml", "\n[steel]")],
     "What is known of a plate theory?": [("fem/theory/registry.py", "\nTHEORIES = ")],
     "Which engine orders does the Campbell chart have, and how does it look?": [
         ("workflows/solve/engine_orders.py", "\nENGINE_ORDERS = "),
@@ -170,7 +170,7 @@ ANSWERS = {
     ],
     "Where is the tip mass put into the matrices?": [("fem/assembly.py", "def with_point_mass")],
     "What does a number of the results mean, and what is its unit?": [
-        ("workflows/solve/results.py", 'quantity("J", "lost to rolling'),
+        ("workflows/solve/results.py", "lost to rolling resistance"),
     ],
     "Who decides the mesh, and how exact each part has to be?": [
         ("fem/accuracy/mesh_selection.py", "def choose_mesh"),

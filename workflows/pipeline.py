@@ -9,12 +9,12 @@ import numpy as np
 
 from workflows.errors import BadInput, read_from
 from workflows.progress import Stages
-from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.scene.plate_mesh import place
 from workflows.scene.scene import omega_of
 from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
-from workflows.solve.results import Results, middle
+from workflows.solve.results import Results, middle_speed
 from workflows.solve.structure import StructureSolver, StructureState
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def structure(
     """
     state = StructureSolver(source, stages, choice, size).at()
     with stages("modes"):
-        return state.pictured(shapes=shapes)
+        return state.with_pictures(shapes=shapes)
 
 
 def damped(state: StructureState, stages: Stages) -> StructureState:
@@ -47,7 +47,7 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
     if scene.damper is None:
         return state
     with read_from(state.source.name):
-        points = damper.simulate(scene, state.effects, state.points, stages, middle(state.points))
+        points = damper.simulate(scene, state.effects, state.points, stages, middle_speed(state.points))
     return replace(state, points=points)
 
 
@@ -69,7 +69,7 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
         NoAnswer: the physics has none.
         TypeError: it is no scene.
     """
-    source = opened(scene)
+    source = as_scene_file(scene)
     resources.check(source)
     stages = stages or Stages()
     return results(damped(structure(source, stages), stages), stages)

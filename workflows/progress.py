@@ -6,7 +6,7 @@ import logging
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -80,9 +80,9 @@ class Stages:
             left = "" if steps is None else "remaining"
             task = self._progress.add_task(name, total=steps, completed=done, detail="", left=left)
         self._inner.append(0.0)
-        self._say(name, "")
+        self.report(name, "")
         try:
-            yield Step(self._progress, task, _Count(name, steps, done), self._say)
+            yield Step(self, name, steps, done, task)
         finally:
             whole = time.perf_counter() - began
             LOG.info("%s: %.3f s", name, whole)
@@ -92,14 +92,16 @@ class Stages:
             if self._progress is not None and task is not None:
                 self._progress.remove_task(task)
 
-    def _say(self, name: str, detail: str) -> None:
-        """Print a line, where one is due."""
+    def report(self, name: str, line: str, task: TaskID | None = None, detail: str = "") -> None:
+        """Advance the bar of a task, if there is one; without a terminal print the line, where one is due."""
+        if self._progress is not None and task is not None:
+            self._progress.update(task, advance=1, detail=detail)
         now = time.perf_counter()
         stage, before = self._last
         if not self._lines or now - self._began < _SILENT or (name == stage and now - before < _SELDOM):
             return
         self._last = (name, now)
-        print(f"spindamp: {name}{detail and ': '}{detail}", file=sys.stderr, flush=True)
+        print(f"spindamp: {name}{line and ': '}{line}", file=sys.stderr, flush=True)
 
     def timings(self) -> dict[str, float]:
         """Seconds per stage that ran, in the order of a run, and the total so far."""
@@ -107,35 +109,22 @@ class Stages:
         return spent | {"total": time.perf_counter() - self._began}
 
 
-class _Count:
-    """How far a stage has come, and the time that remains."""
-
-    def __init__(self, name: str, steps: int | None, done: int) -> None:
-        self.name, self._steps, self._done, self._first = name, steps, done, done
-        self._began = time.perf_counter()
-
-    def advance(self, detail: str) -> str:
-        """One step more: what a line says of it."""
-        self._done += 1
-        if self._steps is None:
-            return detail
-        each = (time.perf_counter() - self._began) / (self._done - self._first)
-        left = f"{self._done} of {self._steps} steps, {math.ceil(each * (self._steps - self._done))} s remaining"
-        return f"{detail}; {left}" if detail else left
-
-
 class Step:
-    """Handle on a running stage."""
+    """Handle on a running stage: how far it has come, and the time that remains."""
 
-    def __init__(
-        self, progress: Progress | None, task: TaskID | None, count: _Count, say: Callable[[str, str], None]
-    ) -> None:
-        self._progress, self._task, self._count, self._say = progress, task, count, say
+    def __init__(self, stages: Stages, name: str, steps: int | None, done: int, task: TaskID | None) -> None:
+        self._stages, self._name, self._steps, self._task = stages, name, steps, task
+        self._done = self._first = done
+        self._began = time.perf_counter()
 
     def advance(self, detail: str = "") -> None:
         """One step is done."""
         if detail:
             LOG.debug("%s", detail)
-        self._say(self._count.name, self._count.advance(detail))
-        if self._progress is not None and self._task is not None:
-            self._progress.update(self._task, advance=1, detail=detail)
+        self._done += 1
+        line = detail
+        if self._steps is not None:
+            each = (time.perf_counter() - self._began) / (self._done - self._first)
+            left = f"{self._done} of {self._steps} steps, {math.ceil(each * (self._steps - self._done))} s remaining"
+            line = f"{detail}; {left}" if detail else left
+        self._stages.report(self._name, line, self._task, detail)

@@ -13,7 +13,7 @@ from tests.soak.dice import Dice, power, sometimes
 from workflows.effects.selection import resolve
 from workflows.scene.load import parse
 from workflows.scene.scene import SLOWEST
-from workflows.solve.coupling import known_structure, released_at
+from workflows.solve.coupling import known_structure, release_displacement
 from workflows.solve.damper import particle_damper
 
 Scene = dict[str, Any]
@@ -100,7 +100,7 @@ def damper_of(given: Scene) -> tuple[ParticleDamper, tuple[float, float], float 
     point = known_structure(parsed, parsed.rotor.speeds[0])
     cycles = given["release"]["cycles"]
     system = particle_damper(parsed, resolve(parsed), point)
-    return system, released_at(parsed, point, system), None if cycles == "auto" else cycles
+    return system, release_displacement(parsed, point, system), None if cycles == "auto" else cycles
 
 
 def run(scenes: list[Scene], threads: int | None = None) -> Batch:

@@ -87,7 +87,7 @@ def measured_quickly(system: Any) -> Any:
     """The damper's own figures as `sweep --quick` has them, to about a percent."""
     from damper import damping_curve
 
-    return damping_curve(damper.leading(system), **QUICK)
+    return damping_curve(damper.in_leading_modes(system), **QUICK)
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from workflows.report import remarks
 from workflows.report import text as summary
 from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, beyond, stretch
 from workflows.report.verdict import answer, of_orders
-from workflows.scene.load import opened
+from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
 from workflows.solve import limits
 from workflows.solve.results import ForceLevel, Grade, Reason, Results, SpeedPoint, Verdict, VibrationReduction
@@ -481,7 +481,7 @@ def test_a_run_without_pictures_knows_what_a_given_mesh_endures() -> None:
     """The shapes of the modes are drawn or not; the strength of the root is judged in either case."""
     scene = on_mesh(thick(3500, rotor__modes=1, accuracy={"frequency": 0.5}), COARSE)
     drawn, undrawn = (
-        limits.endured(pipeline.structure(opened(scene), Stages(visible=False), shapes=shapes).results())
+        limits.endured(pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=shapes).results())
         for shapes in (True, False)
     )
     assert undrawn is not None

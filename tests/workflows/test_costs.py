@@ -359,7 +359,9 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> timing.Compared[An
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times and damping ratios that nobody reads: each effect is switched once, the damper measured to a percent."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    monkeypatch.setattr(damper_stage, "figures", lambda system: damping_curve(damper_stage.leading(system), **QUICK))
+    monkeypatch.setattr(
+        damper_stage, "figures", lambda system: damping_curve(damper_stage.in_leading_modes(system), **QUICK)
+    )
 
 
 def point(rpm: float, *modes: tuple[str, float]) -> SpeedPoint:

@@ -15,8 +15,8 @@ from damper import DampingCurve, damping_curve, work_bound
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
-from workflows.scene.load import SHIPPED, load, opened, parse
-from workflows.solve.excitation import held_well
+from workflows.scene.load import SHIPPED, as_scene_file, load, parse
+from workflows.solve.excitation import is_well_held
 from workflows.studies import response
 from workflows.studies.design import objectives, report, study
 from workflows.studies.design.space import Obstacle, Optimum, Scored
@@ -47,7 +47,7 @@ def few_speeds(monkeypatch):
 
 
 def space_of(scene, **design):
-    return objectives.space(opened(scene | {"design": scene["design"] | design}))
+    return objectives.space(as_scene_file(scene | {"design": scene["design"] | design}))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
@@ -143,7 +143,7 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
-    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
+    space = objectives.space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
     (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
     assert why in report.obstacle(found)
@@ -163,7 +163,7 @@ def test_the_printed_equations_have_no_design(slow):
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
-    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
+    space = objectives.space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
     (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
@@ -363,7 +363,7 @@ def shaken(structure):
 
 def at_the_crossing(scene, share=0.0):
     """A design of one free key at the first crossing, and its space."""
-    space = objectives.space(opened(scene))
+    space = objectives.space(as_scene_file(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
     met = space.goal.met[0]
     return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends), space
@@ -394,7 +394,7 @@ def test_one_of_amplitudes_and_excitation(slow, shaken):
 )
 def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     with pytest.raises(BadInput) as found:
-        objectives.space(opened(changed(shaken, **changes)))
+        objectives.space(as_scene_file(changed(shaken, **changes)))
     assert says in str(found.value)
 
 
@@ -479,7 +479,7 @@ def test_the_balance_is_that_of_the_motion(shaken):
         found, _ = at_the_crossing(scene, 0.75)
         lines = objectives.linear(found)
         true = objectives.followed(found, lines, quick=False)
-        assert held_well(found.system)
+        assert is_well_held(found.system)
         assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
 
@@ -517,7 +517,7 @@ clearance = ["0.01 mm", "1 mm"]
 
 def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities():
     """Cavities of other sizes move it by seven times its half width; its height is F / (2 zeta K) for all of them."""
-    space = objectives.space(opened(tomllib.loads(BLADE)))
+    space = objectives.space(as_scene_file(tomllib.loads(BLADE)))
     (met,) = space.goal.met
     for share in (0.0, 1.0):
         (each,) = placed_of(space, [share, share])
@@ -533,7 +533,7 @@ def test_the_greatest_of_all_crossings(shaken):
     """A crossing that is left out, for it cannot have more than another, is not the greatest."""
     scene = changed(shaken, rotor__speeds=["2800 rpm", "4200 rpm"], excitation__orders=[3, 4])
     for rolling, share in product((0.0, 5e-5), (0.0, 0.9)):
-        space = objectives.space(opened(changed(scene, damper__rolling_friction=rolling)))
+        space = objectives.space(as_scene_file(changed(scene, damper__rolling_friction=rolling)))
         placed = placed_of(space, [0.0, share])
         found = space.goal.worth(placed, quick=True)
         here = [
@@ -580,5 +580,5 @@ def test_why_none_helps(shaken, here):
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / scored.grows)
-        (again,) = score_of(objectives.space(opened(other)))(found.optimum.shares[None])
+        (again,) = score_of(objectives.space(as_scene_file(other)))(found.optimum.shares[None])
         assert (again.grows < 1) is moves

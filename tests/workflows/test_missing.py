@@ -10,12 +10,12 @@ from fem.accuracy.neglected_effects import cut
 from tests.workflows.conftest import Scene, changed
 from workflows import pipeline
 from workflows.progress import Stages
-from workflows.scene.load import opened
+from workflows.scene.load import as_scene_file
 from workflows.studies.sweep.evaluate import PlateCache
 
 
 def _frequency(scene: Scene) -> float:
-    (point,) = pipeline.structure(opened(scene), Stages(visible=False), shapes=False).points
+    (point,) = pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=False).points
     return point.reduced.f2_hz
 
 
@@ -65,7 +65,7 @@ def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
     scene = changed(scene, effects__cavity_mass="auto", damper__count=5)
     mass, none = 7850 * 5 * 2.5e-3 * 2.4e-3 * 2e-3, {"effects__cavity_mass": False}
     on, off, heavy = (
-        pipeline.structure(opened(changed(scene, **changes)), Stages(visible=False), shapes=False)
+        pipeline.structure(as_scene_file(changed(scene, **changes)), Stages(visible=False), shapes=False)
         for changes in ({}, none, none | {"plate__tip_mass": mass})
     )
     assert on.effects["cavity_mass"].on, "0.04 % of each frequency, of 0.1 % asked for"
@@ -83,7 +83,7 @@ def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
 @pytest.mark.usefixtures("quickly")
 def test_left_out_it_is_part_of_the_error(paper: Scene) -> None:
     scene = changed(paper, rotor__speeds=[0], damper__count=1, accuracy={"frequency": 2e-3}, effects=None)
-    (point,) = pipeline.structure(opened(scene), Stages(visible=False), shapes=False).points
+    (point,) = pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=False).points
     parts, reduced = point.modes[0].error_parts, point.reduced
     assert parts is not None
     assert reduced is not None
@@ -97,7 +97,7 @@ def test_plates_that_are_kept_have_the_error_of_each_damper(paper: Scene) -> Non
     small, other = {"damper__cavity": ["2.5 mm", "2.2 mm"]}, {"damper__cavity": ["2.5 mm", "3 mm"]}
     on = {"effects__cavity_mass": True}
     wide = on | other | {"damper__radius": "0.8 mm"}
-    scenes = [opened(changed(scene, **each)) for each in ({}, small, {}, on, wide)]
+    scenes = [as_scene_file(changed(scene, **each)) for each in ({}, small, {}, on, wide)]
     cache = PlateCache()
     kept = [cache.state(each).points[0].modes[0].error_parts for each in scenes]
     alone = [PlateCache().state(each).points[0].modes[0].error_parts for each in scenes]

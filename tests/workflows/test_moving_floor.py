@@ -16,7 +16,7 @@ from workflows import pipeline
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.progress import Stages
-from workflows.scene.load import opened
+from workflows.scene.load import as_scene_file
 from workflows.solve import coupling, damper
 
 QUIET = Stages(visible=False)
@@ -29,7 +29,7 @@ PROTOTYPE = (0.113, 0.126, 0.159, 0.210, 0.281, 0.377, 0.504)
 
 def built(scene: Scene, rpm: float | None = None) -> Any:
     """The damper that a scene's run simulates at its first speed, or at the one given."""
-    source = opened(scene)
+    source = as_scene_file(scene)
     found = pipeline.structure(source, QUIET, shapes=False)
     point = found.points[0] if rpm is None else next(p for p in found.points if abs(p.rpm - rpm) < 1e-6)
     return damper.particle_damper(source.scene, found.effects, point), point
@@ -85,16 +85,16 @@ def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scen
 def test_the_printed_equations_know_neither(effect: str, paper: Scene) -> None:
     printed = changed(paper, damper__formulation="printed")
     with pytest.raises(BadInput, match="printed equations"):
-        selection.of(opened(changed(printed, **{f"effects__{effect}": True})))
+        selection.of(as_scene_file(changed(printed, **{f"effects__{effect}": True})))
     with pytest.raises(BadInput, match="flat floor"):
-        opened(changed(printed, damper__floor_radius="16 mm"))
-    assert not selection.of(opened(changed(printed, effects=None)))[effect].on
+        as_scene_file(changed(printed, damper__floor_radius="16 mm"))
+    assert not selection.of(as_scene_file(changed(printed, effects=None)))[effect].on
 
 
 def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scene) -> None:
     """Against tau of the plate as solved; the beam that the rule goes by errs by less than its doubt."""
     auto = changed(paper, effects=None, **ROUGH)
-    assert not selection.of(opened(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
+    assert not selection.of(as_scene_file(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
         "floor_tilt"
     ].on
     for rpm in (20, 100, 1000):
@@ -102,36 +102,36 @@ def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scen
         system, _ = built(changed(scene, effects__floor_tilt=True))
         tau = 1 - abs(1 - system.tilt_share[0])
         if tau > 1e-3:
-            assert selection.of(opened(scene))["floor_tilt"].on
-    assert not selection.of(opened(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
+            assert selection.of(as_scene_file(scene))["floor_tilt"].on
+    assert not selection.of(as_scene_file(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
     slight = changed(structure, structure__floor_tilt=1e-3)
-    assert not selection.of(opened(slight))["floor_tilt"].on
-    assert selection.of(opened(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
+    assert not selection.of(as_scene_file(slight))["floor_tilt"].on
+    assert selection.of(as_scene_file(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
 
 
 def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     """As the paper's plate at rest: in-plane bending of a beam with shear, about 1400 Hz; and its own slope."""
     scene = changed(paper, effects=None, rotor__speeds=["0 rpm", "10000 rpm"])
     system, point = built(scene)
-    lag = coupling.leading(point.cavity_modes, 1)
+    lag = coupling.leading_mode(point.cavity_modes, 1)
     assert math.sqrt(lag.stiffness) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
     shear = 3 * 0.08**2 / 12 * 2.6 / (5 / 6 * 0.2**2)  # of a Timoshenko beam's deflection, over that by bending
     assert lag.slope[1] / lag.shape[1] == pytest.approx(1.3765 / 0.2 / (1 + shear), rel=0.03)
     assert [m.shape[0] == 0.0 or m.shape[1] == 0.0 for m in system.modes] == [True] * len(system.modes)
     square = system.stiffness[1] / system.stuck_mass
     assert math.sqrt(square) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
-    release = opened(scene).scene
+    release = as_scene_file(scene).scene
     none = replace(point, cavity_modes=tuple(mode for mode in point.cavity_modes if mode.number != lag.number))
     with pytest.raises(BadInput, match="ask for more"):
-        coupling.released_at(release, none, system)
+        coupling.release_displacement(release, none, system)
 
 
 def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:
     """The leading ones always; others by the ball's mass over theirs."""
     light = changed(paper, effects=None, rotor__speeds=["5000 rpm"], damper__mass_ratio=1e-5, **ROUGH)
     system, point = built(light)
-    leaders = {coupling.leading(point.cavity_modes, axis).number for axis in range(2)}
-    assert {m.number for m in coupling.taken(opened(light).scene, point)} == leaders
+    leaders = {coupling.leading_mode(point.cavity_modes, axis).number for axis in range(2)}
+    assert {m.number for m in coupling.damper_modes(as_scene_file(light).scene, point)} == leaders
     assert len(system.modes) == 2
     heavy, _ = built(changed(light, damper__mass_ratio=0.01))
     assert len(heavy.modes) > 2
@@ -158,9 +158,9 @@ def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.
     monkeypatch.setattr(place, "modes_at", lambda *a: (calls.append(1), plain(*a))[1])
     monkeypatch.setattr("fem.modes_at", place.modes_at, raising=False)
     one = changed(paper, rotor__speeds=["5000 rpm"], **ROUGH)
-    pipeline.structure(opened(one), QUIET, shapes=False)
+    pipeline.structure(as_scene_file(one), QUIET, shapes=False)
     assert not calls
-    pipeline.structure(opened(changed(one, effects__structural_modes=True)), QUIET, shapes=False)
+    pipeline.structure(as_scene_file(changed(one, effects__structural_modes=True)), QUIET, shapes=False)
     assert calls
 
 
@@ -197,7 +197,7 @@ def test_a_stagger_couples_the_axes(paper: Scene) -> None:
     assert (system.rotation, system.stagger) == (point.omega, pytest.approx(math.radians(35)))
     pull = system.pull - np.diag(np.diag(system.pull))
     assert abs(pull[0, 1]) == pytest.approx(point.omega**2 * 0.5 * math.sin(math.radians(70)), rel=1e-9)
-    assert selection.of(opened(changed(scene, effects=None)))["structural_modes"].on
+    assert selection.of(as_scene_file(changed(scene, effects=None)))["structural_modes"].on
 
 
 @pytest.mark.usefixtures("quickly")
@@ -250,7 +250,7 @@ def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
 
 def test_a_tilt_steeper_than_the_ball_is_small(structure: Scene) -> None:
     with pytest.raises(BadInput, match="floor_tilt") as caught:
-        selection.of(opened(changed(structure, structure__floor_tilt=1e5)))
+        selection.of(as_scene_file(changed(structure, structure__floor_tilt=1e5)))
     assert "[damper]" not in str(caught.value)
 
 

@@ -120,7 +120,7 @@ def test_bad_input_of_a_ring_down_names_its_file(
     def unmoved(*_: object) -> None:
         raise BadInput("none of them moves: ask for more", key="[rotor] modes", value=6)
 
-    monkeypatch.setattr("workflows.solve.coupling.released_at", unmoved)
+    monkeypatch.setattr("workflows.solve.coupling.release_displacement", unmoved)
     refused(spindamp("run", quick, "--json"), "", f"{quick.name}: [rotor] modes = 6: none of them moves")
 
 

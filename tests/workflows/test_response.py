@@ -18,7 +18,7 @@ from tests.workflows.conftest import KNOWN, changed
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import remarks
-from workflows.scene.load import SHIPPED, opened
+from workflows.scene.load import SHIPPED, as_scene_file
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import ForceLevel, Mode, SpeedPoint
@@ -49,7 +49,7 @@ def few_speeds(monkeypatch):
 
 @pytest.fixture(scope="module")
 def known():
-    return respond(opened(STRUCTURE))
+    return respond(as_scene_file(STRUCTURE))
 
 
 def test_a_known_structure(known):
@@ -145,7 +145,7 @@ def test_files(known, written):
 def test_a_moving_base():
     """Acceleration of the root: as a force on all masses, the amplitude relative to the root."""
     one, same = (
-        respond(opened(STRUCTURE | {"excitation": {"orders": [3]} | level}))
+        respond(as_scene_file(STRUCTURE | {"excitation": {"orders": [3]} | level}))
         for level in ({"base": "2 m/s^2"}, {"force": "2 N"})
     )
     base, force = study.rows(one)[0], study.rows(same)[0]
@@ -169,7 +169,7 @@ def test_a_moving_base():
 )
 def test_what_response_needs(changes, says):
     with pytest.raises(BadInput, match=says):
-        respond(opened(changed(STRUCTURE, **changes)))
+        respond(as_scene_file(changed(STRUCTURE, **changes)))
 
 
 def refused_alike(source, says):
@@ -183,7 +183,7 @@ def refused_alike(source, says):
 def test_no_crossing():
     """Nothing to follow, and nothing to design for: both say so alike. 201 Hz are 12060 revolutions a minute."""
     refused_alike(
-        opened(changed(STRUCTURE, excitation__orders=[1])),
+        as_scene_file(changed(STRUCTURE, excitation__orders=[1])),
         "[excitation] orders = [1]: no order crosses a mode between 3000 and 5000 rpm;"
         " order 1 would meet the first mode near 12060 rpm",
     )
@@ -194,7 +194,7 @@ def test_orders_that_drive_no_mode():
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["rotor"]["speeds"], scene["excitation"]["orders"] = ["3900 rpm", "4000 rpm"], [50]
     refused_alike(
-        with_forced_effects(opened(scene)),
+        with_forced_effects(as_scene_file(scene)),
         "[excitation] orders = [50]: none of these orders drives a mode at the damper's place between 3900 and"
         " 4000 rpm",
     )
@@ -209,7 +209,7 @@ def test_crossings_beyond_the_speeds():
             )
             for rpm in (low, high)
         ]
-        found = engine_orders.beyond(points, order)
+        found = engine_orders.crossing_beyond(points, order)
         if share > order**2:
             assert found is None
         else:
@@ -289,7 +289,7 @@ def blade(excitation, **damper):
 def test_a_plate_that_is_shaken_all_over(kind, level):
     """At the crossing the ball at rest leaves Q F / (2 zeta omega²) at the tip, F the modal force of a cantilever."""
     scene = changed(blade({"orders": [3], kind: level}, rolling_friction="0.1 mm"), damper__count=None)
-    found = respond(opened(scene))
+    found = respond(as_scene_file(scene))
     (through,) = found.passed
     assert through.crossing.family == "flap"
     assert len(through.omega) in (21, FEW_SPEEDS)
@@ -307,7 +307,7 @@ def test_a_floor_tuned_to_the_order():
     """The ball swings against the force, hits hardly a wall, and leaves little of the amplitude."""
     tuned = {"damper__floor_radius": "16.87 mm", "damper__cavity": ["10 mm", "10 mm"], "damper__mass_ratio": 0.006}
     tuned |= {"damper__damping_ratio": 0.002, "structure__floor_tilt": "6.8 1/m", "excitation__force": "20 N"}
-    found = respond(opened(changed(STRUCTURE, **tuned)))
+    found = respond(as_scene_file(changed(STRUCTURE, **tuned)))
     row = study.rows(found)[0]
     assert row.ratio < 0.3
     assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
@@ -358,7 +358,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict(known):
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """20 N, all that is asked for, is too much for the root: what is said of less is held against motion, both ways."""
     monkeypatch.setattr(study, "SPEEDS", 9)
-    found = respond(opened(blade({"orders": [3, 50], "force": "20 N"}, count=20, damping_ratio=0.001)))
+    found = respond(as_scene_file(blade({"orders": [3, 50], "force": "20 N"}, count=20, damping_ratio=0.001)))
     best, strong = study.rows(found)
     assert found.asked == (strong.force,) == (20.0,)
     assert study.is_beyond(found, strong)

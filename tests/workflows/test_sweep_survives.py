@@ -129,7 +129,7 @@ def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypa
         patch.setattr(zarr.Array, "__setitem__", stopped)
         with pytest.raises(KeyboardInterrupt):
             complete(asked, tmp_path / "out")
-    assert folder.again() == "what is finished stays; the same command goes on"
+    assert folder.restart_advice() == "what is finished stays; the same command goes on"
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
     coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
@@ -140,9 +140,9 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     first = Here(stops=4)
     with pytest.raises(KeyboardInterrupt):
         complete(asked, tmp_path / "out", first, size=1)
-    assert folder.again() == "what is finished stays; the same command goes on"
-    with folder.heard(to_the_end=False):
-        assert folder.again().endswith("starts over")
+    assert folder.restart_advice() == "what is finished stays; the same command goes on"
+    with folder.orderly_end(to_the_end=False):
+        assert folder.restart_advice().endswith("starts over")
     blocks = finished(tmp_path / "out") // 2
     assert 0 < blocks < 4
     second = Here()

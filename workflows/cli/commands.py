@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
@@ -17,6 +16,7 @@ import typer
 
 from workflows.errors import BadInput, NoAnswer
 from workflows.progress import LOG, Stages
+from workflows.versions import versions
 
 if TYPE_CHECKING:
     from workflows.scene.load import SceneFile
@@ -462,7 +462,7 @@ def _announce_compiler() -> None:
 
 def _version(requested: bool) -> None:
     if requested:
-        typer.echo(f"spindamp {version('spindamp')}")
+        typer.echo(f"spindamp {versions()['spindamp']}")
         raise typer.Exit
 
 
@@ -495,7 +495,7 @@ def _listen(context: typer.Context, verbose: bool, log: Path | None) -> None:
     if handlers:
         LOG.setLevel(logging.DEBUG)
         context.call_on_close(partial(LOG.setLevel, logging.NOTSET))
-        LOG.info("spindamp %s: %s", version("spindamp"), " ".join(sys.argv[1:]))
+        LOG.info("spindamp %s: %s", versions()["spindamp"], " ".join(sys.argv[1:]))
 
 
 def _spindamp(

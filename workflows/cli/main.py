@@ -25,24 +25,24 @@ def main(arguments: list[str] | None = None) -> int:
     if arguments is None:
         _collect_seldom()
     try:
-        with folder.heard(to_the_end=arguments is None):
+        with folder.orderly_end(to_the_end=arguments is None):
             return _run(arguments)
     except KeyboardInterrupt:
-        return _fail(f"stopped; {folder.again()}", STOPPED)
+        return _fail(f"stopped; {folder.restart_advice()}", STOPPED)
     except Terminated as error:
-        return _fail(f"ended by {error}; {folder.again()}", 128 + signal.Signals[str(error)])
+        return _fail(f"ended by {error}; {folder.restart_advice()}", 128 + signal.Signals[str(error)])
 
 
 def _run(arguments: list[str] | None) -> int:
     try:
-        with folder.to_blame():
+        with folder.signal_as_cause():
             import typer
 
             from workflows.cli.commands import app
     except ImportError as error:
         return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
-        with lawful(), folder.to_blame():
+        with lawful(), folder.signal_as_cause():
             status = app(args=arguments, prog_name="spindamp", standalone_mode=False)
         if status == STOPPED:  # some versions of typer swallow a Ctrl-C
             raise KeyboardInterrupt

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from fem.meshes.mesh_sequence import Planform
 from fem.rotor import in_rpm
-from workflows.effects.definition import GIVEN, PRINTED, Assumption, Called, Case, Definition, Refusal, not_printed
+from workflows.effects.definition import GIVEN, PRINTED, Called, Case, Definition, Refusal, not_printed
 from workflows.formatting import significant, whole
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
@@ -41,7 +41,7 @@ def beam_like(scene: Scene, form: Planform | None) -> Beam:
     if form is None and plate.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
     length, width = (plate.length, plate.width) if form is None else form.sides
-    thickness = plate_mesh.spread(plate, form)[1]
+    thickness = plate_mesh.thickness_range(plate, form)[1]
     mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
     square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)
     return Beam(float(length or 0.0), mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
@@ -92,17 +92,6 @@ def _slip_refused(scene: Scene) -> Refusal | None:
     return None
 
 
-def _slip_assumed(_: Scene, on: bool, __: str) -> Assumption:
-    """How the ball moves on the floor."""
-    if on:
-        return Assumption(
-            "The ball never lifts off the cavity's floor; after a wall hit it slides there until it rolls.", "ours"
-        )
-    return Assumption(
-        "The ball rolls on the cavity's floor, never lifts off and never slides except at walls.", "paper, II.A"
-    )
-
-
 def _slip_arguments(spec: Damper, omega: float, on: bool) -> dict[str, Any]:
     """The friction of the floor, which takes a load."""
     return {"floor_friction": spec.friction if on and omega > 0 else None}
@@ -127,16 +116,6 @@ def _floor_tilt(case: Case) -> Called:
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {reason}")
     return Called(False, f"{reason}, less than the {significant(100 * target)} % asked for")
-
-
-def _tilt_assumed(_: Scene, on: bool, __: str) -> Assumption:
-    """How the floor lies."""
-    if on:
-        return Assumption(
-            "The cavity's floor tilts with the structure's slope, by small angles; the load is normal to it at rest.",
-            "ours",
-        )
-    return Assumption("The cavity's floor stays perpendicular to the load.", "paper, II.A")
 
 
 def _tilt_share(scene: Scene, form: Planform | None, omega: float) -> float:
@@ -166,17 +145,6 @@ def _indentation(case: Case) -> Called:
     if all(each.hardness is None for each in known):
         return Called(False, "the strength of neither ball nor floor is known")
     return Called(True, "where the load makes ball or floor yield, the ball lies in a dent")
-
-
-def _dent_assumed(_: Scene, on: bool, __: str) -> Assumption:
-    """What holds a ball at rest."""
-    if on:
-        return Assumption(
-            "A ball at rest lies in its dent, out of which it is lifted before it rolls: in the figures of the way up"
-            " and the cut-off, not in ring-downs and forced motion, in which the ball moves.",
-            "Johnson, Contact Mechanics (1985), section 6.3, less elastic recovery",
-        )
-    return Assumption("The floor stays as smooth as it was made: no dent holds the ball.", "ours")
 
 
 def _structural_modes(case: Case) -> Called:
@@ -217,19 +185,9 @@ def _modes_refused(scene: Scene) -> Refusal | None:
     return None
 
 
-def _modes_assumed(scene: Scene, on: bool, _: str) -> Assumption:
+def _modes_assumed(scene: Scene, on: bool, _: str) -> str:
     """How the structure vibrates."""
-    if on:
-        text = (
-            "The structure vibrates in those of its modes that the cavity feels, without Coriolis forces; the"
-            " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
-        )
-        return Assumption(text, "ours")
-    if scene.given is not None:
-        return Assumption("The structure vibrates in one mode along each axis.", "paper, II.A")
-    return Assumption(
-        "The structure vibrates in its first bending mode alone, with the same frequency on both axes.", "paper, II.A"
-    )
+    return "on" if on else "off" if scene.given is None else "given"
 
 
 def _mass_ratio(case: Case) -> float:
@@ -274,15 +232,10 @@ def _cavity_refused(scene: Scene) -> Refusal | None:
     return Refusal(HOUSED, key, True) if damper.housing else None
 
 
-def _cavity_assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
+def _cavity_assumed(scene: Scene, on: bool, _: str) -> str:
     """What the cavities take out."""
-    if scene.plate is None or scene.damper is None or not scene.damper.cut:
-        return None
-    if not on:
-        return Assumption("The plate is as heavy as if no cavities were cut into it.", "ours")
-    return Assumption(
-        "The metal nearest to the damper's place lacks the volume of the cavities; its stiffness is kept.", "ours"
-    )
+    cut = scene.plate is not None and scene.damper is not None and scene.damper.cut
+    return ("on" if on else "off") if cut else ""
 
 
 EFFECTS = {
@@ -295,13 +248,10 @@ EFFECTS = {
         _ball_slip,
         "slip of the ball",
         refused=_slip_refused,
-        assumed=_slip_assumed,
         arguments=_slip_arguments,
     ),
-    "floor_tilt": Definition(
-        "damper", _floor_tilt, "tilt of the floor", refused=not_printed("floor_tilt"), assumed=_tilt_assumed
-    ),
-    "indentation": Definition("damper", _indentation, "indentation", assumed=_dent_assumed),
+    "floor_tilt": Definition("damper", _floor_tilt, "tilt of the floor", refused=not_printed("floor_tilt")),
+    "indentation": Definition("damper", _indentation, "indentation"),
     "structural_modes": Definition(
         "damper", _structural_modes, "modes of the plate", refused=_modes_refused, assumed=_modes_assumed
     ),

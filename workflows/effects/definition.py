@@ -86,19 +86,13 @@ class Refusal(NamedTuple):
     value: object
 
 
-class Assumption(NamedTuple):
-    """What is taken for granted with an effect, or without it, and where that is from."""
-
-    text: str
-    source: str
-
-
 def nothing_refused(_: Scene) -> None:
     """Of an effect that any scene may have."""
 
 
-def nothing_assumed(_: Scene, __: bool, ___: str) -> None:
-    """Of an effect that takes nothing for granted."""
+def on_or_off(_: Scene, on: bool, __: str) -> str:
+    """Of an effect whose assumptions depend on nothing else."""
+    return "on" if on else "off"
 
 
 def no_term(_: Damper, __: float, ___: bool) -> dict[str, Any]:
@@ -117,7 +111,8 @@ class Definition:
         refused: what rules it out where the scene insists, None where nothing does.
         part_of: another effect without which it makes no sense.
         after: effects to be decided before.
-        assumed: what is taken for granted with it (True) or without it, in a theory of the plate.
+        assumed: the key of what is taken for granted with it (True) or without it, in a theory of the plate; the words
+            are in `templates/assumptions.toml`.
         arguments: its terms: of `damper.ParticleDamper`, from [damper], the speed [rad/s] and whether it is on. The
             terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
         on_the_mesh: whether the mesh is chosen with it.
@@ -130,7 +125,7 @@ class Definition:
     refused: Callable[[Scene], Refusal | None] = nothing_refused
     part_of: str = ""
     after: tuple[str, ...] = ()
-    assumed: Callable[[Scene, bool, str], Assumption | None] = nothing_assumed
+    assumed: Callable[[Scene, bool, str], str] = on_or_off
     arguments: Callable[[Damper, float, bool], dict[str, Any]] = no_term
     on_the_mesh: bool = True
     costs: tuple[str, ...] = ()

@@ -15,7 +15,6 @@ from workflows.effects.definition import (
     AT_REST,
     CELLS_PER_MODE,
     GIVEN,
-    Assumption,
     Called,
     Case,
     Definition,
@@ -124,7 +123,7 @@ def _coarse(scene: Scene, form: Planform | None) -> tuple[fem.Plate, fem.Rotor]:
     """The plate on a coarse mesh, and its rotor."""
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
-    mesh = plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes)
+    mesh = plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes)
     return plate_mesh.plate(source, mesh, ladder), plate_mesh.rotor(scene)
 
 
@@ -163,20 +162,11 @@ def _deflection_refused(scene: Scene) -> Refusal | None:
     return Refusal(problem, "[effects] large_deflection", True)
 
 
-def _deflection_assumed(scene: Scene, on: bool, theory: str) -> Assumption | None:
+def _deflection_assumed(scene: Scene, on: bool, theory: str) -> str:
     """The state that the modes are those about."""
     if scene.plate is None:
-        return None
-    if not on:
-        return Assumption("The centrifugal stress is that of the flat plate; vibrations are small about it.", "ours")
-    if theory == "kirchhoff":
-        text = (
-            "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections,"
-            " which is off by about 0.4 θ² in frequency where the plate turns by θ."
-        )
-        return Assumption(text, "ours")
-    text = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
-    return Assumption(text, "ours")
+        return ""
+    return "off" if not on else "moderate" if theory == "kirchhoff" else "on"
 
 
 def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:

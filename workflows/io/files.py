@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows import formatting
+from workflows import formatting, versions
 from workflows.io import provenance
 from workflows.io.folder import replacing
-from workflows.io.serialise import Column, columns, keep
+from workflows.io.serialise import Column, columns, write_unpublished
 from workflows.solve.engine_orders import branches
-from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, expect
-from workflows.versions import versions
+from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, require_results
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,13 +89,13 @@ def ball_path(point: SpeedPoint) -> list[Curve]:
         ("ball", "position_m", path.ball),
         ("displacement", "displacement_m", path.structure),
     ):
-        for i in moving(motion):
+        for i in moving_axes(motion):
             label = f"axis {i + 1}"
             curves.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
     return curves
 
 
-def moving(motion: Floats) -> list[int]:
+def moving_axes(motion: Floats) -> list[int]:
     """The axes, from 0, along which something (n, 2) moves."""
     reach = np.abs(motion).max(axis=0)
     return [i for i in range(2) if reach[i] > _STILL * reach.max()]
@@ -120,12 +119,12 @@ def damping_ratio(results: Results) -> list[Curve]:
     return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
 
 
-def of_other_starts(results: Results) -> list[Curve]:
+def damping_ratio_of_other_starts(results: Results) -> list[Curve]:
     """The same from other starts, where the way down differs."""
     return [
         _damping_curve(f"damping_ratio_{way}", point, getattr(own, way))
         for point in results.speeds
-        if (own := point.working) is not None and own.amplitude.size and own.parted
+        if (own := point.working) is not None and own.amplitude.size and own.ways_differ
         for way in OTHER_WAYS
     ]
 
@@ -135,10 +134,16 @@ def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
     return Curve(f"{name}_{tag}", label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio)
 
 
-def every(results: Results) -> list[Curve]:
+def all_curves(results: Results) -> list[Curve]:
     """All curves of a run."""
     history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    return campbell(results) + history + capacity(results) + damping_ratio(results) + of_other_starts(results)
+    return (
+        campbell(results)
+        + history
+        + capacity(results)
+        + damping_ratio(results)
+        + damping_ratio_of_other_starts(results)
+    )
 
 
 def speed_tag(point: SpeedPoint) -> str:
@@ -159,7 +164,7 @@ def write_csv(results: Results, folder: Path) -> None:
 
     A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
-    for curve in every(results):
+    for curve in all_curves(results):
         rows = np.column_stack([curve.x, curve.y])
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
@@ -198,8 +203,8 @@ def write_netcdf(results: Results, path: Path) -> None:
             missing = np.nan if values.dtype.kind == "f" else None
             kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
             file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
-        file.attrs.update(about(results))
-        keep(results, file)
+        file.attrs.update(global_attributes(results))
+        write_unpublished(results, file)
     path.write_bytes(content.getvalue())
 
 
@@ -212,12 +217,12 @@ def dataset(results: Results) -> xr.Dataset:
     Raises:
         TypeError: not results.
     """
-    expect(results, "dataset")
+    require_results(results, "dataset")
     import xarray as xr
 
     variables = _variables(results)
     coordinates = {_SPEED: variables.pop(_SPEED)}
-    return xr.Dataset(variables, coords=coordinates, attrs=about(results))
+    return xr.Dataset(variables, coords=coordinates, attrs=global_attributes(results))
 
 
 _Variable = tuple[tuple[str, ...], Any, dict[str, str]]
@@ -237,13 +242,13 @@ def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:
     return {name: size for dims, values, _ in variables.values() for name, size in zip(dims, values.shape, strict=True)}
 
 
-def about(results: Results) -> dict[str, str]:
+def global_attributes(results: Results) -> dict[str, str]:
     """What a data set says of itself: title, hashes, versions."""
     return {
         "title": results.scene.title,
         "source": "spindamp",
         **provenance.hashes(results),
-        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+        "versions": versions.line(),
     }
 
 

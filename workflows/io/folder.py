@@ -37,10 +37,10 @@ _USUAL = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGH
 _REPEAT = 0.2
 """Seconds after which a signal is raised again if nothing has come of it."""
 
-_AGAIN = "nothing is half-written; the same command starts over"
-_outcome = [_AGAIN]
+_STARTS_OVER = "nothing is half-written; the same command starts over"
+_outcome = [_STARTS_OVER]
 
-_came: list[BaseException] = []
+_signals: list[BaseException] = []
 """What the signals raise that have come since a command began."""
 
 _before: dict[int, _Handler] = {}
@@ -54,13 +54,13 @@ class Terminated(BaseException):
     """A signal asked the program to end; no handler of a library takes it for its own."""
 
 
-def again() -> str:
+def restart_advice() -> str:
     """What an end from outside leaves, in words."""
     return _outcome[-1]
 
 
 @contextmanager
-def going_on(words: str) -> Iterator[None]:
+def resumable(words: str) -> Iterator[None]:
     """While the block lasts, and where it is ended from outside, an end leaves something else; in these words."""
     _outcome.append(words)
     yield
@@ -68,13 +68,13 @@ def going_on(words: str) -> Iterator[None]:
 
 
 @contextmanager
-def heard(*, to_the_end: bool) -> Iterator[None]:
+def orderly_end(*, to_the_end: bool) -> Iterator[None]:
     """Let what would end the program at once end it as a Ctrl-C does; what is ignored (nohup) stays so.
 
     Afterwards all is as before or, `to_the_end` of the process, ignored: a second signal must not garble the end.
     """
-    _outcome[:] = [_AGAIN]
-    _came.clear()
+    _outcome[:] = [_STARTS_OVER]
+    _signals.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -83,7 +83,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
         if number is not None and signal.getsignal(number) == usual:
             _before[number] = signal.signal(number, _raise)
     hook = sys.unraisablehook
-    sys.unraisablehook = lambda lost: None if lost.exc_value in _came else hook(lost)  # it is raised again
+    sys.unraisablehook = lambda lost: None if lost.exc_value in _signals else hook(lost)  # it is raised again
     try:
         yield
     finally:
@@ -99,7 +99,7 @@ def heard(*, to_the_end: bool) -> Iterator[None]:
 
 
 @contextmanager
-def to_blame() -> Iterator[None]:
+def signal_as_cause() -> Iterator[None]:
     """What fails in the block after a signal came ends as the signal does.
 
     What a signal raises while a library takes or gives back a lock turns into an error of that lock.
@@ -107,8 +107,8 @@ def to_blame() -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        if _came:
-            raise _came[0] from error
+        if _signals:
+            raise _signals[0] from error
         raise
 
 
@@ -120,8 +120,8 @@ def ignore() -> None:
 
 def _raise(number: int, frame: FrameType | None) -> None:
     error = KeyboardInterrupt() if number == signal.SIGINT else Terminated(signal.Signals(number).name)
-    _came.append(error)
-    if len(_came) == 1 and hasattr(signal, "setitimer"):
+    _signals.append(error)
+    if len(_signals) == 1 and hasattr(signal, "setitimer"):
         _before[signal.SIGALRM] = signal.signal(signal.SIGALRM, _raise_again)
         _timer[:] = [signal.setitimer(signal.ITIMER_REAL, _REPEAT, _REPEAT)]
     raise error
@@ -130,10 +130,10 @@ def _raise(number: int, frame: FrameType | None) -> None:
 def _raise_again(number: int, frame: FrameType | None) -> None:
     """Raise what came, unless that, or what a library made of it, is being handled already."""
     error = sys.exc_info()[1]
-    while error is not None and error not in _came:
+    while error is not None and error not in _signals:
         error = error.__context__
-    if error is None and _came:
-        raise _came[0]
+    if error is None and _signals:
+        raise _signals[0]
 
 
 MANIFEST = ".spindamp"
@@ -172,7 +172,7 @@ def check(folder: Path, names: str = "") -> Path:
     if exists and not target.is_dir():
         problem: str | None = "is a file: expected a folder"
     else:
-        problem = _not_to_be_replaced(target) or (_held(target, names) if exists else None)
+        problem = _not_to_be_replaced(target) or (_conflict(target, names) if exists else None)
     if problem is not None:
         raise BadInput(problem, key="--out", value=str(folder))
     return target
@@ -191,9 +191,9 @@ def _not_to_be_replaced(target: Path) -> str | None:
     return None
 
 
-def _held(target: Path, names: str) -> str | None:
+def _conflict(target: Path, names: str) -> str | None:
     """What a folder holds that is against it."""
-    foreign = _foreign(target)
+    foreign = _user_files(target)
     taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
     if taken:
         return f"holds a {taken[0]} that no run wrote: expected another folder"
@@ -202,7 +202,7 @@ def _held(target: Path, names: str) -> str | None:
     return None
 
 
-def _foreign(target: Path) -> list[Path]:
+def _user_files(target: Path) -> list[Path]:
     """What is in a folder besides results of a run: whatever the manifest of the last run does not list."""
     ours = {MANIFEST}
     with contextlib.suppress(OSError, UnicodeDecodeError):
@@ -221,7 +221,7 @@ def replacing(folder: Path) -> Iterator[Path]:
     scratch: Path | None = None
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        _clear(target)
+        _remove_leftovers(target)
         scratch = Path(tempfile.mkdtemp(prefix=f"{_prefix(target)}{os.getpid()}-", dir=target.parent))
         yield scratch
         names = "".join(f"{path.name}\n" for path in sorted(scratch.iterdir()))
@@ -229,9 +229,9 @@ def replacing(folder: Path) -> Iterator[Path]:
         for path in scratch.iterdir():
             if path.is_file() and not path.is_symlink():
                 _sync(path)
-        with _alone():
+        with _one_at_a_time():
             _carry_over(target, scratch)
-            _dress(scratch, target)
+            _copy_permissions(scratch, target)
             _sync(scratch)
             ignore()
             _swap(scratch, target)
@@ -244,7 +244,7 @@ def replacing(folder: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def replacing_file(path: Path) -> Iterator[Path]:
     """A file beside a path, of the same ending, that takes its place when the block ends well, and else vanishes."""
     aside = path.with_name(f"{PARTIAL}{secrets.token_hex(8)}{path.suffix.lower()}")
     try:
@@ -256,7 +256,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def _alone() -> Iterator[None]:
+def _one_at_a_time() -> Iterator[None]:
     """One run of this user at a time on this machine; a killed run gives its lock back by itself."""
     from filelock import FileLock
 
@@ -275,7 +275,7 @@ def _digest(name: str) -> str:
     return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
 
 
-def _clear(target: Path) -> None:
+def _remove_leftovers(target: Path) -> None:
     """Remove what runs that were killed left beside `target`: scratch folders of processes that are gone.
 
     A run killed between the two steps of a swap left the old results aside: they come back.
@@ -294,7 +294,7 @@ def _clear(target: Path) -> None:
 
 def _carry_over(target: Path, scratch: Path) -> None:
     """Put the user's own files of the old folder into the new one."""
-    for path in _foreign(target) if target.is_dir() else []:
+    for path in _user_files(target) if target.is_dir() else []:
         new = scratch / path.name
         if os.path.lexists(new):
             raise BadInput(f"holds a {path.name} that no run wrote", key="--out", value=str(target))
@@ -313,7 +313,7 @@ def _link_or_copy(old: str | Path, new: str | Path) -> str | Path:
     return new
 
 
-def _dress(scratch: Path, target: Path) -> None:
+def _copy_permissions(scratch: Path, target: Path) -> None:
     """Give the new folder the owner and the permissions of the old one, or those that any new folder has."""
     if not target.is_dir():
         mask = os.umask(0)

@@ -5,17 +5,15 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modal_files import document, write
+from fem.modal_model import ModalModel, families
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed
-from workflows.io.folder import whole_file
+from workflows.io.folder import replacing_file
 from workflows.solve.results import rounded_rpm
-
-if TYPE_CHECKING:
-    from fem.modal_model import ModalModel
 
 
 def named(file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -38,11 +36,9 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
     Raises:
         BadInput: it cannot be written.
     """
-    from fem.modal_files import write
-
     path = named(file, key)
     try:
-        with whole_file(path) as fresh:
+        with replacing_file(path) as fresh:
             write(model, fresh)
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error
@@ -51,16 +47,12 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
 
 def dumps(model: ModalModel) -> str:
     """The neutral file as JSON."""
-    from fem.modal_files import document
-
     plain = {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in document(model).items()}
     return json.dumps(plain, allow_nan=False)
 
 
 def text(model: ModalModel, file: Path | None) -> str:
     """What a person reads: frequencies and families at each speed."""
-    from fem.modal_model import families
-
     rows = [("rpm", "mode", "Hz", "family")]
     for modes in model.speeds:
         names = families(model, modes)

@@ -8,6 +8,8 @@ from dataclasses import asdict
 from typing import Any
 
 from fem.meshes.mesh_sequence import Planform
+from fem.meshes.planform import clamped_length
+from workflows import versions
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
 from workflows.formatting import aligned, revolutions, significant
@@ -18,7 +20,6 @@ from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
 from workflows.solve.known_modes import SpaceStructure
 from workflows.solve.results import Results, Theory
-from workflows.versions import versions
 
 
 def resolved_scene(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
@@ -60,7 +61,7 @@ def document(
         record["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
     if (length := _root_length(source, form)) is not None:
         record["root_length"] = length
-    if space is not None and (seated := space.seated(min(source.scene.rotor.speeds))) is not None:
+    if space is not None and (seated := space.seat_at(min(source.scene.rotor.speeds))) is not None:
         record["seat"] = asdict(seated)
     return record if theory is None else record | {"theory": vars(theory)}
 
@@ -70,15 +71,13 @@ def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, fl
     plate = source.scene.plate
     if plate is None or isinstance(plate.thickness, float):
         return None
-    least, _, greatest = plate_mesh.spread(plate, form)
+    least, _, greatest = plate_mesh.thickness_range(plate, form)
     return least, greatest, plate_mesh.plate_thickness(plate, plate_mesh.root_and_place(source, _mesh(form))[1], form)
 
 
 def _root_length(source: SceneFile, form: Planform | None) -> float | None:
     """Length [m] of the clamped edge, None without a plate."""
     if form is not None:
-        from fem.meshes.planform import clamped_length
-
         return clamped_length(_mesh(form))
     return None if source.scene.plate is None else source.scene.plate.width
 
@@ -117,7 +116,7 @@ _IN_SPACE = """\
 
 def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
     """How the cavity lies, and what each mode does there at the lowest speed."""
-    seated = space.seated(min(source.scene.rotor.speeds))
+    seated = space.seat_at(min(source.scene.rotor.speeds))
     if seated is None:
         return []
     rows: list[tuple[str, ...]] = [("mode", "Hz", "family", *_COLUMNS, *(f"{name}, axis 2" for name in _COLUMNS))]
@@ -231,7 +230,5 @@ def hashes(results: Results) -> dict[str, str]:
 
 def line(results: Results) -> str:
     """All in one line of text, for files that take a remark."""
-    digests, packages = (
-        ", ".join(f"{name} {value}" for name, value in d.items()) for d in (hashes(results), versions())
-    )
-    return f"{digests}; {packages}"
+    digests = ", ".join(f"{name} {value}" for name, value in hashes(results).items())
+    return f"{digests}; {versions.line()}"

@@ -21,11 +21,12 @@ from pydantic import Field, TypeAdapter
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import GenerateJsonSchema
 
+from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
-from workflows.scene.load import parse, unfit
+from workflows.scene.load import non_file_kind, parse
 from workflows.scene.scene import Scene
-from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, expect
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, require_results
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ NAME = "results.json"
 DATA = "results.nc"
 
 _Hash = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-_SAME = "; the same in every file of a run"
 
 
 @dataclass(frozen=True)
@@ -54,29 +54,22 @@ class Document:
 
     schema_version: Literal[1]
     title: str
-    scene: Annotated[dict[str, Any], Field(description="the scene with defaults filled in and choices made")]
-    scene_sha256: Annotated[
-        _Hash, Field(description=f"of the scene as JSON in UTF-8 with sorted keys and no spaces{_SAME}")
-    ]
+    scene: dict[str, Any]
+    """the scene with defaults filled in and choices made"""
+    scene_sha256: _Hash
+    """of the scene as JSON in UTF-8 with sorted keys and no spaces; the same in every file of a run"""
     versions: dict[str, str]
-    timings: Annotated[
-        dict[Literal["mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"], float],
-        Field(description="seconds; a stage not run is absent"),
-    ]
+    timings: dict[Literal["mesh", "prestress", "modes", "reduction", "damper", "write", "report", "total"], float]
+    """seconds; a stage not run is absent"""
     notes: tuple[str, ...]
     effects: dict[str, Switch]
     speeds: tuple[SpeedPoint, ...]
-    reductions: Annotated[
-        tuple[VibrationReduction, ...],
-        Field(description="at each crossing of an engine order of [excitation] with a mode, from free vibration"),
-    ] = ()
-    root_length: Annotated[
-        float | None,
-        Field(description="m, of the plate's clamped edge, or of that on springs; absent without a plate"),
-    ] = None
-    mesh_sha256: Annotated[
-        _Hash | None, Field(description=f"of the mesh file's bytes, where the scene names one{_SAME}")
-    ] = None
+    reductions: tuple[VibrationReduction, ...] = ()
+    """at each crossing of an engine order of [excitation] with a mode, from free vibration"""
+    root_length: float | None = None
+    """m, of the plate's clamped edge, or of that on springs; absent without a plate"""
+    mesh_sha256: _Hash | None = None
+    """of the mesh file's bytes, where the scene names one; the same in every file of a run"""
 
 
 _UNPUBLISHED = {"speeds": {"__all__": {"damper": {"duration"}}}}
@@ -113,7 +106,7 @@ def document(results: Results) -> dict[str, Any]:
     Raises:
         TypeError: not results.
     """
-    expect(results, "document")
+    require_results(results, "document")
     values: dict[str, Any] = json.loads(_json(results, None))
     return values
 
@@ -124,11 +117,15 @@ def dumps(results: Results) -> str:
 
 
 class _Closed(GenerateJsonSchema):
-    """Objects have no other keys; names say what titles would, and annotations what docstrings would."""
+    """Objects have no other keys; names say what titles would, and docstrings what each key means."""
 
     def dataclass_schema(self, schema: Any) -> dict[str, Any]:
         closed = super().dataclass_schema(schema) | {"additionalProperties": False}
         closed.pop("description", None)
+        record = schema["cls"]
+        for name, text in docstrings.of_fields(record).items():
+            if (key := _fields(record)[name].alias or name) in closed["properties"]:
+                closed["properties"][key]["description"] = text
         return closed
 
     def field_title_should_be_set(self, schema: Any) -> bool:
@@ -312,11 +309,11 @@ def _owner(owners: dict[tuple[str, ...], _Listed], path: tuple[str, ...]) -> _Li
 _FORMAT = 3
 """Version of what `results.nc` keeps beside the data set; before the third it kept nothing."""
 
-_KEPT = "run"
+_GROUP = "run"
 """The group that holds it."""
 
 
-def keep(results: Results, file: h5netcdf.File) -> None:
+def write_unpublished(results: Results, file: h5netcdf.File) -> None:
     """Keep what JSON leaves out of a run in a group of its data set, from which :func:`read` has it back.
 
     Two variables: the records as JSON text, and the bytes of all their arrays, since each variable costs a millisecond.
@@ -331,7 +328,7 @@ def keep(results: Results, file: h5netcdf.File) -> None:
         return {f.name: getattr(value, f.name) for f in fields(value)}
 
     text = json.dumps(_unpublished(results) | {"scene": _scene(results.scene)}, default=plain)
-    group = file.create_group(_KEPT)
+    group = file.create_group(_GROUP)
     group.attrs["format"] = _FORMAT
     for name, content in (
         ("records", np.frombuffer(text.encode(), np.uint8)),
@@ -387,14 +384,14 @@ def read(folder: str | os.PathLike[str]) -> Results:
     path, name = Path(folder), NAME
     try:
         for name in (NAME, DATA):
-            if problem := unfit(path / name):
+            if problem := non_file_kind(path / name):
                 raise _unreadable(path, f"expected a file {name}, found {problem}: run it again")
         name = NAME
         published = json.loads((path / NAME).read_text(encoding="utf-8"))
         if (version := published["schema_version"]) != SCHEMA_VERSION:
             raise _unreadable(path, f"has version {version} of {NAME}: expected {SCHEMA_VERSION}; run it again")
         name = DATA
-        stored = _kept(path)
+        stored = _read_unpublished(path)
         results: Results = adapter(Results).validate_python(
             _merged(published, stored) | {"scene": parse(stored["scene"])}
         )
@@ -409,7 +406,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
     return results
 
 
-def _kept(folder: Path) -> dict[str, Any]:
+def _read_unpublished(folder: Path) -> dict[str, Any]:
     """What JSON leaves out, arrays in their places.
 
     Raises:
@@ -418,7 +415,7 @@ def _kept(folder: Path) -> dict[str, Any]:
     import h5py
 
     with (folder / DATA).open("rb"), h5py.File(folder / DATA, "r") as file:  # h5netcdf writes to stderr where it fails
-        group = file.get(_KEPT)
+        group = file.get(_GROUP)
         version = 2 if group is None else int(np.ravel(group.attrs["format"])[0])
         if group is None or version != _FORMAT:
             raise _unreadable(folder, f"has version {version} of what a run keeps: expected {_FORMAT}; run it again")

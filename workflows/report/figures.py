@@ -22,10 +22,10 @@ from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper, plate_mesh
-from workflows.scene.scene import Scene, typed
+from workflows.scene.scene import Scene, as_typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
-from workflows.solve.results import BallPath, Figures, Floats, OwnFigures, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import BallPath, Figures, Floats, OwnFigures, Results, SpeedPoint, Surface, middle_speed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -353,7 +353,7 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
         shown = line.y > 0
         axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
-        for way, style in _OTHER_WAYS.items() if figures.parted else ():
+        for way, style in _OTHER_WAYS.items() if figures.ways_differ else ():
             other: Figures = getattr(figures, way)
             place = other.amplitude
             apart = (
@@ -426,7 +426,7 @@ def cavity_path(results: Results) -> Figure | None:
     figure, (above, ball, structure) = _square_above(2.6, 2)
     _from_above(above, path, spec.cavity, spec.radius, _LINED / frequency(point))
     _over_time(ball, path, path.ball)
-    for i in files.moving(path.ball):
+    for i in files.moving_axes(path.ball):
         half = 1e3 * (spec.cavity[i] / 2 - spec.radius)
         for side in (-half, half):
             ball.axhline(side, color=_AXES[i], lw=0.7, ls=plots.DASHED)
@@ -435,7 +435,7 @@ def cavity_path(results: Results) -> Figure | None:
     _over_time(structure, path, path.structure)
     ball.set(title="Ball from the middle of its cavity, mm")
     structure.set(title="Structure at the cavity, mm", xlabel="time, ms")
-    if len(files.moving(path.structure)) == 2 or len(files.moving(path.ball)) == 2:
+    if len(files.moving_axes(path.structure)) == 2 or len(files.moving_axes(path.ball)) == 2:
         structure.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     return figure
 
@@ -478,7 +478,7 @@ def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius:
 
 def _over_time(axes: Axes, path: BallPath, motion: Floats) -> None:
     t, reach = (path.t - path.t[0]) / (path.t[-1] - path.t[0]), np.abs(motion).max()
-    for i in files.moving(motion):
+    for i in files.moving_axes(motion):
         indices = _apart(np.column_stack([_LENGTH * t, motion[:, i] / reach]), _FINE)
         axes.plot(1e3 * path.t[indices], 1e3 * motion[indices, i], color=_AXES[i], lw=0.9, label=f"axis {i + 1}")
     axes.set(xlim=(1e3 * path.t[0], 1e3 * path.t[-1]))
@@ -695,7 +695,7 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = surface.row(middle(self.results.speeds))
+        row = surface.row(middle_speed(self.results.speeds))
         row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
@@ -729,7 +729,7 @@ def chosen(
         row = min(range(len(speeds_shown)), key=lambda k: abs(speeds_shown[k] - rpm))
         if abs(speeds_shown[row] - rpm) > _SAME * max(rpm, 1.0):
             problem = f"expected a speed with shapes: {', '.join(map(amount, speeds_shown))} rpm"
-            raise BadInput(problem, key=keys[0], value=typed(rpm))
+            raise BadInput(problem, key=keys[0], value=as_typed(rpm))
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
-from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle
+from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle_speed
 
 POINTS = 1200
 """Points of a surface in a page that has more to show."""
@@ -84,7 +84,7 @@ def view(results: Results) -> View | None:
         return None
     plate, mark = results.scene.plate, damper_mark(results.scene, results.surface)
     thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
-    return of_surface(results.surface, results.speeds, mark, thickness, (middle(results.speeds), 0))
+    return of_surface(results.surface, results.speeds, mark, thickness, (middle_speed(results.speeds), 0))
 
 
 def damper_mark(scene: Scene, surface: Surface) -> tuple[float, ...] | None:

@@ -14,7 +14,7 @@ import numpy as np
 from workflows import formatting
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
-from workflows.io.folder import check, replacing, whole_file
+from workflows.io.folder import check, replacing, replacing_file
 from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
@@ -22,7 +22,7 @@ from workflows.report.mode_viewer import View
 from workflows.report.text import shown
 from workflows.scene import paper
 from workflows.solve import limits
-from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, expect, middle
+from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, middle_speed, require_results
 from workflows.versions import versions
 
 _WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
@@ -46,7 +46,7 @@ def data(results: Results) -> str:
         "radius": 1e3 * spec.radius,
         "ball": _packed(path.ball),
         "structure": _packed(path.structure),
-        "moving": [files.moving(path.ball), files.moving(path.structure)],
+        "moving": [files.moving_axes(path.ball), files.moving_axes(path.structure)],
         "regime": "".join(str(3 * a + b) for a, b in path.regime.tolist()),
         "events": events(path),
     }
@@ -121,7 +121,7 @@ def draw(results: Results) -> Drawings:
     surface, css = results.surface, plots.shades_css(len(results.speeds))
     with plots.style():
         drawn = figures.report(results)
-        shape = None if surface is None else figures.mode_picture(surface, surface.row(middle(results.speeds)), 1)
+        shape = None if surface is None else figures.mode_picture(surface, surface.row(middle_speed(results.speeds)), 1)
     return Drawings(drawn, css, shape, mode_viewer.view(results))
 
 
@@ -162,7 +162,7 @@ def render(results: Results, drawings: Drawings) -> str:
         playing_script=script("player.js"),
         stretch=_stretch(results),
         shape=None if shape is None else base64.b64encode(shape).decode(),
-        shape_point=results.speeds[middle(results.speeds)] if results.surface is not None else None,
+        shape_point=results.speeds[middle_speed(results.speeds)] if results.surface is not None else None,
         view=drawings.view,
         script=script("viewer.js"),
         **drawings.figures,
@@ -219,7 +219,7 @@ def save(results: Results, folder: str | os.PathLike[str]) -> Path:
         BadInput: the folder cannot be written, or holds what is not ours.
         TypeError: not results, or not a folder's name.
     """
-    expect(results, "save")
+    require_results(results, "save")
     out = _path("save", "folder", folder)
     try:
         target = check(out, files.FILES)
@@ -236,7 +236,7 @@ def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
         BadInput: the file cannot be written.
         TypeError: not results, or not a file's name.
     """
-    expect(results, "save_report")
+    require_results(results, "save_report")
     _path("save_report", "file", path)
     writable(path)
     return put(path, render(results, draw(results)))
@@ -251,7 +251,7 @@ def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
     out = writable(path, key)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(out) as fresh:
+        with replacing_file(out) as fresh:
             fresh.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error

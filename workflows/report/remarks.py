@@ -6,8 +6,10 @@ The parts of sentences that the verdict has too come first.
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +20,7 @@ from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
-from workflows.scene.damper import beside
+from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
@@ -111,11 +113,12 @@ def beyond(*, by_deflection: bool) -> str:
 
 def torn_from(results: Results) -> str | None:
     """From which of the speeds on the plate would tear, and by what stress; None where it holds at all."""
-    torn = [point for point in results.speeds if limits.is_torn(results, point)]
+    stress = limits.root_stress(results, 1.0) or 0.0
+    torn = [point for point in results.speeds if stress * point.omega**2 > limits.STRONGEST]
     if not torn:
         return None
     first = min(torn, key=lambda point: point.omega)
-    return torn_at(first.rpm, limits.root_stress(results, first.omega) or 0.0)
+    return torn_at(first.rpm, stress * first.omega**2)
 
 
 def torn_at(rpm: float, stress: float) -> str:
@@ -370,7 +373,7 @@ def modes_left_out(results: Results) -> str | None:
 def still_across(results: Results) -> str | None:
     """No mode that was looked for moves the cavity across."""
     rung = [p for p, _, _ in ring_downs(results) if p.cavity_modes]
-    if not rung or any(coupling.leading(p.cavity_modes, 1) is not None for p in rung):
+    if not rung or any(coupling.leading_mode(p.cavity_modes, 1) is not None for p in rung):
         return None
     known = results.scene.known is not None
     why = "such modes are not in the file, or not among those asked for" if known else "its lag modes lie higher"
@@ -572,9 +575,16 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
     """What effects of the plate, or of the damper, take for granted, on or off."""
     theory = "" if results.theory is None else kind(results.theory.name).value
-    own = {name: effect for name, effect in EFFECTS.items() if effect.of == of}
-    assumed = [effect.assumed(results.scene, results.effects[name].on, theory) for name, effect in own.items()]
-    return [(each.text, each.source) for each in assumed if each is not None]
+    words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
+    cases = {
+        name: effect.assumed(results.scene, results.effects[name].on, theory)
+        for name, effect in EFFECTS.items()
+        if effect.of == of
+    }
+    return [tuple(words[name][case]) for name, case in cases.items() if case in words.get(name, {})]
+
+
+_ASSUMPTIONS = Path(__file__).parents[1] / "templates" / "assumptions.toml"
 
 
 PARTS = {
@@ -863,7 +873,7 @@ def _rows(results: Results) -> str | None:
     if plate is None or plate.width is None or damper is None or damper.housing:
         return None
     place = damper.on_plate or (plate.length or 0.0, 0.0)
-    most = beside(damper, plate_mesh.plate_thickness(plate, place), plate.width)
+    most = cavities_abreast(damper, plate_mesh.plate_thickness(plate, place), plate.width)
     if damper.count <= most:
         return None
     rows = math.ceil(damper.count / most)

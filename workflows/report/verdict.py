@@ -135,7 +135,7 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     parted = [
         (p, w)
         for p in points
-        if (w := p.working) is not None and w.parted and w.from_above.peak > (1 + target) * w.peak > 0
+        if (w := p.working) is not None and w.ways_differ and w.from_above.peak > (1 + target) * w.peak > 0
     ]
     if not parted:
         return []
@@ -463,7 +463,7 @@ def _orders(results: Results) -> list[list[str]]:
 
 def _beyond(results: Results, order: int) -> str:
     """Where an order would meet the first mode."""
-    rpm = engine_orders.beyond(results.speeds, order)
+    rpm = engine_orders.crossing_beyond(results.speeds, order)
     return "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
 
 

@@ -19,9 +19,9 @@ from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
 from workflows.scene import load
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import Scene, omega_of, typed
+from workflows.scene.scene import Scene, as_typed, omega_of
 from workflows.solve import resources
-from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare
+from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -151,7 +151,7 @@ def chosen(view_data: ViewData, rpm: float | None, mode: int) -> tuple[int, int]
     at = view_data.surface.at
     if not at:
         if rpm is not None:
-            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=typed(rpm))
+            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
         return 0, 0
     row = figures.chosen(view_data.surface, view_data.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
     return at[row], mode - 1
@@ -171,7 +171,7 @@ def data_of_mesh(path: Path) -> ViewData:
         mesh = fem.read_mesh(path)
     except fem.MeshError as error:
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
-    surface = bare(mesh)
+    surface = bare_surface(mesh)
     words, numbers = facts(surface)
     return ViewData(
         title=path.name,

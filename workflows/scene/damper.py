@@ -22,74 +22,56 @@ class Damper(Table):
     it bends, and 2 across (its y).
     """
 
-    at: q.Place | None = Field(
-        None,
-        description="place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one);"
-        " default: the middle of the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's"
-        " number",
-    )
-    direction: q.Direction | None = Field(
-        None,
-        description="axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what"
-        " of it is along the load does not count",
-    )
-    normal: q.Direction | None = Field(
-        None,
-        description="of the cavity's floor, outwards, on a structure in space at rest; default: the floor faces the"
-        " load at each speed. One that does not is pulled along: the ball leans on a wall",
-    )
-    mass_ratio: Annotated[q.Number, q.Positive, Field(le=HEAVIEST)] | None = Field(
-        None, description="mass of all balls together over the effective mass M2, dimensionless"
-    )
-    mass: Annotated[q.Mass, q.Positive] | None = Field(None, description="mass of all balls together")
-    ball_density: Annotated[q.Density, q.Positive] | None = Field(
-        None, description="of each ball: all together then weigh count (4/3) π radius³ times as much"
-    )
-    ball_material: Annotated[str, *q.name_of(materials.BALLS)] | None = Field(
-        None, description="a material whose density is known, instead of ball_density"
-    )
-    floor_material: Annotated[str, *q.name_of(materials.BALLS)] | None = Field(
-        None,
-        description="a material whose strength is known, of the cavity's floor and walls; default: that of the plate,"
-        " where it has a name",
-    )
-    count: Annotated[int, Field(ge=1, le=10**9)] = Field(
-        1, description="number of balls: equal, each in a cavity of its own, moving in step"
-    )
-    radius: Annotated[q.Length, q.Positive] = Field(description="of a ball; half its diameter")
-    cavity: q.LengthPair = Field(
-        description="sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across;"
-        " along the radius the cavity holds the ball"
-    )
-    housing: Annotated[q.Mass, q.Positive] | None = Field(
-        None,
-        description="mass of what holds the cavity where it stands out of the plate, a point mass at the damper's"
-        " place; without it the cavity must fit the plate",
-    )
-    restitution: q.Restitution = Field(
-        description="e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the"
-        " logarithm of the speed; 'auto': by the strength of ball and floor"
-    )
-    friction: Annotated[q.Number, q.NotNegative, Field(le=1e6)] = Field(description="μ of a wall hit, dimensionless")
-    rolling_friction: q.AutoLength = Field(description="μ_r, a length; 'auto': elastic hysteresis of ball and floor")
-    floor_radius: q.Radii | None = Field(
-        None,
-        description="of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat",
-    )
-    formulation: Literal["consistent", "printed"] = Field(
-        "consistent", description="equations that keep Newton's third law, or the paper's as printed"
-    )
-    damping_ratio: Annotated[q.Number, Field(ge=0, le=0.9)] = Field(
-        0.0, description="ζ of the structure itself, dimensionless; beyond 0.9 there is no cycle left to damp"
-    )
-    sticking_ratio: Annotated[q.Number, Field(gt=0, lt=1)] = Field(
-        1e-2, description="ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"
-    )
+    at: q.Place | None = None
+    """place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one); default: the middle of
+    the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's number"""
+    direction: q.Direction | None = None
+    """axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what of it is along
+    the load does not count"""
+    normal: q.Direction | None = None
+    """of the cavity's floor, outwards, on a structure in space at rest; default: the floor faces the load at each
+    speed. One that does not is pulled along: the ball leans on a wall"""
+    mass_ratio: Annotated[q.Number, q.Positive, Field(le=HEAVIEST)] | None = None
+    """mass of all balls together over the effective mass M2, dimensionless"""
+    mass: Annotated[q.Mass, q.Positive] | None = None
+    """mass of all balls together"""
+    ball_density: Annotated[q.Density, q.Positive] | None = None
+    """of each ball: all together then weigh count (4/3) π radius³ times as much"""
+    ball_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
+    """a material whose density is known, instead of ball_density"""
+    floor_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
+    """a material whose strength is known, of the cavity's floor and walls; default: that of the plate, where it has a
+    name"""
+    count: Annotated[int, Field(ge=1, le=10**9)] = 1
+    """number of balls: equal, each in a cavity of its own, moving in step"""
+    radius: Annotated[q.Length, q.Positive]
+    """of a ball; half its diameter"""
+    cavity: q.LengthPair
+    """sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across; along the radius the
+    cavity holds the ball"""
+    housing: Annotated[q.Mass, q.Positive] | None = None
+    """mass of what holds the cavity where it stands out of the plate, a point mass at the damper's place; without it
+    the cavity must fit the plate"""
+    restitution: q.Restitution
+    """e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the logarithm of the
+    speed; 'auto': by the strength of ball and floor"""
+    friction: Annotated[q.Number, q.NotNegative, Field(le=1e6)]
+    """μ of a wall hit, dimensionless"""
+    rolling_friction: q.AutoLength
+    """μ_r, a length; 'auto': elastic hysteresis of ball and floor"""
+    floor_radius: q.Radii | None = None
+    """of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat"""
+    formulation: Literal["consistent", "printed"] = "consistent"
+    """equations that keep Newton's third law, or the paper's as printed"""
+    damping_ratio: Annotated[q.Number, Field(ge=0, le=0.9)] = 0.0
+    """ζ of the structure itself, dimensionless; beyond 0.9 there is no cycle left to damp"""
+    sticking_ratio: Annotated[q.Number, Field(gt=0, lt=1)] = 1e-2
+    """ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"""
 
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.filled(data, "ball_material", materials.BALLS, ("ball_density",))
+        return materials.with_numbers(data, "ball_material", materials.BALLS, ("ball_density",))
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -99,7 +81,7 @@ class Damper(Table):
             ways = "expected one of mass_ratio, mass, ball_density and ball_material"
             raise fault(present[0] if present else "mass_ratio", f"{ways}{': leave one out' * bool(present)}")
         if self.ball_density is not None:
-            materials.dense_enough("ball_density", self.ball_density)
+            materials.check_density("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
                 raise fault(
                     "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium: nothing is denser"
@@ -158,16 +140,15 @@ class Damper(Table):
 class Release(Table):
     """How the structure is let go: from rest, displaced."""
 
-    displacement: q.LengthPair | None = Field(
-        None,
-        description="at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration"
-        " or ratio: along 1, by 1.5 times the amplitude above which the ball moves",
-    )
-    acceleration: q.LoadPair | None = Field(None, description="of the structure at release, in the damper's axes")
-    ratio: Annotated[q.Number, q.Positive, Field(le=1e9)] | None = Field(
-        None, description="acceleration along the damper's axis 1 over the centrifugal load, dimensionless"
-    )
-    cycles: q.Cycles = Field("auto", description="number of vibration cycles; auto: until the ball rests for good")
+    displacement: q.LengthPair | None = None
+    """at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration or ratio: along
+    1, by 1.5 times the amplitude above which the ball moves"""
+    acceleration: q.LoadPair | None = None
+    """of the structure at release, in the damper's axes"""
+    ratio: Annotated[q.Number, q.Positive, Field(le=1e9)] | None = None
+    """acceleration along the damper's axis 1 over the centrifugal load, dimensionless"""
+    cycles: q.Cycles = "auto"
+    """number of vibration cycles; auto: until the ball rests for good"""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -225,7 +206,7 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
     )
 
 
-def beside(damper: Damper, thickness: float, width: float) -> int:
+def cavities_abreast(damper: Damper, thickness: float, width: float) -> int:
     """How many cavities, wall to wall, lie side by side in a section of the plate; at least one."""
     layers, across = int(thickness / damper.cavity[0] + ROUNDING), int(width / damper.cavity[1] + ROUNDING)
     return max(layers, 1) * max(across, 1)
@@ -233,7 +214,7 @@ def beside(damper: Damper, thickness: float, width: float) -> int:
 
 def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -> tuple[str, str] | None:
     """The cavities of all balls lie between the root and the damper's place, in as many rows as it takes."""
-    most = beside(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
+    most = cavities_abreast(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
     if damper.housing or damper.count <= most:
         return None
     return "count", (

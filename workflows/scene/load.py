@@ -11,12 +11,14 @@ import tomllib
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ValidationError
+from pydantic.json_schema import GenerateJsonSchema
 
+from workflows import docstrings
 from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import revolutions
 from workflows.scene import quantities
@@ -95,7 +97,7 @@ def shipped() -> list[str]:
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def opened(scene: SceneLike) -> SceneFile:
+def as_scene_file(scene: SceneLike) -> SceneFile:
     """A scene however it is given; the mesh of one that comes from no file is looked for from the current folder.
 
     Raises:
@@ -144,7 +146,7 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        hint = next((f": {hint}" for what, hint in _SLIPS if what in str(error)), "")
+        hint = next((f": {hint}" for what, hint in _hints()["toml"].items() if what in str(error)), "")
         raise BadInput(f"not valid TOML: {error}{hint}", file=name) from error
     except ValueError as error:  # a whole number longer than Python converts
         raise BadInput("not a scene: a number has too many digits", file=name) from error
@@ -166,18 +168,13 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
     try:
         return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
     except ValidationError as error:
-        raise explained(error, plain, name) from None
+        raise bad_input(error, plain, name) from None
 
 
-_SLIPS = (
-    ("Illegal character '\\n'", "is a quotation mark missing at the end of the line?"),
-    ("Cannot overwrite", "the key is given twice"),
-    ("after a statement", 'a number with a unit stands in quotes, such as "20 mm"'),
-    ("Invalid value", 'text stands in quotes, such as "steel"; a number begins with a digit'),
-    ("Unescaped", "write the folders of a path with /"),
-    ("hex value", "write the folders of a path with /"),
-)
-"""What the errors of TOML's reader mean, mostly."""
+@cache
+def _hints() -> dict[str, dict[str, str]]:
+    """What people write that a scene does not have, and what is said of it."""
+    return tomllib.loads((SHIPPED.parent / "templates" / "hints.toml").read_text(encoding="utf-8"))
 
 
 def _plain(value: Any, depth: int = 5) -> Any:
@@ -193,7 +190,7 @@ def _plain(value: Any, depth: int = 5) -> Any:
 
 def _read(path: Path, name: str) -> str:
     try:
-        problem = unfit(path)
+        problem = non_file_kind(path)
         if problem:
             raise BadInput(f"expected a scene file, found {problem}", file=name)
         with path.open("rb") as file:
@@ -215,7 +212,7 @@ def _read(path: Path, name: str) -> str:
         raise BadInput("not a scene: not UTF-8 text", file=name) from None
 
 
-def unfit(path: Path) -> str:
+def non_file_kind(path: Path) -> str:
     """What is at `path` instead of a file, in words; empty for a file. A pipe or a device could be read for ever.
 
     Raises:
@@ -268,7 +265,7 @@ def _with_its_mesh(scene: SceneFile) -> SceneFile:
 def file_problem(path: Path, what: str) -> str:
     """What keeps a file that a scene names from being read, before anything is read; empty if nothing does."""
     try:
-        problem = unfit(path)
+        problem = non_file_kind(path)
         if problem:
             return f"expected a {what}, found {problem}"
         with path.open("rb") as file:
@@ -282,34 +279,10 @@ def file_problem(path: Path, what: str) -> str:
 _LISTED = 20
 """Unknown keys that are named in one message."""
 
-_NOT_FLAT = {
-    "pretwist": "a plate is flat: use a [blade] with a mesh of its volume, or give [rotor] stagger the angle of the"
-    " section that counts",
-    "camber": "a plate is flat: use a [blade] with a mesh of its volume; a camber up to a tenth of the thickness, which"
-    " raises frequencies by about 0.5 % at most, may be left out",
-}
-"""What blades have and plates have not, and what to do instead. A parabolic camber of height d raises the bending
-stiffness by (16/15)(d/h)²."""
-
-_ALSO_CALLED = {"pre_twist": "pretwist", "twist": "pretwist", "twist_angle": "pretwist", "curvature": "camber"}
-
-_INSTEAD = {
-    "blades": "one blade is computed, however many the rotor has: expected [plate] or [blade]",
-    "E": "expected [material] youngs_modulus",
-    "nu": "expected [material] poissons_ratio",
-    "rho": "expected [material] density",
-    "speed": "expected [rotor] speeds",
-    "rpm": "expected [rotor] speeds",
-    "balls_per_cavity": "each ball has a cavity of its own: give their number by count",
-    "balls": "give the number of balls, each in a cavity of its own, by count",
-    "cavities": "each ball has a cavity of its own: give their number by count",
-}
-"""Keys that a scene does not have, and what does it instead."""
-
 _DIAMETERS = ("diameter", "ball_diameter")
 
 
-def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> BadInput:
+def bad_input(error: ValidationError, data: Mapping[str, Any], name: str) -> BadInput:
     """The most telling of pydantic's errors, with every unknown key."""
     # A misspelt key makes the right one missing as well: the misspelling is the cause.
     order = {"extra_forbidden": 0, "missing": 2}
@@ -319,7 +292,7 @@ def explained(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
     context = first.get("ctx", {})
     if first["type"] == "together":
         loc += str(context["key"]).split(".")
-    problem, value = worded(first, loc), _lookup(data, loc)
+    problem, value = error_text(first, loc), _lookup(data, loc)
     unknown = [fault for fault in errors[1:] if fault["type"] == "extra_forbidden"]
     rest = [fault for fault in errors[1:] if fault["type"] == first["type"] or fault["type"] not in order]
     if unknown:
@@ -343,7 +316,7 @@ def _named(error: Any) -> str:
     loc = _keys(error)
     if error["type"] == "together":
         loc += str(error["ctx"]["key"]).split(".")
-    return f"{key_name(loc)}: {'missing' if error['type'] == 'missing' else worded(error, loc)}"
+    return f"{key_name(loc)}: {'missing' if error['type'] == 'missing' else error_text(error, loc)}"
 
 
 def _in_a_list(error: Any) -> str:
@@ -353,7 +326,7 @@ def _in_a_list(error: Any) -> str:
     return f"{key} ({hint.removeprefix(': ')})" if hint else key
 
 
-def worded(error: Any, loc: list[str]) -> str:
+def error_text(error: Any, loc: list[str]) -> str:
     """One of pydantic's errors in our words; `loc`: the keys that lead to it."""
     context = error.get("ctx", {})
     match error["type"]:
@@ -389,10 +362,12 @@ def worded(error: Any, loc: list[str]) -> str:
 
 def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
-    if loc[0] in ("plate", "rotor") and (shape := _ALSO_CALLED.get(loc[-1], loc[-1])) in _NOT_FLAT:
-        return f": {_NOT_FLAT[shape]}"
-    if loc[-1] in _INSTEAD:
-        return f": {_INSTEAD[loc[-1]]}"
+    hints = _hints()
+    shape = hints["also_called"].get(loc[-1], loc[-1])
+    if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
+        return f": {hints['shape'][shape]}"
+    if loc[-1] in hints["keys"]:
+        return f": {hints['keys'][loc[-1]]}"
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
@@ -402,11 +377,13 @@ def _unknown(error: Any, loc: list[str]) -> str:
 def _meant(loc: list[str]) -> str:
     """What a key that is missing means, and which keys a table needs."""
     tables = _tables().get(loc[0], []) if len(loc) > 1 else [Scene]
-    field = next((table.model_fields[loc[-1]] for table in tables if loc[-1] in table.model_fields), None)
-    if field is None or not field.description:
+    table = next((table for table in tables if loc[-1] in table.model_fields), None)
+    if table is None:
         return ""
-    needs = [name for table in _models(field) for name, key in table.model_fields.items() if key.is_required()]
-    return f": {field.description}" + (f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else "")
+    inner = _models(table.model_fields[loc[-1]])
+    needs = [name for table in inner for name, key in table.model_fields.items() if key.is_required()]
+    needed = f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else ""
+    return f": {docstrings.of_fields(table)[loc[-1]]}{needed}"
 
 
 def key_name(loc: list[str]) -> str:
@@ -463,9 +440,22 @@ def slug(title: str) -> str:
     return "-".join(re.findall(r"[a-z0-9]+", plain))[:60].rstrip("-") or "run"
 
 
+class _Described(GenerateJsonSchema):
+    """Docstrings say what each key means."""
+
+    def model_schema(self, schema: Any) -> dict[str, Any]:
+        table = super().model_schema(schema)
+        for name, text in docstrings.of_fields(schema["cls"]).items():
+            table["properties"][name]["description"] = text
+        return table
+
+
 def schema() -> dict[str, Any]:
     """The schema, from the same model that validates scenes."""
-    document = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+    document = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Scene.model_json_schema(schema_generator=_Described),
+    }
     for table in (document, *document["$defs"].values()):
         for key in table["properties"].values():
             if si := unit(key):

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     ConfigDict,
@@ -17,7 +18,8 @@ from pydantic import (
     model_validator,
 )
 
-from fem.meshes.thickness import Profile
+from fem.meshes.thickness import Bilinear, Polynomial, Profile
+from fem.meshes.thickness import of as thickness_of
 from workflows.scene import materials
 from workflows.scene import quantities as q
 from workflows.scene.quantities import ROUNDING, Table, fault, wrong
@@ -78,15 +80,16 @@ class Thickness(Table):
     the plate's (the mesh file's, where there is one).
     """
 
-    x: q.Lengths | None = Field(None, description="of a table: places along x, ascending")
-    y: q.Lengths | None = Field(None, description="of a table: places across, ascending; left out: the same all across")
-    values: LengthRows | None = Field(None, description="of a table: for each x a list of the thicknesses at each y")
-    polynomial: Coefficients | None = Field(
-        None, description="coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"
-    )
-    field: q.Line | None = Field(
-        None, description="point data of the mesh file, in the unit of its coordinates, linear between its points"
-    )
+    x: q.Lengths | None = None
+    """of a table: places along x, ascending"""
+    y: q.Lengths | None = None
+    """of a table: places across, ascending; left out: the same all across"""
+    values: LengthRows | None = None
+    """of a table: for each x a list of the thicknesses at each y"""
+    polynomial: Coefficients | None = None
+    """coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"""
+    field: q.Line | None = None
+    """point data of the mesh file, in the unit of its coordinates, linear between its points"""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -125,8 +128,6 @@ class Thickness(Table):
         Raises:
             ValueError: it is a field of the mesh file, which is not given.
         """
-        from fem.meshes.thickness import Bilinear, Polynomial
-
         if self.polynomial is not None:
             return Polynomial(self.polynomial)
         if self.values is not None:
@@ -149,12 +150,8 @@ def extremes(profile: float | Thickness, length: float, width: float) -> tuple[f
     """
     if isinstance(profile, float):
         return profile, profile
-    import numpy as np
-
-    from fem.meshes import thickness
-
     x, y = np.linspace(0.0, length, GRID), np.linspace(-0.5 * width, 0.5 * width, GRID)
-    values = np.asarray(thickness.of(profile.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
+    values = np.asarray(thickness_of(profile.profile(), np.stack(np.meshgrid(x, y, indexing="ij"))))
     return float(values.min()), float(values.max())
 
 
@@ -197,12 +194,10 @@ _SOFTEST = 1e4
 class Root(Table):
     """An elastic root: springs all along the root edge in place of the clamp. Without both the plate would be loose."""
 
-    stiffness: Annotated[q.LineStiffness, q.Positive] = Field(
-        description="against displacement in every direction, per length of the root"
-    )
-    rotational_stiffness: Annotated[q.RotationalStiffness, q.Positive] = Field(
-        description="against rotation of the root's section, per length of the root"
-    )
+    stiffness: Annotated[q.LineStiffness, q.Positive]
+    """against displacement in every direction, per length of the root"""
+    rotational_stiffness: Annotated[q.RotationalStiffness, q.Positive]
+    """against rotation of the root's section, per length of the root"""
 
 
 _VARYING = "[varying]"
@@ -216,25 +211,28 @@ def _kind_of_thickness(value: Any) -> str:
 class Plate(Table):
     """The plate, held at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
 
-    length: Annotated[q.Length, q.Positive] | None = Field(
-        None, description="along the radius, from the clamped root at x = 0"
-    )
-    width: Annotated[q.Length, q.Positive] | None = Field(None, description="across, centred on y = 0")
+    length: Annotated[q.Length, q.Positive] | None = None
+    """along the radius, from the clamped root at x = 0"""
+    width: Annotated[q.Length, q.Positive] | None = None
+    """across, centred on y = 0"""
     thickness: Annotated[
         Annotated[Annotated[q.Length, q.Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
         Discriminator(_kind_of_thickness),
-    ] = Field(description="through the plate, along z; or the table [plate.thickness], where it varies")
-    mesh: q.Line | None = Field(None, description="mid-surface mesh file, instead of length and width")
-    mesh_unit: q.LengthUnit | None = Field(None, description="unit of the coordinates in the mesh file; default: m")
-    theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = Field(
-        "auto", description="plate theory; auto: the cheapest that is as exact as [accuracy] asks"
-    )
-    tip_mass: Annotated[q.Mass, q.NotNegative] = Field(0.0, description="point mass at the damper's place")
-    tip_mass_at: q.LengthPair | None = Field(
-        None, description="place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"
-    )
+    ]
+    """through the plate, along z; or the table [plate.thickness], where it varies"""
+    mesh: q.Line | None = None
+    """mid-surface mesh file, instead of length and width"""
+    mesh_unit: q.LengthUnit | None = None
+    """unit of the coordinates in the mesh file; default: m"""
+    theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = "auto"
+    """plate theory; auto: the cheapest that is as exact as [accuracy] asks"""
+    tip_mass: Annotated[q.Mass, q.NotNegative] = 0.0
+    """point mass at the damper's place"""
+    tip_mass_at: q.LengthPair | None = None
+    """place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"""
 
-    root: Root | None = Field(None, description="springs that hold the root; left out: it is clamped")
+    root: Root | None = None
+    """springs that hold the root; left out: it is clamped"""
 
     @model_validator(mode="after")
     def _planform(self) -> Self:
@@ -291,17 +289,19 @@ class Material(Table):
 
     model_config = ConfigDict(json_schema_extra=_either)
 
-    name: Annotated[str, *q.name_of(materials.PLATES)] | None = Field(
-        None, description="a material whose numbers are known, instead of the numbers"
-    )
-    youngs_modulus: Annotated[q.Pressure, q.Positive] = Field(description="E")
-    poissons_ratio: Annotated[q.Number, Field(gt=-1, lt=0.5)] = Field(description="ν, dimensionless")
-    density: Annotated[q.Density, q.Positive] = Field(description="ρ")
+    name: Annotated[str, *q.name_of(materials.PLATES)] | None = None
+    """a material whose numbers are known, instead of the numbers"""
+    youngs_modulus: Annotated[q.Pressure, q.Positive]
+    """E"""
+    poissons_ratio: Annotated[q.Number, Field(gt=-1, lt=0.5)]
+    """ν, dimensionless"""
+    density: Annotated[q.Density, q.Positive]
+    """ρ"""
 
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.filled(data, "name", materials.PLATES, _NUMBERS)
+        return materials.with_numbers(data, "name", materials.PLATES, _NUMBERS)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -310,5 +310,5 @@ class Material(Table):
         if modulus < _SOFTEST * (1 - ROUNDING):
             meant = f": {modulus:g} is in Pa; was '{modulus:g} GPa' meant?" if modulus >= 0.1 else ""
             raise fault("youngs_modulus", f"expected at least {_SOFTEST:g} Pa, of the softest rubber{meant}")
-        materials.dense_enough("density", self.density)
+        materials.check_density("density", self.density)
         return self

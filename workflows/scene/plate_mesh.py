@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 import fem
 from fem.meshes.mesh_sequence import Planform
+from fem.meshes.planform import PlaceError, clamped_length, locate
 from fem.meshes.thickness import Profile
 from workflows.errors import BadInput
 from workflows.scene.damper import misfit
@@ -37,7 +38,7 @@ def plate_thickness(plate: Plate, place: tuple[float, float], form: Planform | N
     return thickness_at(plate.thickness, place, getattr(form, "thickness", None))
 
 
-def spread(plate: Plate, form: Planform | None = None) -> tuple[float, float, float]:
+def thickness_range(plate: Plate, form: Planform | None = None) -> tuple[float, float, float]:
     """Least, mean and greatest thickness [m].
 
     Raises:
@@ -126,16 +127,14 @@ def rotor(scene: Scene) -> fem.Rotor:
     return fem.Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
 
 
-def coarse(form: Planform, cells: int) -> Any:
+def coarse_mesh(form: Planform, cells: int) -> Any:
     """The coarsest mesh of a planform's ladder that has so many cells, or the finest."""
     meshes = (form.mesh(size) for size in form.sizes)
     return next((mesh for mesh in meshes if mesh.t.shape[1] >= cells), form.mesh(form.sizes[-1]))
 
 
-def in_words(source: SceneFile, form: Planform, size: int) -> str:
+def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
     """The mesh of a size of a planform's ladder, for people."""
-    from fem.meshes.planform import clamped_length
-
     if isinstance(form, fem.Rectangle):
         along, across = form.cells(size)
         return f"{along} × {across} quadrilaterals, finer towards the edges"
@@ -162,7 +161,6 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
     at = damper_at(source.scene, mesh.p)
     if source.scene.damper is not None or source.scene.point_mass:
         return at
-    from fem.meshes.planform import PlaceError, locate
 
     try:
         locate(mesh, at)
@@ -241,7 +239,7 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
         return
     thickness = plate.thickness if isinstance(plate.thickness, float) else None
     try:
-        least, _, greatest = spread(plate, form)
+        least, _, greatest = thickness_range(plate, form)
     except ValueError as error:
         raise source.wrong(str(error), "[plate] thickness") from error
     odd = disproportion(least, greatest, *form.sides)
@@ -257,8 +255,6 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
 
 def _check_place(source: SceneFile, form: fem.Given) -> None:
     """The damper, or else the point mass, is on the plate and not on its root; and the damper fits in there."""
-    from fem.meshes.planform import PlaceError, locate
-
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)
     reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
@@ -271,14 +267,14 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
     if plate is None or damper is None:
         return
     thickness = plate_thickness(plate, at, form)
-    odd = misfit(damper, thickness, float(width), float(reach), room(mesh, at))
+    odd = misfit(damper, thickness, float(width), float(reach), room_across(mesh, at))
     if odd is not None:
         value = getattr(damper, odd[0])
         value = list(value) if isinstance(value, tuple) else value
         raise source.wrong(odd[1], f"[damper] {odd[0]}", value)
 
 
-def room(mesh: Any, at: tuple[float, float]) -> float:
+def room_across(mesh: Any, at: tuple[float, float]) -> float:
     """How wide the plate is at a place on it [m], as far as it reaches to both sides alike."""
     ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
     (xa, xb), (ya, yb) = ends

@@ -40,11 +40,11 @@ def omega_of(rpm: float) -> float:
     if not (omega == 0 or SLOWEST <= omega <= FASTEST):
         low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
         problem = f"expected a rotation speed between 0 and {high} rpm, and no less than {low} rpm unless at rest"
-        raise BadInput(problem, key="--rpm", value=typed(rpm))
+        raise BadInput(problem, key="--rpm", value=as_typed(rpm))
     return omega
 
 
-def typed(rpm: float) -> float:
+def as_typed(rpm: float) -> float:
     """A speed as somebody types it: 4500, where the command line has made 4500.0 of it."""
     return int(rpm) if float(rpm).is_integer() else rpm
 
@@ -126,10 +126,10 @@ _LOWEST, _HIGHEST = 1e-3, 1e6
 class Structure(Table):
     """What the damper sitting on it needs to know, instead of a plate."""
 
-    frequency: q.Frequencies = Field(
-        description="ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"
-    )
-    mass: Annotated[q.Mass, q.Positive] = Field(description="M2: effective mass at the damper, without the ball")
+    frequency: q.Frequencies
+    """ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"""
+    mass: Annotated[q.Mass, q.Positive]
+    """M2: effective mass at the damper, without the ball"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -139,11 +139,8 @@ class Structure(Table):
             raise fault("frequency", problem)
         return self
 
-    floor_tilt: q.Slopes = Field(
-        (0.0, 0.0),
-        description="slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along"
-        " each",
-    )
+    floor_tilt: q.Slopes = (0.0, 0.0)
+    """slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along each"""
 
 
 def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
@@ -172,16 +169,13 @@ Modes = Annotated[
 class KnownModes(Table):
     """A structure whose modes are known already, instead of a plate: by another program, or from a test."""
 
-    modes: Modes = Field(
-        description="file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the"
-        " speeds of their modes"
-    )
-    unit: q.LengthUnit | None = Field(
-        None, description="of the file's coordinates; default: what the file says, m where it says nothing"
-    )
-    mass_unit: q.MassUnit | None = Field(
-        None, description="of the file's modal masses; default: what the file says, kg where it says nothing"
-    )
+    modes: Modes
+    """file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the speeds of their
+    modes"""
+    unit: q.LengthUnit | None = None
+    """of the file's coordinates; default: what the file says, m where it says nothing"""
+    mass_unit: q.MassUnit | None = None
+    """of the file's modal masses; default: what the file says, kg where it says nothing"""
 
     @property
     def files(self) -> dict[float | None, str]:
@@ -199,18 +193,15 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: q.Line = Field(
-        description="file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"
-    )
-    unit: q.LengthUnit | None = Field(None, description="of the coordinates in the mesh file; default: m")
-    root: q.Line | None = Field(
-        None,
-        description="what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such"
-        " as '100 mm'; default: the innermost face",
-    )
-    size: Annotated[q.Length, q.Positive] | None = Field(
-        None, description="of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"
-    )
+    mesh: q.Line
+    """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
+    unit: q.LengthUnit | None = None
+    """of the coordinates in the mesh file; default: m"""
+    root: q.Line | None = None
+    """what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such as '100 mm';
+    default: the innermost face"""
+    size: Annotated[q.Length, q.Positive] | None = None
+    """of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"""
 
     @model_validator(mode="after")
     def _named(self) -> Self:
@@ -254,30 +245,24 @@ _LARGEST_HUB = 20.0
 class Rotor(Table):
     """How the structure spins."""
 
-    speeds: Speeds = Field(description="rotation speeds: a list, or count of them from start to stop")
-    hub_radius: Annotated[q.Length, q.NotNegative] = Field(
-        0.0, description="from the axis to the clamped root, wherever a mesh draws the root"
-    )
-    radius: Annotated[q.Length, q.Positive] | None = Field(
-        None, description="from the axis to the damper; only with [structure]"
-    )
-    stagger: q.Angle = Field(0.0, description="spin axis tilted from the plate's normal towards y")
-    precone: q.Angle = Field(
-        0.0, description="of the plate's length out of the plane of rotation, towards the axis; after the stagger"
-    )
-    axis: q.Direction | None = Field(
-        None,
-        description="direction of the spin axis, of a structure in space; default: that of a plate by stagger and"
-        " precone",
-    )
-    origin: q.LengthTriple | None = Field(
-        None,
-        description="a point on the spin axis, of a structure in space; default: hub_radius before its smallest x",
-    )
-    gravity: Annotated[q.Acceleration, q.Positive] = Field(
-        q.STANDARD_GRAVITY, description="the unit g of loads and accelerations"
-    )
-    modes: Annotated[int, Field(ge=1, le=200)] = Field(6, description="number of modes at each speed")
+    speeds: Speeds
+    """rotation speeds: a list, or count of them from start to stop"""
+    hub_radius: Annotated[q.Length, q.NotNegative] = 0.0
+    """from the axis to the clamped root, wherever a mesh draws the root"""
+    radius: Annotated[q.Length, q.Positive] | None = None
+    """from the axis to the damper; only with [structure]"""
+    stagger: q.Angle = 0.0
+    """spin axis tilted from the plate's normal towards y"""
+    precone: q.Angle = 0.0
+    """of the plate's length out of the plane of rotation, towards the axis; after the stagger"""
+    axis: q.Direction | None = None
+    """direction of the spin axis, of a structure in space; default: that of a plate by stagger and precone"""
+    origin: q.LengthTriple | None = None
+    """a point on the spin axis, of a structure in space; default: hub_radius before its smallest x"""
+    gravity: Annotated[q.Acceleration, q.Positive] = q.STANDARD_GRAVITY
+    """the unit g of loads and accelerations"""
+    modes: Annotated[int, Field(ge=1, le=200)] = 6
+    """number of modes at each speed"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -294,35 +279,39 @@ class Rotor(Table):
 class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
 
-    stress_stiffening: q.Switch = Field(default="auto", description="the centrifugal pull stiffens the plate")
-    spin_softening: q.Switch = Field(default="auto", description="motion across the spin axis is softened")
-    coriolis: q.Switch = Field(default="auto", description="Coriolis forces; the modes are complex")
-    large_deflection: q.Switch = Field(
-        default="auto", description="modes about the plate or blade as the load bends or twists it"
-    )
-    rotary_inertia: q.Switch = Field(default="auto", description="inertia of the turning cross-sections")
-    rolling_resistance: q.Switch = Field(default="auto", description="the load resists the ball's rolling")
-    impact_friction: q.Switch = Field(default="auto", description="friction where the ball hits a wall")
-    ball_slip: q.Switch = Field(default="auto", description="slip after a wall hit, until the ball rolls again")
-    floor_tilt: q.Switch = Field(default="auto", description="the cavity's floor tilts as the structure bends")
-    indentation: q.Switch = Field(default="auto", description="the dent under a resting ball holds it")
-    structural_modes: q.Switch = Field(
-        default="auto",
-        description="the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper",
-    )
-    cavity_mass: q.Switch = Field(default="auto", description="the cavities take metal out of the plate")
+    stress_stiffening: q.Switch = "auto"
+    """the centrifugal pull stiffens the plate"""
+    spin_softening: q.Switch = "auto"
+    """motion across the spin axis is softened"""
+    coriolis: q.Switch = "auto"
+    """Coriolis forces; the modes are complex"""
+    large_deflection: q.Switch = "auto"
+    """modes about the plate or blade as the load bends or twists it"""
+    rotary_inertia: q.Switch = "auto"
+    """inertia of the turning cross-sections"""
+    rolling_resistance: q.Switch = "auto"
+    """the load resists the ball's rolling"""
+    impact_friction: q.Switch = "auto"
+    """friction where the ball hits a wall"""
+    ball_slip: q.Switch = "auto"
+    """slip after a wall hit, until the ball rolls again"""
+    floor_tilt: q.Switch = "auto"
+    """the cavity's floor tilts as the structure bends"""
+    indentation: q.Switch = "auto"
+    """the dent under a resting ball holds it"""
+    structural_modes: q.Switch = "auto"
+    """the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper"""
+    cavity_mass: q.Switch = "auto"
+    """the cavities take metal out of the plate"""
 
 
 class Accuracy(Table):
     """Relative errors asked for."""
 
-    frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = Field(
-        default=1e-3,
-        description="relative error of the plate's frequencies, dimensionless; no less than double precision can give",
-    )
-    damping: Annotated[q.Number, Field(gt=0, lt=1)] = Field(
-        default=1e-3, description="relative error of the damping, dimensionless"
-    )
+    frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = 1e-3
+    """relative error of the plate's frequencies, dimensionless; no less than double precision can give"""
+    damping: Annotated[q.Number, Field(gt=0, lt=1)] = 1e-3
+    """relative error of the damping, dimensionless"""
 
 
 FLAT = "flat"
@@ -368,31 +357,30 @@ Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole nu
 class Design(Table):
     """What `spindamp design` may choose, and what limits it: a pair is a range, any other list a choice."""
 
-    ball_material: Materials | None = Field(None, description="names of materials to choose from")
-    ball_diameter: q.Lengths | None = Field(None, description="of a ball")
-    clearance: q.Lengths | None = Field(None, description="of the cavity beyond the ball's diameter, along both axes")
-    floor_radius: Floors | None = Field(None, description="of the cavity's floor; with 'flat' in it a choice")
-    count: Counts | None = Field(None, description="of balls, each in a cavity of its own")
-    place: q.Lengths | None = Field(None, description="of the damper along the plate: x of damper.at")
-    mass: Annotated[q.Mass, q.Positive] | None = Field(None, description="of all balls together, at most")
-    wall: Annotated[q.Length, q.NotNegative] = Field(
-        0.0, description="left of the plate on either side of the cavity, through the thickness, at least"
-    )
-    hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = Field(
-        1.0,
-        description="mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1:"
-        " it flows. It takes materials known by name, dimensionless",
-    )
-    yield_ratio: Annotated[q.Number, q.Positive] | None = Field(
-        None,
-        description="load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default:"
-        " none",
-    )
-    amplitude: q.LengthPair | None = Field(
-        None,
-        description="range of amplitudes at the cavity over which the least damping counts; default: with [excitation],"
-        " the greatest amplitude at the crossings counts",
-    )
+    ball_material: Materials | None = None
+    """names of materials to choose from"""
+    ball_diameter: q.Lengths | None = None
+    """of a ball"""
+    clearance: q.Lengths | None = None
+    """of the cavity beyond the ball's diameter, along both axes"""
+    floor_radius: Floors | None = None
+    """of the cavity's floor; with 'flat' in it a choice"""
+    count: Counts | None = None
+    """of balls, each in a cavity of its own"""
+    place: q.Lengths | None = None
+    """of the damper along the plate: x of damper.at"""
+    mass: Annotated[q.Mass, q.Positive] | None = None
+    """of all balls together, at most"""
+    wall: Annotated[q.Length, q.NotNegative] = 0.0
+    """left of the plate on either side of the cavity, through the thickness, at least"""
+    hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = 1.0
+    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1: it flows. It
+    takes materials known by name, dimensionless"""
+    yield_ratio: Annotated[q.Number, q.Positive] | None = None
+    """load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default: none"""
+    amplitude: q.LengthPair | None = None
+    """range of amplitudes at the cavity over which the least damping counts; default: with [excitation], the greatest
+    amplitude at the crossings counts"""
 
     @model_validator(mode="after")
     def _sense(self) -> Self:
@@ -431,27 +419,20 @@ Orders = Annotated[tuple[int, ...], *_whole_numbers(_ORDERS, 1000, "expected eve
 class Excitation(Table):
     """Harmonic forces whose frequency is a multiple of the rotation's, at one level or several."""
 
-    orders: Orders = Field(
-        description="engine orders, frequency over that of the rotation: whole numbers, dimensionless"
-    )
-    force: Forces | None = Field(
-        None,
-        description="height of a force at the damper's place along the damper's axis 1: a level, or a list of them",
-    )
-    at: q.Place | None = Field(
-        None,
-        description="where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's"
-        " number; default: the damper's place, along its axis 1",
-    )
-    direction: q.Direction | None = Field(None, description="of the force at `at`, in the structure's coordinates")
-    pressure: Pressures | None = Field(
-        None, description="height of a pressure all over the plate, along its z: a level, or a list of them"
-    )
-    base: Loads | None = Field(
-        None,
-        description="height of the root's acceleration along the damper's axis 1: a level, or a list of them;"
-        " amplitudes are then relative to the root",
-    )
+    orders: Orders
+    """engine orders, frequency over that of the rotation: whole numbers, dimensionless"""
+    force: Forces | None = None
+    """height of a force at the damper's place along the damper's axis 1: a level, or a list of them"""
+    at: q.Place | None = None
+    """where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's number; default:
+    the damper's place, along its axis 1"""
+    direction: q.Direction | None = None
+    """of the force at `at`, in the structure's coordinates"""
+    pressure: Pressures | None = None
+    """height of a pressure all over the plate, along its z: a level, or a list of them"""
+    base: Loads | None = None
+    """height of the root's acceleration along the damper's axis 1: a level, or a list of them; amplitudes are then
+    relative to the root"""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -486,42 +467,42 @@ class Excitation(Table):
         return {"force": "N", "pressure": "Pa", "base": "m/s²"}[self.kind]
 
 
-def on_the_plate(plate: Plate, damper: Damper | None, release: Release | None) -> None:
+def check_on_plate(plate: Plate, damper: Damper | None, release: Release | None) -> None:
     """Damper, tip mass and release are where the plate is. Where a mesh gives the planform, `plate_mesh` looks on."""
     if damper is not None and plate.tip_mass_at is not None:
         raise fault("plate.tip_mass_at", "the tip mass is at the damper's place: leave this out")
     if plate.length is not None and plate.width is not None:
-        _on_a_rectangle(plate, (plate.length, plate.width), damper)
+        _check_rectangle(plate, (plate.length, plate.width), damper)
     elif damper is not None and isinstance(plate.thickness, float):
-        _refused(through_the_thickness(damper, plate.thickness))
+        _raise_misfit(through_the_thickness(damper, plate.thickness))
     if damper is not None:
-        _number(damper, damper.balls)
+        _check_count(damper, damper.balls)
     if release is not None and plate.length is not None:
-        _displaced(release, plate.length, "the plate's length")
+        _check_displacement(release, plate.length, "the plate's length")
 
 
-def _on_a_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
+def _check_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | None) -> None:
     length, width = sides
     key, at = ("plate.tip_mass_at", plate.tip_mass_at) if damper is None else ("damper.at", damper.on_plate)
     x, y = (length, 0.0) if at is None else at
     if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
         raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
     if damper is not None:
-        _refused(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
+        _raise_misfit(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
 
 
-def _refused(odd: tuple[str, str] | None) -> None:
+def _raise_misfit(odd: tuple[str, str] | None) -> None:
     """Raise what is odd about a damper, as key and problem."""
     if odd is not None:
         raise fault(f"damper.{odd[0]}", odd[1])
 
 
-def _displaced(release: Release, most: float, what: str, slack: float = 0.0) -> None:
+def _check_displacement(release: Release, most: float, what: str, slack: float = 0.0) -> None:
     if max(map(abs, release.displacement or (0.0,))) > most * (1 + slack):
         raise fault("release.displacement", f"expected at most {what}, {most:g} m")
 
 
-def within(radius: float, damper: Damper, release: Release | None) -> None:
+def check_reach(radius: float, damper: Damper, release: Release | None) -> None:
     """Ball, cavity and release that do not reach beyond the axis about which they turn, `radius` away."""
     most, distance = radius * (1 + ROUNDING), f"its distance from the axis, {radius:g} m"
     if damper.radius > most:
@@ -529,10 +510,10 @@ def within(radius: float, damper: Damper, release: Release | None) -> None:
     if max(damper.cavity) > most:
         raise fault("damper.cavity", f"the cavity is larger than {distance}")
     if release is not None:
-        _displaced(release, radius, "the damper's distance from the axis", ROUNDING)
+        _check_displacement(release, radius, "the damper's distance from the axis", ROUNDING)
 
 
-def weight(damper: Damper, structure: float) -> None:
+def check_weight(damper: Damper, structure: float) -> None:
     """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
     if damper.balls is not None and damper.balls > HEAVIEST * structure:
         key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
@@ -541,10 +522,10 @@ def weight(damper: Damper, structure: float) -> None:
             f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
             f" {damper.balls:g} kg",
         )
-    _number(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
+    _check_count(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
 
 
-def _number(damper: Damper, mass: float | None) -> None:
+def _check_count(damper: Damper, mass: float | None) -> None:
     """No more balls than share their mass [kg], where it is known, and are each as heavy as foam at least."""
     if mass is None or damper.count == 1:
         return
@@ -581,22 +562,34 @@ _OF_A_MESH = {
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
-    title: Annotated[q.Line, Field(max_length=200)] = Field("untitled", description="for people; one line")
-    plate: Plate | None = Field(None, description="the plate")
-    blade: Blade | None = Field(None, description="a solid blade from a mesh of its volume, instead of a plate")
-    material: Material | None = Field(None, description="what the plate or the blade is made of")
-    structure: AnyStructure | None = Field(None, description="what carries the damper, instead of a plate")
-    rotor: Rotor = Field(description="how it spins")
-    effects: Effects = Field(Effects(), description="which effects are simulated")
-    damper: Damper | None = Field(None, description="balls in cavities; left out, with [release], for the plate alone")
-    release: Release | None = Field(None, description="how a ring-down begins; left out beside a damper: by default")
-    excitation: Excitation | None = Field(None, description="what shakes the structure, for `response`")
-    accuracy: Accuracy = Field(Accuracy(), description="errors that are allowed")
-    design: Design | None = Field(None, description="what `spindamp design` may choose; of no influence elsewhere")
+    title: Annotated[q.Line, Field(max_length=200)] = "untitled"
+    """for people; one line"""
+    plate: Plate | None = None
+    """the plate"""
+    blade: Blade | None = None
+    """a solid blade from a mesh of its volume, instead of a plate"""
+    material: Material | None = None
+    """what the plate or the blade is made of"""
+    structure: AnyStructure | None = None
+    """what carries the damper, instead of a plate"""
+    rotor: Rotor
+    """how it spins"""
+    effects: Effects = Effects()
+    """which effects are simulated"""
+    damper: Damper | None = None
+    """balls in cavities; left out, with [release], for the plate alone"""
+    release: Release | None = None
+    """how a ring-down begins; left out beside a damper: by default"""
+    excitation: Excitation | None = None
+    """what shakes the structure, for `response`"""
+    accuracy: Accuracy = Accuracy()
+    """errors that are allowed"""
+    design: Design | None = None
+    """what `spindamp design` may choose; of no influence elsewhere"""
 
     @model_validator(mode="before")
     @classmethod
-    def _tables(cls, data: Any) -> Any:
+    def _with_defaults(cls, data: Any) -> Any:
         """A plate or a structure, before either is looked at: what one lacks is not asked for because of the other.
 
         A damper without a [release] has the default one.
@@ -618,15 +611,15 @@ class Scene(Table):
         return data
 
     @model_validator(mode="after")
-    def _together(self) -> Self:
+    def _check_tables(self) -> Self:
         """Which tables belong together, which exclude each other, and whether what they describe fits together."""
         if self.given is not None:
-            self._without_a_plate(self.given)
+            self._check_given(self.given)
         elif self.in_space:
-            self._in_space()
+            self._check_space()
         else:
-            self._with_a_plate()
-        self._with_a_damper()
+            self._check_plate()
+        self._check_damper()
         if self.design is not None and self.design.amplitude is None and self.excitation is None:
             raise fault(
                 "design.amplitude",
@@ -639,9 +632,9 @@ class Scene(Table):
                 " such as 0.001",
             )
         if self.plate is not None:
-            on_the_plate(self.plate, self.damper, self.release)
-        if self.damper is not None and (radius := self._turning_at) is not None:
-            within(radius, self.damper, None if self.plate is not None else self.release)
+            check_on_plate(self.plate, self.damper, self.release)
+        if self.damper is not None and (radius := self._damper_radius) is not None:
+            check_reach(radius, self.damper, None if self.plate is not None else self.release)
         if self.release is not None and self.release.ratio is not None and not any(self.rotor.speeds):
             raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
         return self
@@ -661,7 +654,7 @@ class Scene(Table):
         """Whether the structure lies in space, its floor across the load wherever the damper is."""
         return self.known is not None or self.blade is not None
 
-    def _in_space(self) -> None:
+    def _check_space(self) -> None:
         """What a blade or a structure of known modes takes, and what it leaves out."""
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
@@ -673,7 +666,7 @@ class Scene(Table):
             )
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
-        self._left_as_they_are(_OF_A_MESH)
+        self._require_defaults(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
@@ -683,18 +676,18 @@ class Scene(Table):
                 " its nodes or a node's number",
             )
 
-    def _with_a_plate(self) -> None:
+    def _check_plate(self) -> None:
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
-        self._not_in_space()
+        self._forbid_space_keys()
         at = None if self.damper is None else self.damper.at
         if at is not None and (not isinstance(at, tuple) or len(at) != 2):
             raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
 
-    def _not_in_space(self) -> None:
+    def _forbid_space_keys(self) -> None:
         """The keys of structures in space alone are left out."""
         for table, names in {
             "rotor": ("axis", "origin"),
@@ -705,7 +698,7 @@ class Scene(Table):
                 if getattr(getattr(self, table), name, None) is not None:
                     raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
-    def _with_a_damper(self) -> None:
+    def _check_damper(self) -> None:
         if self.damper is None and self.release is not None:
             raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
@@ -715,17 +708,17 @@ class Scene(Table):
                 " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
             )
 
-    def _without_a_plate(self, structure: Structure) -> None:
+    def _check_given(self, structure: Structure) -> None:
         if self.damper is None:
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-        self._not_in_space()
-        self._tilt(self.damper, structure.floor_tilt)
-        weight(self.damper, structure.mass)
-        self._left_as_they_are(_OF_A_PLATE, "belongs to a plate; ")
+        self._forbid_space_keys()
+        self._check_tilt(self.damper, structure.floor_tilt)
+        check_weight(self.damper, structure.mass)
+        self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")
 
-    def _left_as_they_are(self, keys: Mapping[str, str], why: str = "") -> None:
+    def _require_defaults(self, keys: Mapping[str, str], why: str = "") -> None:
         """Keys that have their defaults, with what is said where one has not."""
         for key, instead in keys.items():
             table, name = key.split(".")
@@ -733,7 +726,7 @@ class Scene(Table):
             if value is not None and getattr(value, name) != type(value).model_fields[name].default:
                 raise fault(key, f"{why}{instead}")
 
-    def _tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
+    def _check_tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
         if max(map(abs, tilt)) * damper.radius >= 1:
             raise fault("structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / damper.radius:g} 1/m")
         if any(tilt) and damper.formulation == "printed":
@@ -742,7 +735,7 @@ class Scene(Table):
             raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
 
     @property
-    def _turning_at(self) -> float | None:
+    def _damper_radius(self) -> float | None:
         """The damper's distance from the axis [m]; None where it is known only once a mesh is read."""
         if self.in_space:
             return None

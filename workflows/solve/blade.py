@@ -15,7 +15,7 @@ from workflows.formatting import significant
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
-from workflows.solve.known_modes import Request, SpaceStructure, seat_of, space_structure, turning
+from workflows.solve.known_modes import Request, SpaceStructure, about_spin_axis, seat_of, space_structure
 
 if TYPE_CHECKING:
     import fem
@@ -177,7 +177,7 @@ def blade_of(source: SceneFile) -> Blade:
         raise BadInput(text, file=source.name, key="[blade] mesh", value=spec.mesh) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
-    about = turning(source, plain)
+    about = about_spin_axis(source, plain)
     stuff: fem.Material = Material(material.youngs_modulus, material.poissons_ratio, material.density)
     try:
         if spec.root is not None and spec.root_radius is None:

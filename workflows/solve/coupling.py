@@ -15,7 +15,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, rounded_rpm, taken_over
+from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields, rounded_rpm
 
 if TYPE_CHECKING:
     import damper
@@ -62,7 +62,7 @@ def structure(
         stagger = scene.rotor.stagger if point.stagger is None else point.stagger
         turning = {"rotation": point.omega, "stagger": stagger}
     if effects["structural_modes"].on and point.cavity_modes:
-        modes = taken(scene, point) if only is None else tuple(map(_on_axis, only))
+        modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilts) | turning
     both = (1.0, 1.0)
     tilt = (reduced.floor_tilt,) * 2
@@ -81,7 +81,7 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     """The structure of several modes; mass and stiffness are those of the mode that yields most along each axis."""
     from damper import Mode
 
-    first, across = leading(modes, 0), leading(modes, 1)
+    first, across = leading_mode(modes, 0), leading_mode(modes, 1)
     if first is None:
         raise ValueError("none of the modes moves the cavity along the bending direction")
     mass = first.shape[0] ** -2
@@ -95,7 +95,7 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     }
 
 
-def leading(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
+def leading_mode(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
     """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
     leader = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
     if leader is None or abs(leader.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
@@ -107,7 +107,7 @@ _STILL = 1e-6
 """Relative displacement of a cavity that counts as none: a mesh's rounding, by symmetry zero."""
 
 
-def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
+def damper_modes(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
     Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
@@ -118,7 +118,7 @@ def taken(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     modes = point.cavity_modes
     if point.reduced is None or not modes:
         return ()
-    leaders = {leader.number for axis in range(2) if (leader := leading(modes, axis)) is not None}
+    leaders = {leader.number for axis in range(2) if (leader := leading_mode(modes, axis)) is not None}
     ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
     needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
@@ -158,7 +158,7 @@ _LET_GO = 1.5
 """A scene that says nothing lets the structure go at so many times the amplitude above which the ball moves."""
 
 
-def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
+def release_displacement(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
     """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
 
     Where the scene says nothing: by where the ball begins to roll; one that rolls from the start, or never, by where
@@ -181,7 +181,7 @@ def released_at(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) 
         begin = system.amplitude_of(system.leaving_threshold)
         freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
         start = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
-    if start[1] != 0.0 and point.cavity_modes and leading(point.cavity_modes, 1) is None:
+    if start[1] != 0.0 and point.cavity_modes and leading_mode(point.cavity_modes, 1) is None:
         problem = "none of these modes moves the cavity across, as the release does: ask for more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
     return start
@@ -213,7 +213,7 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     first = (2 * math.pi * reduced.f1_hz) ** 2
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
-    across = leading(point.cavity_modes, 1)
+    across = leading_mode(point.cavity_modes, 1)
     if across is None:
         return first, first
     return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
@@ -223,7 +223,7 @@ def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
     damper = source.scene.damper
     assert damper is not None
-    with _placed(source):
+    with _place_errors(source):
         reduced = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     return list(map(reduced_of, reduced))
 
@@ -236,12 +236,12 @@ def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell
     """
     from fem import Reduction
 
-    with _placed(source):
+    with _place_errors(source):
         return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
 
 
 @contextmanager
-def _placed(source: SceneFile) -> Iterator[None]:
+def _place_errors(source: SceneFile) -> Iterator[None]:
     """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
     from fem import NoFlapMode, PlaceError
 
@@ -288,7 +288,7 @@ def modes_of(reduction: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
 
 def reduced_of(reduction: Any) -> Reduced:
     """The structure that `fem` finds at a damper's place."""
-    return taken_over(Reduced, reduction, floor_tilt=reduction.slope)
+    return copy_fields(Reduced, reduction, floor_tilt=reduction.slope)
 
 
 def _both(pair: np.ndarray) -> tuple[float, float]:

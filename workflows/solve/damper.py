@@ -27,7 +27,7 @@ from workflows.solve.results import (
     History,
     OwnFigures,
     SpeedPoint,
-    taken_over,
+    copy_fields,
 )
 
 if TYPE_CHECKING:
@@ -118,20 +118,20 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     judged = system if tilting is None or system.formulation == "printed" else tilting
     more: dict[str, Any] = {"pendulum": coupling.pendulum(system, point.omega)}
     if tilting is not None:
-        level = None if judged is system else taken_over(Figures, falling(leading(system)))
+        level = None if judged is system else copy_fields(Figures, falling(in_leading_modes(system)))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
     return replace(point, damper=damping, working=OwnFigures.of(figures(judged), point.tilt_share, **more))
 
 
-def judged(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
+def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
     """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
     system = particle_damper(scene, effects, point)
     tilting = None if system.formulation == "printed" else _tilting(scene, effects, point)
-    return leading(tilting or system)
+    return in_leading_modes(tilting or system)
 
 
-def leading(system: damper.ParticleDamper) -> damper.ParticleDamper:
+def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper in the modes that yield most along either axis.
 
     Others, which hits feed, change its figures by less than their error as long as they are damped by 0.1 % or more of
@@ -147,7 +147,7 @@ def figures(system: damper.ParticleDamper) -> damper.DampingCurve:
     """The damper's own figures in the modes that yield most along either axis."""
     from damper import damping_curve
 
-    return damping_curve(leading(system))
+    return damping_curve(in_leading_modes(system))
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:
@@ -194,7 +194,7 @@ def particle_damper(
     assert spec is not None
     assert reduced is not None
     try:
-        system = taken_over(
+        system = copy_fields(
             ParticleDamper,
             spec,
             **coupling.structure(scene, effects, point, only),
@@ -238,7 +238,7 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
     from damper import capacity, ringdown
 
-    release = coupling.released_at(scene, point, system)
+    release = coupling.release_displacement(scene, point, system)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     stop_cycles = None if isinstance(cycles, str) else cycles
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
@@ -246,7 +246,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     energy, gravity = capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
-    return taken_over(
+    return copy_fields(
         Damping,
         motion,
         outcome=str(motion.outcome),
@@ -261,7 +261,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         amplitude_g=energy.amplitude / gravity,
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
-        energy=taken_over(Energy, motion.energy),
+        energy=copy_fields(Energy, motion.energy),
         modal_energies=_modal_energies(scene, system, point, motion),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
@@ -273,7 +273,10 @@ def _modal_energies(
 ) -> dict[int, float]:
     if system.modes is None or motion.modal_energies is None:
         return {}
-    return {mode.number: float(e) for mode, e in zip(coupling.taken(scene, point), motion.modal_energies, strict=True)}
+    return {
+        mode.number: float(e)
+        for mode, e in zip(coupling.damper_modes(scene, point), motion.modal_energies, strict=True)
+    }
 
 
 def _history(motion: damper.RingDown) -> History:

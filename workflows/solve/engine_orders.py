@@ -115,7 +115,7 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     ]
 
 
-def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven: bool = True) -> BadInput:
+def no_crossing(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven: bool = True) -> BadInput:
     """That no order crosses a mode between the lowest and the highest of these points, and where it would.
 
     Or, not `driven`, that those that do drive none at the damper's place.
@@ -124,12 +124,12 @@ def unmet(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven
     what = "no order crosses a mode" if driven else "none of these orders drives a mode at the damper's place"
     problem = f"{what} between {whole(low)} and {whole(high)} rpm"
     for order in orders if driven else ():
-        rpm = beyond(points, order)
+        rpm = crossing_beyond(points, order)
         problem += "" if rpm is None else f"; order {order} would meet the first mode near {whole(rpm)} rpm"
     return BadInput(problem, file=file, key="[excitation] orders", value=list(orders))
 
 
-def beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
+def crossing_beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
     """The speed [rev/min] at which an order would meet the first mode beyond these points; None where it never would.
 
     f² goes with Ω² as between the lowest and the highest of them.

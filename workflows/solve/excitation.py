@@ -52,18 +52,18 @@ def modes_of(point: SpeedPoint, branch: int) -> list[CavityMode] | None:
     return [point.cavity_modes[crossed], *(m for k, m in enumerate(point.cavity_modes) if k != crossed)]
 
 
-def crossed(point: SpeedPoint, crossing: Crossing) -> tuple[list[CavityMode] | None, int, bool]:
+def modes_at_crossing(point: SpeedPoint, crossing: Crossing) -> tuple[list[CavityMode] | None, int, bool]:
     """The modes of :func:`modes_of`, the axis along which the first moves the cavity, and whether it leads along x."""
     modes = modes_of(point, branch_of((point,), crossing))
     if modes is None:
         return None, 0, True
     axis = int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    return modes, axis, axis == 0 and coupling.leading(point.cavity_modes, 0) is modes[0]
+    return modes, axis, axis == 0 and coupling.leading_mode(point.cavity_modes, 0) is modes[0]
 
 
-def kept(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
+def modes_followed(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
     """The mode crossed and those that yield most along either axis, ascending."""
-    leaders = [coupling.leading(point.cavity_modes, axis) for axis in range(2)]
+    leaders = [coupling.leading_mode(point.cavity_modes, axis) for axis in range(2)]
     numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
     return [mode for mode in point.cavity_modes if mode.number in numbers]
 
@@ -98,7 +98,7 @@ def harmonic_of(
     return Harmonic(frequency, modal=tuple(level * pushes[mode.stiffness] for mode in system.modes or ()))
 
 
-def at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic, *, ball: bool = True) -> float:
+def force_at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic, *, ball: bool = True) -> float:
     """The force at the cavity along x that drives the leading mode as much, with the ball's part in a base [N]."""
     ball_mass = system.ball_mass if ball else 0.0
     if system.modes is None:
@@ -126,13 +126,13 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
     return source.changed(effects=effects)
 
 
-def across(solver: StructureSolver) -> StructureState:
+def over_speed_range(solver: StructureSolver) -> StructureState:
     """The structure over the whole range of a scene's speeds."""
     speeds = solver.source.scene.rotor.speeds
     return solver.at(np.linspace(min(speeds), max(speeds), _FEW_ACROSS if solver.solves_each_speed else _ACROSS))
 
 
-def checked(source: SceneFile) -> Excitation:
+def excitation_of(source: SceneFile) -> Excitation:
     """What shakes a scene.
 
     Raises:
@@ -161,11 +161,11 @@ def damper_at(
     Raises:
         BadInput: the damper does not fit there.
     """
-    modes, _, _ = crossed(at, crossing)
+    modes, _, _ = modes_at_crossing(at, crossing)
     if modes is not None and (idle := idle_structure(modes, excitation)):
         return idle
     with read_from(solver.source.name):
-        chosen = None if modes is None else kept(at, modes)
+        chosen = None if modes is None else modes_followed(at, modes)
         return particle_damper(solver.source.scene, solver.choice.effects, at, chosen)
 
 
@@ -194,7 +194,7 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
         return ()
     met = engine_orders.of_points(state.points, excitation.orders)
-    solver, results = state.solver.meeting(with_forced_effects(state.source)), state.results(stages=stages)
+    solver, results = state.solver.with_switches(with_forced_effects(state.source)), state.results(stages=stages)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed if met else {}
     return tuple(estimate(solver, results, at[crossing.omega], crossing, excitation) for crossing in met)
 
@@ -224,9 +224,9 @@ def estimate(
     limit = endured(results, crossing)
     limit = math.inf if limit is None else limit
     reason = limits.inadmissible(results, at) or (Reason.WEIGHT if limits.weight_governs(at) else None)
-    if reason is None and not crossed(at, crossing)[2]:
+    if reason is None and not modes_at_crossing(at, crossing)[2]:
         reason = Reason.OTHER_MODE
-    if reason is None and system.floor_radius is not None and not held_well(system):
+    if reason is None and system.floor_radius is not None and not is_well_held(system):
         reason = Reason.SWINGS
     if reason is not None:
         return replace(none, reason=reason)
@@ -235,14 +235,14 @@ def estimate(
         known, amplitude = _over_levels(balance, limit, excitation.levels)
     if math.isfinite(amplitude) and limits.friction_demand(results, at, amplitude) > limits.DRY:
         return replace(none, reason=Reason.SLIP)
-    return replace(none, **known, loose=not held_well(system))
+    return replace(none, **known, loose=not is_well_held(system))
 
 
 HELD, HELD_IN_A_BOWL = 0.3, 1.0
 """Cut-off over half the clearance from which on the balance speaks for a ball on a flat floor, and in a hollow one."""
 
 
-def held_well(system: damper.ParticleDamper) -> bool:
+def is_well_held(system: damper.ParticleDamper) -> bool:
     """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
     gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
     threshold = system.leaving_threshold / system.stuck_frequency**2
@@ -283,7 +283,7 @@ class _Balance:
         from damper import moves_from
 
         unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
-        force, alone = at_cavity(system, unit), at_cavity(system, unit, ball=False)
+        force, alone = force_at_cavity(system, unit), force_at_cavity(system, unit, ball=False)
         moves = float(moves_from(system, [replace(unit, frequency=resting)])[0])
         return cls(free_vibration(system), force, alone, resting, crossing.order * crossing.omega, moves)
 

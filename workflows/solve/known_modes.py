@@ -11,6 +11,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modal_files import ModesFileError, Raw, in_si, joined, read
+from fem.modal_model import (
+    SAME_SPEED,
+    BadCells,
+    ModalModel,
+    ModesAtSpeed,
+    OffTheStructure,
+    Place,
+    Pull,
+    chosen,
+    densities,
+    drawn_by,
+    edges,
+    faces,
+    families,
+    held,
+    place,
+    pull,
+    root_strains,
+    thickness,
+)
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
@@ -28,12 +49,10 @@ from workflows.solve.results import (
     SpeedPoint,
     Surface,
     rounded_rpm,
-    shown_of,
+    speeds_with_shapes,
 )
 
 if TYPE_CHECKING:
-    from fem.modal_files import Raw
-    from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
     from fem.reduction.known_modes import Floor
 
 
@@ -58,7 +77,7 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class ModeThere:
+class ModeAtSeat:
     """What a mode does at the damper's place; pairs are along the axes of the cavity.
 
     Attributes:
@@ -75,14 +94,14 @@ class ModeThere:
 
 
 @dataclass(frozen=True)
-class Seated:
+class SeatDescription:
     """How a cavity lies at a speed: its place [m], unit vectors along load and axes, and what the modes do there."""
 
     place: tuple[float, ...]
     how: str
     load: tuple[float, ...]
     axes: tuple[tuple[float, ...], ...]
-    modes: tuple[ModeThere, ...]
+    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +141,7 @@ class SpaceStructure:
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        names, strains = _seen(self.model, modes)
+        names, strains = _families_and_strains(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
@@ -168,22 +187,22 @@ class SpaceStructure:
         points = self.model.points if self.seat is None else self.seat.place.point[None]
         return float(np.linalg.norm(self.model.load(points), axis=1).max())
 
-    def seated(self, omega: float) -> Seated | None:
+    def seat_at(self, omega: float) -> SeatDescription | None:
         """How the damper lies at a speed [rad/s]; None without one."""
         if self.seat is None:
             return None
         modes = self.modes(omega)
-        floor, names = self.floor(modes), _seen(self.model, modes)[0]
+        floor, names = self.floor(modes), _families_and_strains(self.model, modes)[0]
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
-        return Seated(
+        return SeatDescription(
             tuple((at.point + 0.0).tolist()),
             at.how,
             tuple((floor.normal + 0.0).tolist()),
             tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
             tuple(
-                ModeThere(
+                ModeAtSeat(
                     k + 1,
                     names[k],
                     float(modes.frequencies_hz[k]),
@@ -210,9 +229,7 @@ class SpaceStructure:
 
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        from fem.modal_model import edges, faces, held
-
-        shown = shown_of(len(speeds))
+        shown = speeds_with_shapes(len(speeds))
         points, triangles = self.model.points, faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
@@ -297,7 +314,7 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
     first = min(source.scene.rotor.speeds)
     seat = None if damper is None else (damper.at, damper.direction or first, damper.normal, force)
-    structure = _built(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
     return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
@@ -308,10 +325,8 @@ _SPEEDS = 64
 
 
 @lru_cache(_SPEEDS)
-def _seen(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
+def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
     """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
-    from fem.modal_model import families, root_strains
-
     return tuple(families(model, modes)), root_strains(model, modes)
 
 
@@ -324,10 +339,8 @@ class Request:
 
 
 @lru_cache(maxsize=8)
-def _built(request: Request) -> SpaceStructure:
+def _structure(request: Request) -> SpaceStructure:
     """The structure of a scene, kept for other dampers at its place."""
-    from fem.modal_model import chosen, densities
-
     source = request.source
     known = source.scene.known
     assert known is not None
@@ -351,15 +364,13 @@ def _built(request: Request) -> SpaceStructure:
 
 def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
     """The structure in m and kg about the scene's axis; remarks; the digest of the files."""
-    from fem.modal_files import ModesFileError, joined
-
     models, remarks, digests, turns = [], list[str](), list[str](), True
     for omega, name in known.files.items():
         raw, sha256 = _read(source, name)
         digests.append(sha256)
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
-        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _set(source):
+        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
             problem = (
                 "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
                 " hub_radius, from the axis to the smallest x)"
@@ -382,7 +393,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return turning(source, model, turns=turns), tuple(remarks), whole
+    return about_spin_axis(source, model, turns=turns), tuple(remarks), whole
 
 
 def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
@@ -407,16 +418,14 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
     return problems
 
 
-def _set(source: SceneFile) -> set[str]:
+def _rotor_keys(source: SceneFile) -> set[str]:
     """The keys of [rotor] that the scene has."""
     return source.scene.rotor.model_fields_set
 
 
 @lru_cache(maxsize=8)
-def _kept(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
+def _file(path: Path, stamp: tuple[int, int]) -> tuple[Raw, str]:
     """A file that is read again and again, as long as it stays the same."""
-    from fem.modal_files import read
-
     return read(path), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -434,10 +443,8 @@ def _stamp(source: SceneFile, name: str) -> tuple[int, int]:
 
 
 def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
-    from fem.modal_files import ModesFileError
-
     try:
-        return _kept(source.folder / name, _stamp(source, name))
+        return _file(source.folder / name, _stamp(source, name))
     except (ModesFileError, OSError, MemoryError) as error:
         problem = "larger than the memory that is there" if isinstance(error, MemoryError) else str(error)
         raise source.wrong(problem, "[structure] modes", name) from error
@@ -477,9 +484,6 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     Raises:
         BadInput: they do not; the message asks for those that would.
     """
-    from fem.modal_files import in_si
-    from fem.modal_model import BadCells, densities
-
     for key in ("unit", "mass_unit"):
         own, unit_given = getattr(raw, key), getattr(known, key)
         if own is not None and unit_given is not None and own != unit_given:
@@ -520,9 +524,6 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
 
 def _units(name: str, raw: Raw, size: float, density: float) -> str:
     """What is wrong with the units of a file, and which would make sense."""
-    from fem.modal_files import in_si
-    from fem.modal_model import densities
-
     plain = in_si(raw, 1.0, 1.0)
     own = densities(plain, plain.speeds[0])
     fitting = []
@@ -568,8 +569,6 @@ _UNEVEN = 1.05
 
 def _density_remark(name: str, model: ModalModel) -> str | None:
     """What mass the shapes say that the structure has, where it is not that of one density."""
-    from fem.modal_model import densities
-
     fits = densities(model, model.speeds[0])
     if fits is None or fits.max() <= _UNEVEN * fits.min():
         return None
@@ -580,15 +579,14 @@ def _density_remark(name: str, model: ModalModel) -> str | None:
     )
 
 
-def turning(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
+def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
     """The model about the scene's axis, with forces by the root's motion.
 
     turns: axis and point on it are the file's where the scene does not give them.
     """
     from fem import Rotor
-    from fem.modal_model import drawn_by
 
-    rotor, axis_given = source.scene.rotor, _set(source)
+    rotor, axis_given = source.scene.rotor, _rotor_keys(source)
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
     if rotor.axis is not None:
@@ -615,8 +613,6 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     Raises:
         BadInput: it does not, or they cannot be.
     """
-    from fem.modal_model import SAME_SPEED
-
     known = np.array([modes.omega for modes in model.speeds])
     slack, key = SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
@@ -666,7 +662,6 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     Raises:
         BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements.
     """
-    from fem.modal_model import pull
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
     damper = source.scene.damper
@@ -717,8 +712,6 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
 
 def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
     """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
-    from fem.modal_model import thickness
-
     middle = at.point - damper.radius * seen.normal
     room = [thickness(model, middle, axis) for axis in seen.axes]
     return [
@@ -745,8 +738,6 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
     Raises:
         BadInput: there is none.
     """
-    from fem.modal_model import OffTheStructure, place
-
     try:
         return place(model, _point(source, model, at, key))
     except OffTheStructure as error:

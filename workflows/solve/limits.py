@@ -27,7 +27,7 @@ from workflows.solve.results import (
     Surface,
     Verdict,
     VibrationReduction,
-    taken_over,
+    copy_fields,
 )
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def with_verdicts(results: Results) -> Results:
 def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
     """A speed with what its load does to ball and floor, where both have a material."""
     pressed = contact(scene, point)
-    return point if pressed is None else replace(point, contact=taken_over(ContactFigures, pressed))
+    return point if pressed is None else replace(point, contact=copy_fields(ContactFigures, pressed))
 
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:

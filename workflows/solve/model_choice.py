@@ -117,7 +117,7 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
 
     source = SceneFile(scene, "scene", Path())
     ladder = form or plate_mesh.planform(source)
-    plate = plate_mesh.plate(source, plate_mesh.coarse(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
+    plate = plate_mesh.plate(source, plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
     rotor = plate_mesh.rotor(scene)
     stiffened = scene.effects.stress_stiffening is not False
     effects = Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
@@ -180,4 +180,4 @@ def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str,
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:
         return theory_model(theory.name, scene), 0.0
-    return solid_theory(form.sides[0], plate_mesh.spread(scene.plate, form)[2], scene.budget.layers)
+    return solid_theory(form.sides[0], plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)

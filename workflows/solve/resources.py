@@ -94,10 +94,7 @@ def parts(source: SceneFile) -> list[Part]:
     listed = []
     if scene.plate is not None:
         unknowns, points = _least_size(source)
-        cause: tuple[str, object, str] = ("[rotor] modes", modes, "ask for fewer modes")
-        if source.mesh is not None:
-            cause = ("[plate] mesh", scene.plate.mesh, "coarsen the mesh")
-        listed.append(Part(of_a_plate(scene.plate.theory, unknowns, modes), *cause))
+        listed.append(_of_the_mesh(source, of_a_plate(scene.plate.theory, unknowns, modes)))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
         listed.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
         listed.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
@@ -111,6 +108,14 @@ def parts(source: SceneFile) -> list[Part]:
     return sorted(listed, key=lambda part: -part.memory)
 
 
+def _of_the_mesh(source: SceneFile, memory: float) -> Part:
+    """What a plate's mesh takes."""
+    plate = source.scene.plate
+    if plate is not None and plate.mesh is not None:
+        return Part(memory, "[plate] mesh", plate.mesh, "coarsen the mesh")
+    return Part(memory, "[rotor] modes", source.scene.rotor.modes, "ask for fewer modes")
+
+
 def memory(source: SceneFile) -> float:
     """Bytes that a run of a scene takes at least, roughly."""
     return BASE + sum(part.memory for part in parts(source))
@@ -122,10 +127,8 @@ def check(source: SceneFile) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    needed, there = memory(source), available() + _held()
-    if needed > there:
-        worst = parts(source)[0]
-        raise source.wrong(_too_much(needed, there, worst.advice), worst.key, worst.value)
+    if worst := parts(source)[:1]:
+        _require(source, memory(source), worst[0])
 
 
 def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
@@ -156,16 +159,8 @@ def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflectio
     modes, others, there = source.scene.rotor.modes, _beside_the_plate(source), available()
     each = of_a_plate(model, 1.0, modes, large_deflection)
     most = int(min(max((there - BASE - others) / each, 1.0), 2**60))
-    first = _first_unknowns(form, model, modes, most)
-    needed = BASE + others + of_a_plate(model, first, modes, large_deflection)
-    there += _held()
-    if needed > there:
-        mesh = source.scene.plate.mesh if source.scene.plate is not None else None
-        if mesh is not None:
-            problem = _too_much(needed, there, "coarsen the mesh")
-            raise source.wrong(problem, "[plate] mesh", mesh)
-        problem = _too_much(needed, there, "ask for fewer modes")
-        raise source.wrong(problem, "[rotor] modes", modes)
+    first = of_a_plate(model, _first_unknowns(form, model, modes, most), modes, large_deflection)
+    _require(source, BASE + others + first, _of_the_mesh(source, first))
     return most
 
 
@@ -184,15 +179,17 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    needed, there = BASE + of_a_blade(unknowns), available() + _held()
+    name = None if source.scene.blade is None else source.scene.blade.mesh
+    advice = f"coarsen the mesh, which has {unknowns} unknowns"
+    _require(source, BASE + of_a_blade(unknowns), Part(of_a_blade(unknowns), "[blade] mesh", name, advice))
+
+
+def _require(source: SceneFile, needed: float, worst: Part) -> None:
+    """Refuse what needs more memory than there is, by its largest part."""
+    there = available() + _own_memory()
     if needed > there:
-        name = None if source.scene.blade is None else source.scene.blade.mesh
-        problem = _too_much(needed, there, f"coarsen the mesh, which has {unknowns} unknowns")
-        raise source.wrong(problem, "[blade] mesh", name)
-
-
-def _too_much(needed: float, there: float, advice: str) -> str:
-    return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {advice}"
+        problem = f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {worst.advice}"
+        raise source.wrong(problem, worst.key, worst.value)
 
 
 def _beside_the_plate(source: SceneFile) -> float:
@@ -211,7 +208,7 @@ def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
         if not has_pair(form, coarsest, model, most):
             return coarsest
         return unknowns(model, form.mesh(begun_with(form, modes)))
-    along, across = form.cells(begun_with(form, modes))
+    along, across = form.cells(begun_with(form, modes))  # no mesh is made, for which scikit-fem would be loaded
     counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
     return _in_all(_of_each(model, quads=True), counts)
 
@@ -277,7 +274,7 @@ def available() -> float:
     return min(free)
 
 
-def _held() -> float:
+def _own_memory() -> float:
     """Bytes that this process has of those in BASE: counted in what is needed, and gone from what is there."""
     import psutil
 

@@ -23,6 +23,7 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
+from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
@@ -38,29 +39,27 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-def quantity(unit: str, meaning: str, name: str | None = None, **more: Any) -> Any:
-    """A number, a pair of numbers, or a text of a record, as files carry it.
+def quantity(unit: str, name: str | None = None, **more: Any) -> Any:
+    """A number, a pair of numbers, or a text of a record, as files carry it; the docstring beneath is its meaning.
 
     Args:
         unit: "1" where it has none; empty for a text.
-        meaning: in words.
         name: under which it is published, if not that of the field.
         more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
             `headline`: whether a sweep has a column of it; `unpublished`: whether JSON leaves it out.
     """
-    return Field(alias=name, description=meaning, json_schema_extra={"unit": unit, **more})
+    return Field(alias=name, json_schema_extra={"unit": unit, **more})
 
 
-def part(meaning: str | None = None, name: str | None = None, **more: Any) -> Any:
+def part(name: str | None = None, **more: Any) -> Any:
     """A record within a record, or a tuple of them; what has a default is left out of files where it has that value.
 
     Args:
-        meaning: in words.
         name: under which it is published, if not that of the field.
         more: for data sets `prefix`, of its quantities' names, and `along`, the dimension of a tuple;
             `headline`: False where sweeps have no columns of it.
     """
-    return Field(alias=name, description=meaning, json_schema_extra=more)
+    return Field(alias=name, json_schema_extra=more)
 
 
 KEPT = Field(exclude=True)
@@ -70,7 +69,7 @@ COLUMN = Field(exclude=True, json_schema_extra={"column": True})
 """An array that is published as a column of a list of rows, which is a property of the record."""
 
 
-def taken_over(record: type[T], source: object, **more: object) -> T:
+def copy_fields(record: type[T], source: object, **more: object) -> T:
     """A record whose fields are those of the same names of another object, and more."""
     fields_of: Mapping[str, Any] = {
         f.name: getattr(source, f.name)
@@ -119,19 +118,22 @@ _ENDS = ("low", "high")
 class CurvePoint:
     """A point of a damping curve."""
 
-    amplitude: Annotated[float, quantity("m", "amplitude", alone="working_amplitude")]
-    damping_ratio: Annotated[float, quantity("1", "damping ratio there", alone="working_damping_ratio")]
+    amplitude: Annotated[float, quantity("m", alone="working_amplitude")]
+    """amplitude"""
+    damping_ratio: Annotated[float, quantity("1", alone="working_damping_ratio")]
+    """damping ratio there"""
 
 
 @dataclass(frozen=True)
 class Cycle:
     """A vibration cycle of a ring-down."""
 
-    amplitude_g: Annotated[float, quantity("g", "V ω1 / g")]
-    sdc: Annotated[
-        Unknown, quantity("1", "null: the ball gave the structure more energy than it had, which is no cycle")
-    ]
-    peak_velocity: Annotated[float, quantity("m/s", "of the structure")]
+    amplitude_g: Annotated[float, quantity("g")]
+    """V ω1 / g"""
+    sdc: Annotated[Unknown, quantity("1")]
+    """null: the ball gave the structure more energy than it had, which is no cycle"""
+    peak_velocity: Annotated[float, quantity("m/s")]
+    """of the structure"""
 
 
 def _rows(record: type[T], owner: object) -> list[T]:
@@ -153,30 +155,23 @@ class Figures:
 
     peak: Annotated[
         float,
-        quantity(
-            "1",
-            "largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude",
-            "damping_ratio_peak",
-            headline=True,
-        ),
+        quantity("1", "damping_ratio_peak", headline=True),
     ]
-    peak_amplitude: Annotated[
-        Unknown, quantity("m", "amplitude at the cavity where that is", "at_amplitude", headline=True)
-    ]
+    """largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude"""
+    peak_amplitude: Annotated[Unknown, quantity("m", "at_amplitude", headline=True)]
+    """amplitude at the cavity where that is"""
     range: Annotated[
         Pair,
-        quantity(
-            "m",
-            "of amplitudes at which the damper works, with at least half its peak",
-            ends=_ENDS,
-            headline=True,
-        ),
+        quantity("m", ends=_ENDS, headline=True),
     ]
+    """of amplitudes at which the damper works, with at least half its peak"""
     half: Annotated[
         Pair,
-        quantity("m", "between which the damping is at least half its peak", "half_range", ends=_ENDS, headline=True),
+        quantity("m", "half_range", ends=_ENDS, headline=True),
     ]
-    cutoff: Annotated[Unknown, quantity("m", "amplitude up to which the ball stays at rest", headline=True)]
+    """between which the damping is at least half its peak"""
+    cutoff: Annotated[Unknown, quantity("m", headline=True)]
+    """amplitude up to which the ball stays at rest"""
     amplitude: Annotated[Floats, COLUMN]
     damping_ratio: Annotated[Floats, COLUMN]
 
@@ -196,8 +191,10 @@ class Figures:
 class Pendulum:
     """A ball in a hollow floor; 0 where it finds no way back. The order is the same at all speeds."""
 
-    frequency_hz: Annotated[Pair, quantity("Hz", "frequency along each of the damper's axes")]
-    order: Annotated[Pair, quantity("1", "that over the rotation's frequency")]
+    frequency_hz: Annotated[Pair, quantity("Hz")]
+    """frequency along each of the damper's axes"""
+    order: Annotated[Pair, quantity("1")]
+    """that over the rotation's frequency"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,89 +203,64 @@ class OwnFigures(Figures):
 
     error: Annotated[
         float,
-        quantity(
-            "1",
-            "of the peak and of `half`, relative: spread of the measurement, and what its pace moved",
-            alone="working_error",
-            headline=True,
-        ),
+        quantity("1", alone="working_error", headline=True),
     ]
+    """of the peak and of `half`, relative: spread of the measurement, and what its pace moved"""
     from_above: Annotated[
         Figures,
-        part(
-            "the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those"
-            " of the way up, from a ball at rest in the middle or rolling about it",
-            prefix="from_above_",
-        ),
+        part(prefix="from_above_"),
     ] = field(repr=False)
+    """the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those of the
+    way up, from a ball at rest in the middle or rolling about it"""
     slow_ramp: Annotated[
         Figures,
-        part(
-            "the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces"
-            " earlier: typical, not certain",
-            prefix="slow_ramp_",
-        ),
+        part(prefix="slow_ramp_"),
     ] = field(repr=False)
+    """the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces
+    earlier: typical, not certain"""
     abrupt_start: Annotated[
         Figures,
-        part(
-            "the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the"
-            " middle; later it may have drifted to a wall, and bounce",
-            prefix="abrupt_start_",
-        ),
+        part(prefix="abrupt_start_"),
     ] = field(repr=False)
+    """the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the middle;
+    later it may have drifted to a wall, and bounce"""
     folds: Annotated[
         Pair,
-        quantity(
-            "m",
-            "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
-            " where a ball that rolls about the middle must meet the walls; null where the ways do not differ",
-            ends=_ENDS,
-            headline=True,
-        ),
+        quantity("m", ends=_ENDS, headline=True),
     ]
+    """amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to where a
+    ball that rolls about the middle must meet the walls; null where the ways do not differ"""
     jump: Annotated[
         Pair,
-        quantity(
-            "m",
-            "amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the"
-            " vibration grows; null as of `folds`",
-            ends=_ENDS,
-        ),
+        quantity("m", ends=_ENDS),
     ]
+    """amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the vibration
+    grows; null as of `folds`"""
     level: Annotated[
         Figures | None,
-        part(
-            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
-            "level_floor",
-            prefix="level_",
-            headline=False,
-        ),
+        part("level_floor", prefix="level_", headline=False),
     ]
+    """the figures of the way down on a floor that stays level, where the scene keeps it so; else null"""
     tilt_share: Annotated[
         float,
-        quantity(
-            "1",
-            "share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it",
-            "floor_tilt_share",
-            headline=True,
-        ),
+        quantity("1", "floor_tilt_share", headline=True),
     ]
+    """share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it"""
     pendulum: Annotated[
         Pendulum | None,
-        part(
-            "the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's",
-            prefix="pendulum_",
-        ),
+        part(prefix="pendulum_"),
     ] = None
+    """the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's"""
     tilted_cutoff_g: Annotated[
         MaybeUnknown,
-        quantity("g", "cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"),
+        quantity("g"),
     ] = None
-    tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1", "that over load_g")] = None
+    """cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"""
+    tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
+    """that over load_g"""
 
     @property
-    def parted(self) -> bool:
+    def ways_differ(self) -> bool:
         """Whether the way down differs from the way up."""
         return self.folds[0] < self.folds[1]
 
@@ -297,8 +269,8 @@ class OwnFigures(Figures):
         cls, measured: damper.DampingCurve, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor."""
-        more |= {way: taken_over(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
-        return taken_over(cls, measured, tilt_share=tilt_share, level=level, **more)
+        more |= {way: copy_fields(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
+        return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
 
 
 OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
@@ -309,17 +281,20 @@ OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
 class ContactFigures:
     """The ball at rest on its floor, by Hertz; null where the strength is not known that decides."""
 
-    hertz_radius: Annotated[float, quantity("m", "of the contact, were it elastic")]
-    peak_pressure: Annotated[float, quantity("Pa", "at the middle of the contact, were it elastic")]
-    yield_ratio: Annotated[
-        Unknown, quantity("1", "load over that at which the weaker of ball and floor yields first", headline=True)
-    ]
-    hardness_ratio: Annotated[
-        Unknown, quantity("1", "mean pressure over the hardness of the softer; from 1 on it flows", headline=True)
-    ]
-    dent_radius: Annotated[Unknown, quantity("m", "at most; 0 where nothing yields")]
-    dent_depth: Annotated[Unknown, quantity("m", "at most")]
-    dent_slope: Annotated[Unknown, quantity("1", "of the dent's rim, which the ball climbs to leave it, at most")]
+    hertz_radius: Annotated[float, quantity("m")]
+    """of the contact, were it elastic"""
+    peak_pressure: Annotated[float, quantity("Pa")]
+    """at the middle of the contact, were it elastic"""
+    yield_ratio: Annotated[Unknown, quantity("1", headline=True)]
+    """load over that at which the weaker of ball and floor yields first"""
+    hardness_ratio: Annotated[Unknown, quantity("1", headline=True)]
+    """mean pressure over the hardness of the softer; from 1 on it flows"""
+    dent_radius: Annotated[Unknown, quantity("m")]
+    """at most; 0 where nothing yields"""
+    dent_depth: Annotated[Unknown, quantity("m")]
+    """at most"""
+    dent_slope: Annotated[Unknown, quantity("1")]
+    """of the dent's rim, which the ball climbs to leave it, at most"""
 
 
 class Grade(StrEnum):
@@ -360,36 +335,28 @@ class Verdict:
 
     grade: Annotated[
         str,
-        quantity(
-            "",
-            "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
-            " moves at what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows;"
-            " unknown: outside the model",
-        ),
+        quantity(""),
     ]
-    damping_ratio: Annotated[
-        float | None, quantity("1", "largest damping ratio within what the structure endures; null: no verdict")
-    ]
-    amplitude: Annotated[float | None, quantity("m", "amplitude at the cavity where that is")]
+    """yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never moves at
+    what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows; unknown: outside the
+    model"""
+    damping_ratio: Annotated[float | None, quantity("1")]
+    """largest damping ratio within what the structure endures; null: no verdict"""
+    amplitude: Annotated[float | None, quantity("m")]
+    """amplitude at the cavity where that is"""
     useful: Annotated[
         Pair,
-        quantity(
-            "m",
-            "amplitudes between which the damping is at least half its peak, as far as the structure endures them",
-            "useful_range",
-            ends=_ENDS,
-        ),
+        quantity("m", "useful_range", ends=_ENDS),
     ]
+    """amplitudes between which the damping is at least half its peak, as far as the structure endures them"""
     reason: Annotated[
         str,
-        quantity(
-            "",
-            "what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure"
-            " endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the"
-            " drive), no_loss, not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact"
-            " (ball or floor yields fully under the load)",
-        ),
+        quantity(""),
     ]
+    """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
+    endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the drive), no_loss,
+    not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact (ball or floor yields fully
+    under the load)"""
 
     @classmethod
     def without_figures(cls, grade: Grade, reason: Reason, damping_ratio: float | None = None) -> Verdict:
@@ -408,60 +375,72 @@ class Verdict:
 class ForceLevel:
     """What the ball does at resonance under one level of the excitation."""
 
-    level: Annotated[float, quantity("1", "height of the excitation, in its unit")]
-    ratio: Annotated[float, quantity("1", "largest amplitude with the ball over the one without")]
-    amplitude: Annotated[float, quantity("m", "at the cavity, with the ball")]
-    endured: Annotated[bool, quantity("1", "whether the structure endures that amplitude, as far as it is known")]
+    level: Annotated[float, quantity("1")]
+    """height of the excitation, in its unit"""
+    ratio: Annotated[float, quantity("1")]
+    """largest amplitude with the ball over the one without"""
+    amplitude: Annotated[float, quantity("m")]
+    """at the cavity, with the ball"""
+    endured: Annotated[bool, quantity("1")]
+    """whether the structure endures that amplitude, as far as it is known"""
 
 
 @dataclass(frozen=True)
 class VibrationReduction:
     """How much less a mode vibrates with the ball where an engine order meets it, by the balance of free vibration."""
 
-    order: Annotated[int, quantity("1", "engine order")]
-    mode: Annotated[int, quantity("1", "number of the mode at the lowest speed, from 1")]
-    family: Annotated[str, quantity("", "what the mode does")]
-    rpm: Annotated[float, quantity("rpm", "speed of the crossing without the ball")]
-    frequency_hz: Annotated[float, quantity("Hz", "frequency there")]
-    ratio: Annotated[
-        Unknown, quantity("1", "least amplitude with the ball over the one without, of all levels endured; null: none")
-    ] = math.nan
-    level: Annotated[Unknown, quantity("1", "height of the excitation at which that is, in its unit")] = math.nan
-    range: Annotated[
-        Pair, quantity("1", "levels between which it does at least half of that, as far as endured; null: nowhere 1 %")
-    ] = (math.nan, math.nan)
-    endured_level: Annotated[
-        Unknown, quantity("1", "level up to which the structure endures the amplitude; null: no limit is known")
-    ] = math.nan
-    moves_from: Annotated[Unknown, quantity("1", "level up to which the load holds the ball at rest; null: at any")] = (
-        math.nan
-    )
-    levels: Annotated[tuple[ForceLevel, ...], part("the levels of [excitation]")] = ()
-    loose: Annotated[
-        bool, quantity("1", "whether the load holds the ball too loosely for more than a rough estimate")
-    ] = False
+    order: Annotated[int, quantity("1")]
+    """engine order"""
+    mode: Annotated[int, quantity("1")]
+    """number of the mode at the lowest speed, from 1"""
+    family: Annotated[str, quantity("")]
+    """what the mode does"""
+    rpm: Annotated[float, quantity("rpm")]
+    """speed of the crossing without the ball"""
+    frequency_hz: Annotated[float, quantity("Hz")]
+    """frequency there"""
+    ratio: Annotated[Unknown, quantity("1")] = math.nan
+    """least amplitude with the ball over the one without, of all levels endured; null: none"""
+    level: Annotated[Unknown, quantity("1")] = math.nan
+    """height of the excitation at which that is, in its unit"""
+    range: Annotated[Pair, quantity("1")] = (math.nan, math.nan)
+    """levels between which it does at least half of that, as far as endured; null: nowhere 1 %"""
+    endured_level: Annotated[Unknown, quantity("1")] = math.nan
+    """level up to which the structure endures the amplitude; null: no limit is known"""
+    moves_from: Annotated[Unknown, quantity("1")] = math.nan
+    """level up to which the load holds the ball at rest; null: at any"""
+    levels: Annotated[tuple[ForceLevel, ...], part()] = ()
+    """the levels of [excitation]"""
+    loose: Annotated[bool, quantity("1")] = False
+    """whether the load holds the ball too loosely for more than a rough estimate"""
     reason: Annotated[
         str,
-        quantity(
-            "",
-            "why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another"
-            " moves the cavity more), ball_swings (in its hollow floor)",
-        ),
+        quantity(""),
     ] = Reason.NONE
-    detail: Annotated[str, quantity("", "the same in words, where they say more")] = ""
+    """why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another moves the
+    cavity more), ball_swings (in its hollow floor)"""
+    detail: Annotated[str, quantity("")] = ""
+    """the same in words, where they say more"""
 
 
 @dataclass(frozen=True)
 class Energy:
     """Where the energy went [J]; `residual` is what the books do not explain."""
 
-    initial: Annotated[float, quantity("J", "at the release")]
-    final: Annotated[float, quantity("J", "left at the end")]
-    structure: Annotated[float, quantity("J", "lost to the structure's own damping")]
-    rolling: Annotated[float, quantity("J", "lost to rolling resistance")]
-    impact: Annotated[float, quantity("J", "lost in hits of the walls")]
-    slip: Annotated[float, quantity("J", "lost to slip on the floor")]
-    residual: Annotated[float, quantity("J", "not explained by the books")]
+    initial: Annotated[float, quantity("J")]
+    """at the release"""
+    final: Annotated[float, quantity("J")]
+    """left at the end"""
+    structure: Annotated[float, quantity("J")]
+    """lost to the structure's own damping"""
+    rolling: Annotated[float, quantity("J")]
+    """lost to rolling resistance"""
+    impact: Annotated[float, quantity("J")]
+    """lost in hits of the walls"""
+    slip: Annotated[float, quantity("J")]
+    """lost to slip on the floor"""
+    residual: Annotated[float, quantity("J")]
+    """not explained by the books"""
 
     @property
     def ball_share(self) -> float:
@@ -475,8 +454,10 @@ class Energy:
 class ModalEnergy:
     """Energy that is left at the end in a mode of the plate."""
 
-    mode: Annotated[int, quantity("1", "its number"), Field(ge=1)]
-    energy: Annotated[float, quantity("J", "modal energy")]
+    mode: Annotated[int, quantity("1"), Field(ge=1)]
+    """its number"""
+    energy: Annotated[float, quantity("J")]
+    """modal energy"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -521,34 +502,41 @@ class Damping:
     """
 
     outcome: Annotated[str, KEPT]
-    impacts: Annotated[int, quantity("1", "hits of the walls", headline=True), Field(ge=0)]
-    events: Annotated[int, quantity("1", "events of any kind", headline=True), Field(ge=0)]
-    duration: Annotated[float, quantity("s", "time simulated", unpublished=True)]
+    impacts: Annotated[int, quantity("1", headline=True), Field(ge=0)]
+    """hits of the walls"""
+    events: Annotated[int, quantity("1", headline=True), Field(ge=0)]
+    """events of any kind"""
+    duration: Annotated[float, quantity("s", unpublished=True)]
+    """time simulated"""
     stopped: Annotated[float | None, KEPT]
     ball_mass: Annotated[float, KEPT]
     release: Annotated[Pair, KEPT]
-    intrinsic_sdc: Annotated[float, quantity("1", "what the structure's own damping loses in a cycle")]
-    peak_sdc: Annotated[
-        float | None, quantity("1", "everything lost in a cycle over its energy, at most", headline=True)
-    ]
-    peak_sdc_at_g: Annotated[float | None, quantity("g", "amplitude where that is")]
-    cutoff_g: Annotated[float | None, quantity("g", "amplitude of the last cycle in which the ball moved")]
-    cutoff_ratio: Annotated[float | None, quantity("1", "cutoff_g over load_g", headline=True)]
-    largest_rolling_demand: Annotated[
-        float | None, quantity("1", "friction that pure rolling needs, over the normal load")
-    ]
+    intrinsic_sdc: Annotated[float, quantity("1")]
+    """what the structure's own damping loses in a cycle"""
+    peak_sdc: Annotated[float | None, quantity("1", headline=True)]
+    """everything lost in a cycle over its energy, at most"""
+    peak_sdc_at_g: Annotated[float | None, quantity("g")]
+    """amplitude where that is"""
+    cutoff_g: Annotated[float | None, quantity("g")]
+    """amplitude of the last cycle in which the ball moved"""
+    cutoff_ratio: Annotated[float | None, quantity("1", headline=True)]
+    """cutoff_g over load_g"""
+    largest_rolling_demand: Annotated[float | None, quantity("1")]
+    """friction that pure rolling needs, over the normal load"""
     amplitude_g: Annotated[Floats, COLUMN] = field(repr=False)
     sdc: Annotated[Floats, COLUMN] = field(repr=False)
     peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
-    energy: Annotated[Energy, part("joules; residual is what the books do not explain", prefix="energy_")]
+    energy: Annotated[Energy, part(prefix="energy_")]
+    """joules; residual is what the books do not explain"""
     modal_energies: Annotated[
         dict[int, float],
         PlainSerializer(
             lambda known: tuple(ModalEnergy(*each) for each in known.items()), return_type=tuple[ModalEnergy, ...]
         ),
         BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
-        part("left at the end in the plate's modes, joules", prefix="modal_", along="modal"),
+        part(prefix="modal_", along="modal"),
     ] = field(default_factory=dict)
+    """left at the end in the plate's modes, joules"""
     history: Annotated[History | None, KEPT] = None
     path: Annotated[BallPath | None, KEPT] = None
 
@@ -571,15 +559,20 @@ class ErrorParts:
     None where a part is not known, or an effect is not left out.
     """
 
-    mesh: Annotated[float | None, quantity("1", "left by the mesh")]
-    layers: Annotated[float, quantity("1", "left by the layers of a solid")]
-    basis: Annotated[Unknown, quantity("1", "added by the reduced basis that answers many speeds, at most")]
-    theory: Annotated[float, quantity("1", "of the plate theory, against a solid")]
-    large_deflection: Annotated[float | None, quantity("1", "what large deflection would move, left out")]
-    coriolis: Annotated[float | None, quantity("1", "what Coriolis forces would move, left out")]
-    cavity_mass: Annotated[
-        float | None, quantity("1", "by cavities: of their stiffness and extent, and of their mass where left out")
-    ] = None
+    mesh: Annotated[float | None, quantity("1")]
+    """left by the mesh"""
+    layers: Annotated[float, quantity("1")]
+    """left by the layers of a solid"""
+    basis: Annotated[Unknown, quantity("1")]
+    """added by the reduced basis that answers many speeds, at most"""
+    theory: Annotated[float, quantity("1")]
+    """of the plate theory, against a solid"""
+    large_deflection: Annotated[float | None, quantity("1")]
+    """what large deflection would move, left out"""
+    coriolis: Annotated[float | None, quantity("1")]
+    """what Coriolis forces would move, left out"""
+    cavity_mass: Annotated[float | None, quantity("1")] = None
+    """by cavities: of their stiffness and extent, and of their mass where left out"""
 
     @property
     def whole(self) -> float | None:
@@ -597,16 +590,17 @@ class Mode:
     The branch is the number of the mode at the lowest speed that this one continues.
     """
 
-    frequency_hz: Annotated[float, quantity("Hz", "natural frequency")]
-    family: Annotated[str, quantity("", "what the mode does")]
+    frequency_hz: Annotated[float, quantity("Hz")]
+    """natural frequency"""
+    family: Annotated[str, quantity("")]
+    """what the mode does"""
     error_parts: Annotated[
         ErrorParts | None,
-        part(
-            "of the relative error, each without sign; null where unknown, or where an effect is not left out",
-            prefix="error_",
-        ),
+        part(prefix="error_"),
     ] = None
-    damping_ratio: Annotated[float | None, quantity("1", "of a complex mode")] = None
+    """of the relative error, each without sign; null where unknown, or where an effect is not left out"""
+    damping_ratio: Annotated[float | None, quantity("1")] = None
+    """of a complex mode"""
     branch: Annotated[int, KEPT] = 0
 
     @computed_field(  # type: ignore[prop-decorator]
@@ -622,13 +616,20 @@ class Mode:
 class Reduced:
     """The structure as the damper feels it, at its place: 1 with the ball stuck, 2 without it."""
 
-    f1_hz: Annotated[float, quantity("Hz", "frequency with the ball stuck", headline=True)]
-    M1: Annotated[float, quantity("kg", "mass with the ball stuck")]
-    K1: Annotated[float, quantity("N/m", "stiffness with the ball stuck")]
-    f2_hz: Annotated[float, quantity("Hz", "frequency without the ball")]
-    M2: Annotated[float, quantity("kg", "mass without the ball", headline=True)]
-    K2: Annotated[float, quantity("N/m", "stiffness without the ball")]
-    floor_tilt: Annotated[float, quantity("1/m", "slope of the cavity's floor over its displacement")]
+    f1_hz: Annotated[float, quantity("Hz", headline=True)]
+    """frequency with the ball stuck"""
+    M1: Annotated[float, quantity("kg")]
+    """mass with the ball stuck"""
+    K1: Annotated[float, quantity("N/m")]
+    """stiffness with the ball stuck"""
+    f2_hz: Annotated[float, quantity("Hz")]
+    """frequency without the ball"""
+    M2: Annotated[float, quantity("kg", headline=True)]
+    """mass without the ball"""
+    K2: Annotated[float, quantity("N/m")]
+    """stiffness without the ball"""
+    floor_tilt: Annotated[float, quantity("1/m")]
+    """slope of the cavity's floor over its displacement"""
 
 
 @dataclass(frozen=True)
@@ -641,10 +642,14 @@ class CavityMode:
         pushed: force by a unit force at the excitation's place, where that is not the damper's [1].
     """
 
-    number: Annotated[int, quantity("1", "of the mode"), Field(ge=1)]
-    stiffness: Annotated[float, quantity("N/m", "modal, under the ball's pull but without its inertia")]
-    shape: Annotated[Pair, quantity("1", "displacement of the cavity")]
-    slope: Annotated[Pair, quantity("1/m", "of its floor")]
+    number: Annotated[int, quantity("1"), Field(ge=1)]
+    """of the mode"""
+    stiffness: Annotated[float, quantity("N/m")]
+    """modal, under the ball's pull but without its inertia"""
+    shape: Annotated[Pair, quantity("1")]
+    """displacement of the cavity"""
+    slope: Annotated[Pair, quantity("1/m")]
+    """of its floor"""
     drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
     pressed: Annotated[float, KEPT] = 0.0
     pushed: Annotated[float, KEPT] = 0.0
@@ -683,36 +688,37 @@ class SpeedPoint:
     """
 
     omega: Annotated[float, KEPT]
-    rpm: Annotated[float, quantity("rpm", "rotation speed")]
+    rpm: Annotated[float, quantity("rpm")]
+    """rotation speed"""
     radius: Annotated[float, KEPT]
-    load_g: Annotated[float, quantity("g", "centrifugal acceleration at the damper", headline=True)]
+    load_g: Annotated[float, quantity("g", headline=True)]
+    """centrifugal acceleration at the damper"""
     modes: Annotated[tuple[Mode, ...], part(along="mode")]
-    reduced: Annotated[Reduced | None, part("the structure at the damper: 1 with the ball stuck, 2 without it")] = None
+    reduced: Annotated[Reduced | None, part()] = None
+    """the structure at the damper: 1 with the ball stuck, 2 without it"""
     cavity_modes: Annotated[
         tuple[CavityMode, ...],
-        part(
-            "a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes",
-            prefix="cavity_",
-            along="cavity_mode",
-        ),
+        part(prefix="cavity_", along="cavity_mode"),
     ] = ()
-    damper: Annotated[Damping | None, part("the ring-down of the scene's release")] = None
+    """a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes"""
+    damper: Annotated[Damping | None, part()] = None
+    """the ring-down of the scene's release"""
     working: Annotated[
         OwnFigures | None,
-        part(
-            "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
-            " the cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the"
-            " damper, m"
-        ),
+        part(),
     ] = None
+    """the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of the
+    cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
     contact: Annotated[
         ContactFigures | None,
-        part("of the ball at rest on its floor, where their materials are known by name", prefix="contact_"),
+        part(prefix="contact_"),
     ] = None
+    """of the ball at rest on its floor, where their materials are known by name"""
     verdict: Annotated[
         Verdict | None,
-        part("on the damper at this speed, from its own figures", prefix="verdict_", headline=False),
+        part(prefix="verdict_", headline=False),
     ] = None
+    """on the damper at this speed, from its own figures"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
     root_stress: Annotated[float | None, KEPT] = None
@@ -809,7 +815,8 @@ class Results:
     scene: Scene
     effects: dict[str, Effect]
     speeds: tuple[SpeedPoint, ...]
-    reductions: Annotated[tuple[VibrationReduction, ...], part("under the orders of [excitation]")] = ()
+    reductions: Annotated[tuple[VibrationReduction, ...], part()] = ()
+    """under the orders of [excitation]"""
     surface: Annotated[Surface | None, KEPT] = None
     theory: Annotated[Theory | None, KEPT] = None
     diagram: Annotated[Diagram | None, KEPT] = None
@@ -823,12 +830,12 @@ def rounded_rpm(omega: float) -> float:
     return float(f"{in_rpm(omega):.13g}")
 
 
-def middle(points: tuple[SpeedPoint, ...]) -> int:
+def middle_speed(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
 
 
-def expect(results: object, who: str) -> None:
+def require_results(results: object, who: str) -> None:
     """Raise TypeError unless results are what `who` was given."""
     if not isinstance(results, Results):
         raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")
@@ -956,8 +963,8 @@ def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[i
     """The mid-surface with the shapes of some of the speeds of these numbers."""
     from fem import displacement
 
-    shown = shown_of(len(numbers))
-    unknowns = np.hstack([_upright(diagram.shapes(numbers[k])[:, :count]) for k in shown])
+    shown = speeds_with_shapes(len(numbers))
+    unknowns = np.hstack([_in_phase(diagram.shapes(numbers[k])[:, :count]) for k in shown])
     shapes = np.array(displacement(operators, unknowns))
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
     coarse = _shaped(operators, operators.plate.mesh, shapes, shown)
@@ -969,7 +976,7 @@ def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, 
     by_speed = shapes.reshape(len(shown), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
     thickness = _thickness(operators.plate, mesh)
-    return replace(bare(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
+    return replace(bare_surface(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
 
 
 def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -> Surface | None:
@@ -992,10 +999,8 @@ def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -
     return replace(_shaped(operators, refined.mesh, small, shown), lines=refined.lines)
 
 
-def bare(mesh: Any) -> Surface:
+def bare_surface(mesh: Any) -> Surface:
     """A mesh's mid-surface, without shapes."""
-    from fem.meshes.planform import root_facets
-
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
     kind = "quad" if mesh.t.shape[0] == 4 else "triangle"
     outline, root = (np.asarray(mesh.facets[:, facets].T) for facets in (mesh.boundary_facets(), root_facets(mesh)))
@@ -1014,7 +1019,6 @@ def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
     from fem import critical_speed
-    from fem.meshes.planform import clamped_length
 
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
@@ -1036,7 +1040,7 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested:
     )
 
 
-def _upright(shapes: Floats) -> Floats:
+def _in_phase(shapes: Floats) -> Floats:
     """Complex shapes turned to the phase at which their largest unknown peaks; real ones as they are."""
     if not np.iscomplexobj(shapes):
         return shapes
@@ -1044,7 +1048,7 @@ def _upright(shapes: Floats) -> Floats:
     return np.asarray(shapes * (np.abs(largest) / largest))
 
 
-def shown_of(count: int) -> tuple[int, ...]:
+def speeds_with_shapes(count: int) -> tuple[int, ...]:
     """Which speeds keep their shapes: all, or evenly chosen ones with both ends."""
     if count <= SHAPES_AT_MOST:
         return tuple(range(count))

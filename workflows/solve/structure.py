@@ -146,7 +146,7 @@ class StructureState:
             timings={} if stages is None else stages.timings(),
         )
 
-    def pictured(self, *, shapes: bool = True) -> StructureState:
+    def with_pictures(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
         rotor, plate = self.source.scene.rotor, self.plate
         if self.solver is not None and (space := self.solver.space) is not None:
@@ -193,7 +193,7 @@ class StructureSolver:
                 cavity = cavity_of(source, self._uncut, self.choice.effects)
                 self.discrete = with_cavities(source, self._uncut, cavity)
 
-    def meeting(self, source: SceneFile) -> StructureSolver:
+    def with_switches(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
         other = copy(self)
         switches = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
@@ -201,7 +201,9 @@ class StructureSolver:
         other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
         return other
 
-    def carrying(self, source: SceneFile, effects: dict[str, Effect], like: Iterable[PlateSolution]) -> PlateSolution:
+    def with_cavities_of(
+        self, source: SceneFile, effects: dict[str, Effect], like: Iterable[PlateSolution]
+    ) -> PlateSolution:
         """The plate on the same mesh at the speeds of its scene, with the cavities of another scene's damper.
 
         Args:
@@ -312,7 +314,7 @@ def discretise(
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
-        return Discrete(choice, theory, plate_mesh.in_words(source, form, size), layers, _left_out(effects))
+        return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, _left_out(effects))
     try:
         left_out = sum(effect.largest for effect in _left_out(effects).values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
@@ -323,7 +325,7 @@ def discretise(
         raise source.wrong(str(error), "[plate]") from error
     except PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
-    described = plate_mesh.in_words(source, form, choice.size)
+    described = plate_mesh.describe_mesh(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
     LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])

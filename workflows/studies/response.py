@@ -207,15 +207,15 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
             :func:`workflows.pipeline.run`.
         NoAnswer: the plate has none.
     """
-    forcing = excitation.checked(source)
+    forcing = excitation.excitation_of(source)
     resources.check(source)
     stages = stages or Stages()
     source = excitation.with_forced_effects(source)
     solver = StructureSolver(source, stages)
-    results = excitation.across(solver).results(stages=stages)
+    results = excitation.over_speed_range(solver).results(stages=stages)
     met = engine_orders.of_points(results.speeds, forcing.orders)
     if not met:
-        raise engine_orders.unmet(results.speeds, forcing.orders, source.name)
+        raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
     reductions = []
     for crossing in met:
@@ -231,7 +231,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         else:
             passed.append(passage)
     if not passed:
-        raise engine_orders.unmet(results.speeds, forcing.orders, source.name, driven=False)
+        raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
     return Response(results, followed, tuple(passed), tuple(idle), forcing.levels)
 
@@ -259,7 +259,7 @@ def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcin
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
-    _, axis, leads = excitation.crossed(at, crossing)
+    _, axis, leads = excitation.modes_at_crossing(at, crossing)
     omega = _speeds(solver, crossing, at)
     dampers, harmonics = _driven(solver, crossing, forcing, omega)
     states = _followed(solver, crossing, dampers, harmonics, axis)
@@ -295,7 +295,7 @@ def _driven(
     branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
         own = excitation.modes_of(point, branch)
-        only = None if own is None else excitation.kept(point, own)
+        only = None if own is None else excitation.modes_followed(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         dampers += [system] * len(forcing.levels)
@@ -344,7 +344,7 @@ def _short(
         return short
     vibration = excitation.free_vibration(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = excitation.at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
+        force = excitation.force_at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
         nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
         amplitudes = np.array([amplitude for amplitude, _ in vibration.answers(force, nu)])
         if amplitudes.size:

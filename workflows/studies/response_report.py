@@ -57,7 +57,7 @@ def dataset(result: Response) -> xr.Dataset:
     import xarray as xr
 
     dims = ("crossing", "speed", "force", "start")
-    passed, data = result.passed, xr.Dataset(attrs=files.about(result.results))
+    passed, data = result.passed, xr.Dataset(attrs=files.global_attributes(result.results))
     heights = {
         "units": result.excitation.unit.replace("²", "2"),
         "long_name": f"height of the {result.excitation.kind}",

@@ -157,7 +157,7 @@ class Crossed:
     @property
     def force(self) -> float:
         """At the cavity along x, of the same effect on the leading mode [N]."""
-        return excitation.at_cavity(self.system, self.harmonic)
+        return excitation.force_at_cavity(self.system, self.harmonic)
 
     @property
     def backbone(self) -> Backbone:
@@ -229,10 +229,10 @@ def crossing_objective(
     None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
     """
     forcing = scene.excitation
-    modes, axis, leads = excitation.crossed(point, crossing)
+    modes, axis, leads = excitation.modes_at_crossing(point, crossing)
     if forcing is None or (modes is not None and excitation.idle_structure(modes, forcing)):
         return None
-    followed = None if modes is None else excitation.kept(point, modes)
+    followed = None if modes is None else excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
     return Crossed(crossing, system, axis, harmonic, leads, (low, high))
@@ -445,7 +445,7 @@ class LeastAmplitude:
 
 def _balanced(here: Crossed) -> bool:
     """Whether the balance of free vibration answers for a damper."""
-    return here.leads and excitation.held_well(here.system)
+    return here.leads and excitation.is_well_held(here.system)
 
 
 def _at_most(here: Crossed, lines: Linear) -> float:
@@ -505,19 +505,19 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
         problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
         raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
-    points = excitation.across(solver).points
+    points = excitation.over_speed_range(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
     met = engine_orders.of_points(points, shaken.orders)
     if not met:
-        raise engine_orders.unmet(points, shaken.orders, source.name)
+        raise engine_orders.no_crossing(points, shaken.orders, source.name)
     alone = []
     for crossing in met:
         (point,) = solver.at([crossing.omega]).points
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.unmet(points, shaken.orders, source.name, driven=False)
+        raise engine_orders.no_crossing(points, shaken.orders, source.name, driven=False)
     return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
 
 
@@ -555,7 +555,7 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     axes = tuple(dimensions)
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
-    excitation.checked(source)
+    excitation.excitation_of(source)
     as_shaken = excitation.with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
 

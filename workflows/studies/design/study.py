@@ -20,7 +20,7 @@ from workflows.errors import BadInput
 from workflows.formatting import significant
 from workflows.io import folder, provenance
 from workflows.progress import Stages
-from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Floats
@@ -243,12 +243,12 @@ def design(
         BadInput: the scene is wrong, has no [design], or no design keeps to its limits.
         NoAnswer: the plate has none.
     """
-    source = opened(scene)
+    source = as_scene_file(scene)
     resources.check(source)
     clock = stages or Stages()
     space = objectives.space(source, clock)
     checkpoint = None if partial_results is None else Checkpoint(partial_results, source, seed)
-    resumed = nullcontext() if checkpoint is None else folder.going_on(_GOES_ON)
+    resumed = nullcontext() if checkpoint is None else folder.resumable(_GOES_ON)
     with resumed, pool or executor.local() as workers, clock("design") as step:
         score = partial(scored, workers, executor.digest())
         known = _Known(space, partial(score, space), step.advance, checkpoint)

@@ -56,7 +56,7 @@ class DamperCase:
     @property
     def judged(self) -> ParticleDamper:
         """The damper that a verdict speaks of."""
-        return damper_stage.judged(self.scene, self.state.effects, self.point)
+        return damper_stage.verdict_damper(self.scene, self.state.effects, self.point)
 
     @property
     def results(self) -> Results:
@@ -108,7 +108,7 @@ class PlateCache:
         effects = plate.effects | of_the_damper(source.scene, plate.form)
         with self._lock:
             known = tuple(plate.solutions)
-        solution = plate.solver.carrying(source, effects, known)
+        solution = plate.solver.with_cavities_of(source, effects, known)
         if solution not in known:
             with self._lock:
                 plate.solutions.append(solution)
@@ -276,7 +276,7 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     damper = damper_stage.particle_damper(scene, state.effects, point)
     _fill(row, limits.with_contact(scene, point))
     row["ball_mass"] = damper.ball_mass
-    return DamperCase(number, state, point, damper, coupling.released_at(scene, point, damper))
+    return DamperCase(number, state, point, damper, coupling.release_displacement(scene, point, damper))
 
 
 def said(error: SpindampError, source: SceneFile) -> str:

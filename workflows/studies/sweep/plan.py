@@ -19,7 +19,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, parse, unit, worded
+from workflows.scene.load import SceneFile, error_text, parse, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 
@@ -219,7 +219,7 @@ def _validated(key: Key, value: object, gravity: float) -> Any:
 
 
 def _problem(error: ValidationError) -> str:
-    return worded(error.errors(include_url=False)[0], [""])
+    return error_text(error.errors(include_url=False)[0], [""])
 
 
 def _meant(path: str) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from fem.rotor import in_rpm
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
-from workflows.io.folder import whole_file
+from workflows.io.folder import replacing_file
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.scene import FLAT
@@ -556,7 +556,7 @@ def write(data: xr.Dataset, out: Path) -> None:
     page = render(data)
     with store.writing(out):
         for name, text in (("sweep.json", f"{dumps(data)}\n"), ("report.html", page)):
-            with whole_file(out / name) as fresh:
+            with replacing_file(out / name) as fresh:
                 fresh.write_text(text, encoding="utf-8")
 
 

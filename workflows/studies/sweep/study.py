@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.progress import Stages
-from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
+from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import Block, PlateCache
@@ -106,7 +106,7 @@ def asked(
     Raises:
         BadInput: the scene or what is varied is wrong.
     """
-    source = opened(scene)
+    source = as_scene_file(scene)
     if source.scene.damper is None:
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
@@ -143,7 +143,7 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[Workers], sta
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
     with (
-        folder.going_on(_GOES_ON),
+        folder.resumable(_GOES_ON),
         store.opened(out, study.plan, study.size, study.attributes) as place,
     ):
         fill(study, place, pool, stages)

@@ -23,7 +23,7 @@ from workflows.scene.scene import Accuracy
 from workflows.solve import coupling
 from workflows.solve.damper import particle_damper
 from workflows.solve.model_choice import ModelChoice, choose_model
-from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle
+from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle_speed
 from workflows.solve.structure import discretise
 from workflows.studies.work_precision.integration import Integrator, integrate, unknown
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
@@ -150,7 +150,7 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
     theory = None if known is None else known.name
     step.advance("reference")
     finest = pipeline.run(_asking(source, FINEST, theory), quiet())
-    shown = middle(finest.speeds)
+    shown = middle_speed(finest.speeds)
     best = finest.speeds[shown]
     runs: list[tuple[Setting, Results | None]] = []
     for target in ASKED:
@@ -494,10 +494,10 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
 def _ball(source: SceneFile, choice: ModelChoice) -> tuple[damper.ParticleDamper, tuple[float, float], SpeedPoint]:
     """The damper at the middle speed, on a level floor, its release, and the structure there."""
     points = pipeline.structure(source, Stages(visible=False), shapes=False, choice=choice).points
-    point = points[middle(points)]
+    point = points[middle_speed(points)]
     with read_from(source.name):
         system = level(particle_damper(source.scene, choice.effects, point))
-        return system, coupling.released_at(source.scene, point, system), point
+        return system, coupling.release_displacement(source.scene, point, system), point
 
 
 def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list[ConvergenceStudy], dict[str, Choice]]:
