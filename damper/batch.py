@@ -14,14 +14,14 @@ import numpy.typing as npt
 from damper import laws, self_check
 from damper.equations import at_once
 from damper.model import Floats, Integers, ensemble, stuck_frequency, table, whole
-from damper.motion import COUPLED, Prepared, flights, kinds, outcome_of, prepare
+from damper.motion import COUPLED, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
 from damper.state import BOOKS, COUNTED, Counts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from damper.model import Harmonic, Parameters, ParticleDamper
+    from damper.model import Harmonic, Parameters, ParticleDamper, Records
 
     Progress: TypeAlias = Callable[[int], None]
 
@@ -159,8 +159,8 @@ def ringdowns(
     kind = kinds(damper, rows, harmonic)
     status, initial, final = run.by_kinds(kind, rows, prepared, progress)
     batch = _summary(rows, prepared, status, (initial, final), fixed_cycles=cycles is not None)
-    velocity = np.maximum(prepared.clocks["first_speed"], prepared.cycles["last_speed"])
-    extremes = laws.Extremes(kind, prepared.axes["excursion"], velocity, 0.0, harmonic is not None)
+    velocity = np.maximum(prepared["clock"]["first_speed"], prepared["cycle"]["last_speed"])
+    extremes = laws.Extremes(kind, prepared["axes"]["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
     self_check.once("ring-downs", ringdown)
     return batch
@@ -177,34 +177,34 @@ class _Run:
     most: int
 
     def alike(
-        self, rows: Parameters, p: Prepared, progress: Progress | None, amplitudes: Floats | None
+        self, rows: Parameters, p: Records, progress: Progress | None, amplitudes: Floats | None
     ) -> tuple[Integers, Floats, Floats]:
         """Have ring-downs of one kind run: why each ended, and its energy at the beginning and at the end."""
         from damper import engine
         from damper.state import nothing_kept
 
         f = flights(self.damper, rows, p, self.harmonic, amplitudes)
-        initial, status, tables = f.energy(rows), np.zeros(len(p.runs), np.int64), nothing_kept()
+        initial, status, tables = f.energy(rows), np.zeros(len(p), np.int64), nothing_kept()
 
         def work(block: tuple[int, int]) -> None:
             engine.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
-        f.give_back(p)
+        p[:] = f.state()
         laws.check_rest(f.runs)
         return status, initial, f.energy(rows)
 
     def by_kinds(
-        self, kind: Integers, rows: Parameters, prepared: Prepared, progress: Progress | None
+        self, kind: Integers, rows: Parameters, prepared: Records, progress: Progress | None
     ) -> tuple[Integers, Floats, Floats]:
         """Each kind of flight by itself."""
         status, initial, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), np.zeros(len(kind)), 0
         for which in self._parts(kind, rows):
-            part = prepared.some(which)
+            part = prepared[which]
             count = None if progress is None else functools.partial(_further, progress, done)
             modal = None if self.amplitudes is None else self.amplitudes[which]
             status[which], initial[which], final[which] = self.alike(rows[which], part, count, modal)
-            prepared.runs[which] = part.runs
+            prepared[which] = part
             done += len(which)
         return status, initial, final
 
@@ -232,15 +232,15 @@ def _further(progress: Progress, before: int, done: int) -> None:
 
 
 def _summary(
-    rows: Parameters, prepared: Prepared, status: Integers, energies: tuple[Floats, Floats], *, fixed_cycles: bool
+    rows: Parameters, prepared: Records, status: Integers, energies: tuple[Floats, Floats], *, fixed_cycles: bool
 ) -> Batch:
     from damper.engine import DONE
 
-    clocks, books, cycles = prepared.clocks, prepared.books, prepared.cycles
+    clocks, books, cycles = prepared["clock"], prepared["books"], prepared["cycle"]
     omega, load = stuck_frequency(rows), rows["centrifugal_acceleration"]
     rested = np.isfinite(clocks["rest"]) & (clocks["trembles"] != 2)
     rested &= np.isfinite(clocks["last_motion"]) & (cycles["moving_speed"] >= 0)
-    demand = prepared.axes["demand"].max(axis=1)
+    demand = prepared["axes"]["demand"].max(axis=1)
     booked: dict[str, Any] = {name: books[name].copy() for name in BOOKS.names or ()}
     counted: dict[str, Any] = {name: clocks[name].copy() for name in COUNTED}
     outcomes = [outcome_of(s == DONE, fixed_cycles, clock) for s, clock in zip(status, clocks, strict=True)]

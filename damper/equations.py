@@ -418,10 +418,7 @@ def _spans(equations: Equations, members: list[list[int]]) -> Floats:
 
 def _fastest(equations: Equations, group: list[int]) -> Floats:
     """Largest angular frequency or decay rate of a group's flights, and of what drives it, shape (n,) [rad/s]."""
-    rows, columns = np.ix_(group, group)
-    turns, decays = (
-        np.abs(np.linalg.eigvals(each[..., rows, columns])).max(axis=(1, 2))
-        for each in (equations.stiffness, equations.damping)
-    )
+    both = np.stack([equations.stiffness, equations.damping])[..., group, :][..., group]
+    turns, decays = np.abs(np.linalg.eigvals(both)).max(axis=(2, 3))
     fastest: Floats = np.maximum(np.maximum(np.sqrt(turns), decays), equations.frequency)
     return fastest

@@ -57,10 +57,9 @@ class Flights:
         energies: Floats = 0.5 * (structures.spring * z**2 + structures.mass * rate**2)
         return energies
 
-    def give_back(self, prepared: Prepared) -> None:
-        """Put where the runs are into what they were prepared from."""
-        for name in RUN.names or ():
-            prepared.runs[name] = self.runs[name]
+    def state(self) -> Records:
+        """Where the runs are, dtype `damper.state.RUN`."""
+        return _copied(self.runs, RUN)
 
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
@@ -73,7 +72,7 @@ def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = 
 def flights(
     damper: ParticleDamper,
     rows: Parameters,
-    prepared: Prepared,
+    prepared: Records,
     harmonic: Harmonic | Sequence[Harmonic] | None = None,
     amplitudes: tuple[float, ...] | Floats | None = None,
 ) -> Flights:
@@ -88,9 +87,7 @@ def flights(
         systems = _free(damper)
     else:
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
-    runs, axes = np.zeros(len(rows), FLYING), prepared.axes
-    for name in RUN.names or ():
-        runs[name] = prepared.runs[name]
+    runs, axes = _copied(prepared, FLYING), prepared["axes"]
     runs["system"] = systems.constants[which]
     structures = structures_by(damper, rows)
     n, k = structures.mass.shape
@@ -107,6 +104,14 @@ def flights(
     if isinstance(harmonic, Harmonic):
         _watch(runs["cycle"], harmonic)
     return Flights(runs, systems)
+
+
+def _copied(runs: Records, kind: np.dtype[np.record]) -> Records:
+    """What a run begins with and leaves, in records of a kind that has it."""
+    copies = np.zeros(len(runs), kind)
+    for name in RUN.names or ():
+        copies[name] = runs[name]
+    return copies
 
 
 @lru_cache(maxsize=4)
@@ -242,48 +247,8 @@ _LARGEST = 1e150
 """Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
 
 
-@dataclass(frozen=True)
-class Prepared:
-    """Runs of n ring-downs, dtype `damper.state.RUN`, and views of them."""
-
-    runs: Records
-
-    @property
-    def axes(self) -> Records:
-        """Shape (n, 2)."""
-        return self._views("axes")
-
-    @property
-    def balls(self) -> Records:
-        """Shape (n,)."""
-        return self._views("ball")
-
-    @property
-    def clocks(self) -> Records:
-        """Shape (n,)."""
-        return self._views("clock")
-
-    @property
-    def books(self) -> Records:
-        """Shape (n,)."""
-        return self._views("books")
-
-    @property
-    def cycles(self) -> Records:
-        """Shape (n,)."""
-        return self._views("cycle")
-
-    def _views(self, name: str) -> Records:
-        views: Records = self.runs[name]
-        return views
-
-    def some(self, which: Integers) -> Prepared:
-        """Copies of some of the ring-downs."""
-        return Prepared(self.runs[which])
-
-
-def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Prepared:
-    """Set up n ring-downs from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
+def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Records:
+    """Set up n ring-downs, dtype `damper.state.RUN`, from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
 
     Raises:
         ValueError: a number is not finite, or its square is not; the number of cycles is not positive, or a ball is
@@ -319,7 +284,7 @@ def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: f
     for name in ("speed", "square", "last_speed", "moving_speed", "waiting_speed"):
         windows[name] = -1.0
     runs["ball"] = balls_of(rows, reach)
-    return Prepared(runs)
+    return runs
 
 
 def _waits(rows: Parameters, period: Floats) -> Floats:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from damper.model import Floats, Harmonic, Integers, ParticleDamper, Records
-    from damper.motion import Flights, Prepared
+    from damper.motion import Flights
 
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -68,12 +68,15 @@ def ringdown(
     if amplitudes is not None:
         release = _moved(damper, amplitudes)
     start = _Start(release, velocity, ball_position, ball_velocity, ball_velocity if ball_spin is None else ball_spin)
-    limits = _Limits(cycles, max_cycles, whole("max_events", max_events))
-    one = _prepared(damper, start, limits, harmonic)
+    most = whole("max_events", max_events)
+    if harmonic is not None and cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
+    state = np.array([[pair(name, value) for name, value in start._asdict().items()]])
+    one = prepare(damper.parameters, state, cycles, max_cycles)
     kind = kinds(damper, damper.parameters, harmonic)
     flying = flights(damper, damper.parameters, one, harmonic, amplitudes)
     initial = float(flying.energy(damper.parameters)[0])
-    done, tables = _followed(flying, limits.max_events, keep_events, progress)
+    done, tables = _followed(flying, most, keep_events, progress)
     outcome = outcome_of(done, cycles is not None, flying.runs["clock"][0])
     result = replace(_gathered(damper, flying, outcome, tables, initial), harmonic=harmonic)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
@@ -90,21 +93,6 @@ class _Start(NamedTuple):
     ball_position: tuple[float, float]
     ball_velocity: tuple[float, float]
     ball_spin: tuple[float, float]
-
-
-class _Limits(NamedTuple):
-    """How far a run goes: cycles asked for, or a cap on them; and a cap on events."""
-
-    cycles: float | None
-    max_cycles: float
-    max_events: int
-
-
-def _prepared(damper: ParticleDamper, start: _Start, limits: _Limits, harmonic: Harmonic | None) -> Prepared:
-    if harmonic is not None and limits.cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
-    state = np.array([[pair(name, value) for name, value in start._asdict().items()]])
-    return prepare(damper.parameters, state, limits.cycles, limits.max_cycles)
 
 
 def _followed(

@@ -52,4 +52,4 @@ def test_floor_of_sticking_goes_by_the_release(row: int, axis: int, speed: float
     start = np.zeros((1, 5, 2))
     start[0, row, axis] = 2e-3 if row != 2 else 1e-4
     one = prepare(paper_like(Formulation.CONSISTENT).parameters, start, 1.0, 1.0)
-    assert one.balls["sticking_floor"][0] == pytest.approx(1e-9 * speed, rel=1e-4)
+    assert one["ball"]["sticking_floor"][0] == pytest.approx(1e-9 * speed, rel=1e-4)
