@@ -481,7 +481,9 @@ def text(data: xr.Dataset) -> str:
     entries = document(data)
     sizes = " × ".join(f"{size} {name}" for name, size in entries["dimensions"].items())
     lines = [f"{entries['title']}: {entries['points']} point{'s' * (entries['points'] != 1)} ({sizes})"]
-    if entries["best"] is not None:
+    if "ST" in data and _is_spread(data):
+        lines += _uncertain(data)
+    elif entries["best"] is not None:
         keys, values = entries["best"]["keys"], entries["best"]["values"]
         where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
         lines.append(f"The ball does most at {where}:")
@@ -490,8 +492,6 @@ def text(data: xr.Dataset) -> str:
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
     elif headline(data, entries):
         lines.append(headline(data, entries))
-    if "ST" in data and _is_spread(data):
-        lines += _uncertain(data)
     if entries["without_verdict"]:
         have = "point has" if entries["without_verdict"] == 1 else "points have"
         lines.append(f"{entries['without_verdict']} {have} no verdict: `spindamp run` of one says why")

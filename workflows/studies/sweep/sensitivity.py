@@ -15,6 +15,7 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.io.files import finite
 from workflows.scene.scene import Scene
+from workflows.solve import limits
 from workflows.solve.results import Floats
 from workflows.studies.sweep import store
 from workflows.studies.sweep.evaluate import HEADLINE
@@ -31,6 +32,12 @@ QUANTITIES = ("damping_ratio_peak", "at_amplitude", "range_high", "cutoff", "cut
 PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
 
 _RESAMPLES, _CONFIDENCE = 200, 0.95
+_HITS = 10.0, 0.1
+"""Impact speeds [m/s] between which those of blades lie."""
+
+_HYSTERESIS = 1e-4
+"""Lever of rolling friction over the ball's radius that the hysteresis of metals leaves, about."""
+
 _CONSTANT = 1e-9
 """Relative spread below which a quantity does not vary, and has no indices."""
 
@@ -57,8 +64,10 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     Rolling friction over two decades, since what it is made of (hysteresis, roughness, a dent) is hardly ever measured;
     restitution within ±0.2, which impact speed and material leave; friction ±30 %, the structure's damping a factor of
     2 either way, the clearance along the bending direction within ±0.05 mm, or half of it. What follows from materials
-    ('auto') is not varied.
+    ('auto'): restitution as of hits at `_HITS`, rolling friction up to a hundred times what hysteresis alone leaves.
     """
+    from damper import contact
+
     damper = scene.damper
     assert damper is not None
     gap = damper.cavity[0] - 2 * damper.radius
@@ -71,8 +80,12 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     }
     if isinstance(e, float):
         spreads = {"damper.restitution": Spread(max(e - 0.2, 0.0), min(e + 0.2, 1.0)), **spreads}
-    if isinstance(rolling, float):
-        spreads["damper.rolling_friction"] = Spread(rolling / 10, min(10 * rolling, damper.radius), "log")
+    elif e == "auto" and (made_of := limits.solids(scene)) is not None and damper.balls is not None:
+        hit = damper.balls / damper.count, damper.radius, *made_of
+        least, most = (contact.restitution(speed, *hit) for speed in _HITS)
+        spreads = {"damper.restitution": Spread(least, most), **spreads}
+    least = rolling / 10 if isinstance(rolling, float) else _HYSTERESIS * damper.radius
+    spreads["damper.rolling_friction"] = Spread(least, min(100 * least, damper.radius), "log")
     known = {name: spread for name, spread in spreads.items() if spread.high > spread.low}
     return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
 
