@@ -55,6 +55,9 @@ FINEST = 24
 PROJECTED = 0.1
 """Part of the tolerance that may be left at a speed whose modes are sought among those of others."""
 
+MENDED = 0.01
+"""Error at such a speed up to which what its modes lack, by the last factor, is added to those of others."""
+
 SPREAD = 2.5
 """What errors at the speeds known may become between them: Lebesgue's constant of some 20 Chebyshev points."""
 
@@ -280,7 +283,7 @@ def sweep_blade(
         for k in range(parts - 1, 0, -1 if parts == FIRST else -2):
             square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
             guess = prediction.modes(square**0.5)[0]
-            off = _project(operators, square, known, prediction)
+            off = _project(operators, square, known, prediction, PROJECTED * tolerance)
             if not off <= PROJECTED * tolerance:
                 _solve_between(operators, square, count, known)
                 off = 0.0
@@ -335,32 +338,39 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep) -> float:
-    """Know a speed by state and modes among the modes and slopes of solved speeds.
+def _project(
+    operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float
+) -> float:
+    """Know a speed by state and modes among the modes and slopes of solved speeds, and what these lack there.
 
-    Returns the largest relative error that this leaves of a wanted frequency, to first order.
+    Returns the largest relative error that this leaves of a wanted frequency, to first order; enough: what may be left.
     """
     omega, mass = square**0.5, operators.mass
     basis, image = known.space(square, mass)
     linear = operators.prestress is not None
-    state = known.predicted(square)
-    if not linear:
-        reduced = basis.T @ (tangent(operators, omega, state) @ basis)
-        for _ in range(CORRECTIONS):
-            residual = unbalanced(operators, square, state, operators.stressed(state))
-            state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
-    pushed = _about(operators, omega, state) @ basis
-    values, vectors = np.linalg.eigh(basis.T @ pushed)
     count, wanted = prediction.shapes.shape[2], prediction.count
-    values, vectors = values[:count], vectors[:, :count]
-    shapes = basis @ vectors
-    residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
-    residual = np.zeros_like(state) if linear else unbalanced(operators, square, state, operators.stressed(state))
-    steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
-    changes = np.einsum("nk,nk->k", residuals, steps[:, :-1])
-    bent = np.zeros(wanted) if linear else steps[:, -1] @ operators.bending(state, shapes[:, :wanted])
-    known.add(square, state, None, values, shapes)
-    return float((0.5 * (np.abs(changes) + np.abs(bent)) / values[:wanted]).max())
+    state, off = known.predicted(square), np.inf
+    while True:
+        if not linear:
+            reduced = basis.T @ (tangent(operators, omega, state) @ basis)
+            for _ in range(CORRECTIONS):
+                residual = unbalanced(operators, square, state, operators.stressed(state))
+                state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
+        pushed = _about(operators, omega, state) @ basis
+        values, vectors = np.linalg.eigh(basis.T @ pushed)
+        values, vectors = values[:count], vectors[:, :count]
+        shapes = basis @ vectors
+        residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
+        residual = np.zeros_like(state) if linear else unbalanced(operators, square, state, operators.stressed(state))
+        steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
+        changes = np.einsum("nk,nk->k", residuals, steps[:, :-1])
+        bent = np.zeros(wanted) if linear else steps[:, -1] @ operators.bending(state, shapes[:, :wanted])
+        before, off = off, float((0.5 * (np.abs(changes) + np.abs(bent)) / values[:wanted]).max())
+        known.add(square, state, None, values, shapes)
+        if off <= enough or before < np.inf or not off <= MENDED:
+            return off
+        block, heavy, _, _ = orthonormal(steps, basis, image, mass)
+        basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
 
 
 def _solve_between(operators: SolidOperators, square: float, count: int, known: _Solved) -> None:
