@@ -38,6 +38,12 @@ _SURE = 1e-4
 _NOTHING = 1e-290
 """Drive [m/s²] that moves nothing: what is computed of a smaller one has no digits."""
 
+_SET_OFF = 1e-9
+"""Share of a velocity's other terms by which a ball that has just set off may seem to accelerate backwards.
+
+A ball at a turning point, where its flight was broken off, does so by more: it reverses at once.
+"""
+
 _ROUNDING = 4.5e-16
 """Of the sum of a guard's terms: the guard is not known better, and has reached zero there."""
 
@@ -355,7 +361,7 @@ def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[f
     d = axis.direction
     x = _hit(s, guard, d, axis.half_gap, end)
     _velocity(s, guard, d)
-    if guard[0] == 0.0:  # just set off: it accelerates along its direction, whatever rounding says
+    if guard[0] == 0.0 and guard[1] > -_SET_OFF * sizes(guard, 0, 2, 1.0):  # just set off, whatever rounding says
         guard[1] = max(guard[1], 0.0)
     turn = first_zero(guard, min(x, end))
     return (turn, REVERSAL) if turn < x else (x, HIT)

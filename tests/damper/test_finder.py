@@ -164,3 +164,13 @@ def test_no_flight_misses_its_end() -> None:
     flights *= FACTORIALS
     assert missed(flights, axis, np.zeros(TERMS), 300, kinds) < 1e-14
     assert {HIT, REVERSAL, NOTHING} <= set(kinds)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_flight_that_begins_at_its_turning_point_reverses_at_once(side: int) -> None:
+    """A flight broken off in the very instant of a reversal, as at the end of a cycle of a force, goes on backwards."""
+    axis, k = np.zeros(1, AXIS)[0], np.arange(TERMS)
+    axis["half_gap"], axis["direction"] = 1.0, side
+    swing = 0.3 * side * 1.5**k * np.cos(0.5 * np.pi * k)  # cos(1.5 x): at its extreme, speed zero to the last bit
+    swing[1::2] = 0.0
+    assert _end_of_roll(swing, np.zeros(TERMS), axis, 1.0) == (0.0, REVERSAL)
