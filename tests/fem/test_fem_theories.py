@@ -101,14 +101,14 @@ def test_a_solid_hardly_locks_on_distorted_cells_unless_it_is_thin(thickness, lo
     assert np.abs(moved / even - 1.0).max() < locking
 
 
-@pytest.mark.parametrize("omega", [0.0, 1e-3])
 @pytest.mark.parametrize("effects", [Effects(), Effects(coriolis=True), Effects(large_deflection=True)])
 @pytest.mark.parametrize(("height", "cells"), [(1e-6, 8), (1e-7, 4), (1e-8, 4)])
-def test_what_rounding_eats_up_does_not_diverge(omega, effects, height, cells):
+def test_what_rounding_eats_up_does_not_diverge(effects, height, cells):
     """A plate at rest cannot: where so little is left of its stiffness, that is said; of 1e-6, on cells that small."""
     operators = assemble(Plate(rectangle(1.0, 1.0, cells, cells), height, STEEL), Rotor(), effects, "solid")
-    with pytest.raises(Unresolved, match="too thin for theory 'solid/2'"):
-        solve_modes(operators, omega, 3)
+    for omega in (0.0, 1e-3):
+        with pytest.raises(Unresolved, match="too thin for theory 'solid/2'"):
+            solve_modes(operators, omega, 3)
     with pytest.raises(Unresolved):
         critical_speed(operators)
 

@@ -263,10 +263,11 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
 
 
 def test_nothing_better_among_all_designs(slow, here):
-    """27 designs, each tried with full figures: the search finds the best of them."""
+    """27 designs, all that come within 10 % of the best with full figures: the search finds the best of them."""
     found = spindamp.design(slow, executor=here)
-    shares = [[(a + 0.5) / 3, (b + 0.5) / 3, (c + 0.5) / 3] for a, b, c in product(range(3), repeat=3)]
-    every = score_of(found.space)(shares, quick=False)
+    shares = np.array([[(a + 0.5) / 3, (b + 0.5) / 3, (c + 0.5) / 3] for a, b, c in product(range(3), repeat=3)])
+    roughly = np.array([each.value for each in score_of(found.space)(shares)])  # to about a percent
+    every = score_of(found.space)(shares[roughly > 0.9 * roughly.max()], quick=False)
     best = max(every, key=lambda each: each.value)
     assert found.optimum.scored.value == best.value > 0
     assert found.document()["value"] == best.value

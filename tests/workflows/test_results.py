@@ -9,6 +9,7 @@ import math
 import os
 import re
 import shutil
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import fields
@@ -23,6 +24,7 @@ import pytest
 import spindamp
 import workflows
 from tests.workflows.conftest import Command, Scene, changed, python, write
+from tests.workflows.test_resources import MEASURED
 from workflows.effects import selection
 from workflows.io import provenance, serialise
 from workflows.scene import quantities
@@ -422,21 +424,27 @@ TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in se
 
 
 @pytest.fixture(scope="module")
-def again(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The paper's scene once more, by a process of its own with another seed for its hashes."""
-    folder = tmp_path_factory.mktemp("again")
+def again(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
+    """The paper's scene once more, by a process of its own with another seed for its hashes, and its most memory."""
+    out = tmp_path_factory.mktemp("again") / "out"
     seed = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
-    out, environment = folder / "out", os.environ | {"PYTHONHASHSEED": seed}
-    assert python("-m", "workflows.cli", "run", "--out", out, env=environment).returncode == 0
-    return folder / "out"
+    done = python("-c", MEASURED, "run", "--out", out, "drawn", env=os.environ | {"PYTHONHASHSEED": seed})
+    assert done.returncode == 0, done.stderr
+    return out, float(done.stdout.split()[-1])
 
 
-def test_same_scene_same_bits(finished: Path, again: Path) -> None:
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
+def test_the_memory_promised_is_what_a_run_takes(again: tuple[Path, float], spindamp: Command) -> None:
+    promised = json.loads(spindamp("check", "paper", "--json").out)["sizes"]["memory"]
+    assert 0.5 < promised / again[1] < 2.0
+
+
+def test_same_scene_same_bits(finished: Path, again: tuple[Path, float]) -> None:
     names = {path.name for path in finished.iterdir()}
-    assert names == {path.name for path in again.iterdir()}
+    assert names == {path.name for path in again[0].iterdir()}
     assert {"results.json", "results.nc", "modes.vtu", "report.html"} < names
     for name in names:
-        one, other = (folder / name for folder in (finished, again))
+        one, other = (folder / name for folder in (finished, again[0]))
         times = TIMES.get(name)
         if times is None:
             assert one.read_bytes() == other.read_bytes(), name
