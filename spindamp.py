@@ -29,7 +29,8 @@ from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError, lawful
+from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
+from workflows.laws import lawful
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file, load, parse, shipped
 from workflows.scene.scene import Scene
 

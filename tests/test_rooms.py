@@ -12,7 +12,7 @@ ROOMS = {
 }
 """From the top down: a room may import those after it."""
 
-GROUND = {"fem": ("linalg",), "workflows": ("errors", "versions", "formatting", "progress")}
+GROUND = {"fem": ("linalg",), "workflows": ("errors", "laws", "versions", "formatting", "docstrings", "progress")}
 """What imports no room, and any room may import."""
 
 ATTIC = {"fem": ("output",), "workflows": ("pipeline",)}

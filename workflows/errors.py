@@ -7,20 +7,17 @@ SpindampError
 └── ImpossibleResult  exit 1   a figure violates a law of physics: a defect, of which nothing is published
 
 `fem.LawViolation` and `damper.LawViolation` become an `ImpossibleResult` where a command or a function of `spindamp`
-ends (`lawful`); on the way there no handler of other errors takes them. Anything else that reaches the command line is
-an internal error: exit 1.
+ends (`workflows.laws`); on the way there no handler of other errors takes them. Anything else that reaches the command
+line is an internal error: exit 1.
 """
 
 from __future__ import annotations
 
 import difflib
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import date, time
 from itertools import islice
-
-from workflows import versions
 
 _LONGEST_KEY = 80
 
@@ -80,24 +77,6 @@ class NoAnswer(SpindampError):
 
 class ImpossibleResult(SpindampError):
     """A figure violates a law of physics: law, figure, bound, place and versions, in one line."""
-
-
-@contextmanager
-def lawful() -> Iterator[None]:
-    """Translate the violation of a law by a figure of `fem` or `damper`; serves as a decorator as well.
-
-    Raises:
-        ImpossibleResult: such a violation.
-    """
-    loaded = (sys.modules.get(name) for name in ("fem.sweep.laws", "damper.laws"))
-    try:
-        yield
-    except Exception as error:
-        if not isinstance(error, tuple(module.LawViolation for module in loaded if module is not None)):
-            raise
-        places = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
-        problem = f"an internal error: {error}{places}; nothing was published, please report it with the scene"
-        raise ImpossibleResult(one_line(f"{problem} ({versions.line()})")) from error
 
 
 @contextmanager

@@ -48,7 +48,7 @@ def widest(amplitude: float) -> float:
 def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
     """With what the way down has; and up to where a ball that keeps to the middle meets no wall."""
     found = lively(0.7)
-    own = found.speeds[0].working
+    own = found.speeds[0].damping_curve
     assert own.peak < 0.5 * own.from_above.peak
     said = re.search(
         r"may roll or rest without hitting a wall up to ([\d.]+) mm\. Once it bounces, it does so down to"
@@ -63,7 +63,7 @@ def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
 
 def test_a_peak_that_the_pace_moves_is_said_to_be_known_less_well() -> None:
     found = lively(0.99)
-    error = found.speeds[0].working.error
+    error = found.speeds[0].damping_curve.error
     assert error > 0.05
     assert f"(±{100 * error:.2g} %): it takes" in answer(found).sentences[0]
     assert known_within(lively(0.6, "0.1 mm").speeds[0]) == ""

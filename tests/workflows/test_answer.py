@@ -81,8 +81,8 @@ def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: s
     found = results(damping_ratio=zeta, release=f"{release} 0")
     assert text(found) == text(plain)
     for one, other in zip(found.speeds, plain.speeds, strict=True):
-        assert one.working.peak == pytest.approx(other.working.peak, rel=0.05)
-        assert one.working.range == pytest.approx(other.working.range, rel=0.05)
+        assert one.damping_curve.peak == pytest.approx(other.damping_curve.peak, rel=0.05)
+        assert one.damping_curve.range == pytest.approx(other.damping_curve.range, rel=0.05)
 
 
 def test_a_step_between_two_loads_is_named() -> None:
@@ -97,7 +97,7 @@ def test_the_verdict_in_numbers() -> None:
     """The record at each speed says what the answer says."""
     found = results(speeds="3500 17500")
     for point, speed in zip(found.speeds, workflows.document(found)["speeds"], strict=True):
-        own, verdict = point.working, speed["verdict"]
+        own, verdict = point.damping_curve, speed["verdict"]
         assert verdict.pop("grade") == ("modest" if own.peak >= limits.AIR[0] / 10 else "negligible")
         figures = {"damping_ratio": own.peak, "amplitude": own.peak_amplitude, "useful_range": list(own.half)}
         assert verdict == figures | {"reason": ""}
@@ -121,7 +121,9 @@ def test_no_verdict_has_no_figures(changes: dict[str, str], grade: str, reason: 
 def test_standstill_does_not_decide() -> None:
     """A ball that nothing presses down takes much more: that says nothing of the plate that spins."""
     still = results(speeds="0 3500")
-    assert still.speeds[0].working.peak > 2 * still.speeds[1].working.peak, "chaotic, but far from the other"
+    assert still.speeds[0].damping_curve.peak > 2 * still.speeds[1].damping_curve.peak, (
+        "chaotic, but far from the other"
+    )
     assert text(still).replace("best, turning, at", "best, at") == text(results(speeds="3500"))
 
 
@@ -341,7 +343,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     """The capacity of a cycle in the table, and the answer above it; and down to where a ball in motion goes on."""
     found = workflows.run(HOLLOW)
     (point,) = found.speeds
-    own, rung = point.working, point.damper
+    own, rung = point.damping_curve, point.damper
     assert np.nanmin(rung.sdc) < 0, "the ball gives back"
     peak = own.from_above.peak
     assert rung.peak_sdc > 2 * -math.expm1(-4 * math.pi * peak)
@@ -388,7 +390,7 @@ def test_the_friction_that_rolling_needs_is_that_of_a_ring_down() -> None:
     flat |= {"rolling_friction": "0.0001 mm", "cavity": ["2.5 mm", "2.5 mm"]}
     whole = workflows.run(HOLLOW | {"damper": flat})
     (first,) = whole.speeds
-    amplitude = first.working.peak_amplitude
+    amplitude = first.damping_curve.peak_amplitude
     release = {"displacement": [amplitude, 0.0], "cycles": 3}
     again = workflows.run(HOLLOW | {"damper": flat, "release": release}).speeds[0]
     demand = again.damper.largest_rolling_demand
@@ -447,8 +449,10 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
 def test_a_damping_ratio_of_rounding_counts_as_none() -> None:
     """Of 1e-15 no verdict speaks as of a little."""
     found = results()
-    least = [replace(p.working, damping_ratio=1e-12 * p.working.damping_ratio, peak=1e-15) for p in found.speeds]
-    points = tuple(replace(p, working=own) for p, own in zip(found.speeds, least, strict=True))
+    least = [
+        replace(p.damping_curve, damping_ratio=1e-12 * p.damping_curve.damping_ratio, peak=1e-15) for p in found.speeds
+    ]
+    points = tuple(replace(p, damping_curve=own) for p, own in zip(found.speeds, least, strict=True))
     said = answer(limits.with_verdicts(replace(found, speeds=points)))
     assert said.verdict == "Not found: whether the ball damps"
 
@@ -513,7 +517,7 @@ def load(rpm: float) -> float:
 
 def needed(results: Results, k: int) -> float:
     """2/7 of the drive over the load and 5/7 of the rolling resistance: the friction of pure rolling."""
-    amplitude = results.speeds[k].working.peak_amplitude
+    amplitude = results.speeds[k].damping_curve.peak_amplitude
     drive = (2 * math.pi * 269.5) ** 2 * amplitude / 9.80665
     return 2 / 7 * drive / load(results.speeds[k].rpm) + 5 / 7 * 0.01
 

@@ -177,7 +177,7 @@ def test_the_cutoff_is_that_of_the_damper():
     for each in report.of(space, found, space.goal):
         assert (
             objectives.cutoff_of(each.damper)
-            == each.working.cutoff
+            == each.damping_curve.cutoff
             == damping_curve(each.damper, sweeps=2, stay=8).cutoff
         )
         assert each.damper.floor_tilt[0] > 1.0
@@ -276,7 +276,7 @@ def test_nothing_better_among_all_designs(slow, here):
     assert scene.design is None
     assert scene.damper.radius == found.space.values(found.optimum.shares)["damper.radius"]
     point = spindamp.run(scene).speeds[0]
-    assert objectives.least(point.working, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
+    assert objectives.least(point.damping_curve, 4e-3, 8e-3)[0] == pytest.approx(best.value, rel=0.02)
     assert report.verdict(found.space, found.optimum).startswith(
         "The best design adds an equivalent damping ratio of at least"
     )

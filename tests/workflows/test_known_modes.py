@@ -48,7 +48,7 @@ def files(tmp_path: Path) -> Path:
 
 def figures(results: Results) -> list[float]:
     """What a verdict rests on, at the last speed."""
-    own, reduced = results.speeds[-1].working, results.speeds[-1].reduced
+    own, reduced = results.speeds[-1].damping_curve, results.speeds[-1].reduced
     return [own.peak, own.peak_amplitude, *own.half, own.cutoff, reduced.f1_hz, reduced.M2, reduced.floor_tilt]
 
 

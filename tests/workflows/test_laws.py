@@ -22,7 +22,8 @@ from tests.compiler import needs_compiler
 from tests.workflows.conftest import KNOWN, Command, changed, write
 from workflows.cli.main import main
 from workflows.effects.selection import resolve
-from workflows.errors import ImpossibleResult, SpindampError, during, lawful
+from workflows.errors import ImpossibleResult, SpindampError, during
+from workflows.laws import lawful
 from workflows.scene.load import parse
 from workflows.solve import coupling, self_check
 from workflows.solve.damper import particle_damper

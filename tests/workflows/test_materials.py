@@ -267,7 +267,7 @@ def test_hits_that_last_long_beside_the_flights_are_remarked() -> None:
     shares = []
     for point in found.speeds:
         omega = 2 * math.pi * point.reduced.f1_hz
-        drive = 5 / 7 * point.working.peak_amplitude * omega**3
+        drive = 5 / 7 * point.damping_curve.peak_amplitude * omega**3
         flight = min(math.pi / omega, (6 * 0.02e-3 / drive) ** (1 / 3))
         speed = 0.02e-3 / flight
         depth = (15 * (point.reduced.M1 - point.reduced.M2) * speed**2 / (16 * math.sqrt(2e-3) * stiff)) ** 0.4

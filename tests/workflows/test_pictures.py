@@ -404,7 +404,7 @@ def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: in
 
 def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
     (point,) = slow.speeds
-    own, figure = point.working, figures_of.damping_ratio(slow)
+    own, figure = point.damping_curve, figures_of.damping_ratio(slow)
     shown = own.amplitude[own.damping_ratio > 0]
     assert own.cutoff < 1e-2 * shown.min()
     low, high = figure.axes[0].get_xlim()
@@ -414,7 +414,7 @@ def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:
 
 def test_a_tick_within_a_decade_of_its_curve_is_on_the_axis(slow: Results) -> None:
     (point,) = slow.speeds
-    least = float(point.working.amplitude[point.working.damping_ratio > 0].min())
-    near = replace(point, working=replace(point.working, cutoff=least / 5))
+    least = float(point.damping_curve.amplitude[point.damping_curve.damping_ratio > 0].min())
+    near = replace(point, damping_curve=replace(point.damping_curve, cutoff=least / 5))
     figure = figures_of.damping_ratio(replace(slow, speeds=(near,)))
     assert figure.axes[0].get_xlim()[0] < 1e3 * least / 5

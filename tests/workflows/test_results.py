@@ -374,7 +374,7 @@ def _full() -> Any:
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damper=damping,
-        working=results.OwnFigures(
+        damping_curve=results.OwnFigures(
             **figures,
             **dict.fromkeys(OTHER_WAYS, results.Figures(**figures)),
             error=0.0,

@@ -12,9 +12,10 @@ import os
 import signal
 import sys
 
-from workflows.errors import SpindampError, lawful, one_line
+from workflows.errors import SpindampError, one_line
 from workflows.io import folder
 from workflows.io.folder import Terminated
+from workflows.laws import lawful
 
 DONE, DEFECT, BAD_INPUT, STOPPED, PIPE_CLOSED = 0, 1, 2, 130, 141
 

@@ -115,7 +115,7 @@ def capacity(results: Results) -> list[Curve]:
 
 def damping_ratio(results: Results) -> list[Curve]:
     """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
-    figures = [(point, point.working) for point in results.speeds]
+    figures = [(point, point.damping_curve) for point in results.speeds]
     return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
 
 
@@ -124,7 +124,7 @@ def damping_ratio_of_other_starts(results: Results) -> list[Curve]:
     return [
         _damping_curve(f"damping_ratio_{way}", point, getattr(own, way))
         for point in results.speeds
-        if (own := point.working) is not None and own.amplitude.size and own.ways_differ
+        if (own := point.damping_curve) is not None and own.amplitude.size and own.ways_differ
         for way in OTHER_WAYS
     ]
 

@@ -221,7 +221,7 @@ def _quantities(
 _NO_HEADLINES: Any = {
     "modes": True,
     "cavity_modes": True,
-    "working": {"curve": True} | {way: {"curve"} for way in OTHER_WAYS},
+    "damping_curve": {"curve": True} | {way: {"curve"} for way in OTHER_WAYS},
     "level": True,
     "damper": {"cycles"},
 }

@@ -344,7 +344,7 @@ def _spread(values: list[float], gap: float) -> list[float]:
 def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
     lines = files.damping_ratio(results)
-    ranges = [w for point in results.speeds if (w := point.working) is not None and w.amplitude.size]
+    ranges = [w for point in results.speeds if (w := point.damping_curve) is not None and w.amplitude.size]
     if not lines:
         return None
     figure, (axes,) = plots.canvas(3.1, target=target)

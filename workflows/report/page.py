@@ -146,7 +146,7 @@ def render(results: Results, drawings: Drawings) -> str:
         error_parts=remarks.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
         orders=verdict.of_orders(results),
-        tilts=any(p.working and p.working.tilted_cutoff_ratio is not None for p in results.speeds),
+        tilts=any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in results.speeds),
         first_notes=remarks.FIRST,
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         air=limits.AIR,
@@ -206,7 +206,7 @@ def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:
         "mark": remarks.mark(results, point),
         "cutoff": limits.cutoff(results, point),
         "cutoff_mark": remarks.cutoff_mark(results, point),
-        "share": limits.energy_loss(point.working.peak) if point.working else 0.0,
+        "share": limits.energy_loss(point.damping_curve.peak) if point.damping_curve else 0.0,
         "damper": point.damper,
         "lost": None if point.damper is None else remarks.lost_at_most(point.damper),
     }

@@ -9,6 +9,7 @@ import math
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -76,7 +77,7 @@ def percent(share: float) -> str:
 
 def mark(results: Results, point: SpeedPoint) -> str:
     """What a table puts beside the damper's figures at a speed; empty where they are as good as the answer."""
-    figures, verdict = point.working, point.verdict
+    figures, verdict = point.damping_curve, point.verdict
     if figures is None or verdict is None:
         return ""
     if limits.is_beyond(results, point):
@@ -244,7 +245,7 @@ def level_floor(results: Results) -> str | None:
     pairs = [
         (ratio, d.cutoff_ratio)
         for p, _, d in ring_downs(results)
-        if p.working and (ratio := p.working.tilted_cutoff_ratio) is not None and p.load_g > 0
+        if p.damping_curve and (ratio := p.damping_curve.tilted_cutoff_ratio) is not None and p.load_g > 0
     ]
     if not pairs:
         return None
@@ -329,7 +330,9 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> str | None:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    swings = (p.working.pendulum for p, _, _ in ring_downs(results) if p.working is not None and p.load_g > 0)
+    swings = (
+        p.damping_curve.pendulum for p, _, _ in ring_downs(results) if p.damping_curve is not None and p.load_g > 0
+    )
     pendulum = next(filter(None, swings), None)
     if damper is None or damper.floor_radius is None or pendulum is None:
         return None
@@ -606,6 +609,7 @@ class Worst(NamedTuple):
     parts: ErrorParts
 
 
+@lru_cache(maxsize=1)  # asked by several sentences of one report
 def worst(results: Results) -> list[Worst]:
     """Mode by mode, those whose error is known."""
     largest: dict[int, Worst] = {}
@@ -844,7 +848,7 @@ def _nothing_released(results: Results) -> str | None:
 
 def _held(results: Results) -> str | None:
     """Ring-downs in which the release is too small to set the ball rolling."""
-    rung = [(p, d, p.level or p.working) for p, _, d in ring_downs(results) if p.load_g > 0 and d.events == 0]
+    rung = [(p, d, p.level or p.damping_curve) for p, _, d in ring_downs(results) if p.load_g > 0 and d.events == 0]
     peaks = [(p, d, own) for p, d, own in rung if own is not None and own.peak > 0]
     if not peaks:
         return None

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from workflows import pipeline
-from workflows.errors import lawful, one_line
+from workflows.errors import one_line
 from workflows.formatting import aligned, amount, fixed, percent, revolutions, significant
+from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
 from workflows.report.remarks import remarked
@@ -75,7 +76,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 
 
 def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
-    damping, figures = point.damper, point.working
+    damping, figures = point.damper, point.damping_curve
     if damping is None:
         return (amount(point.rpm), amount(point.load_g))
     cutoff = limits.cutoff(results, point)

@@ -35,7 +35,7 @@ _KNOWN = 0.05
 
 def known_within(point: SpeedPoint) -> str:
     """How well a best figure is known, where it is not known well."""
-    error = 0.0 if point.working is None else point.working.error
+    error = 0.0 if point.damping_curve is None else point.damping_curve.error
     return f" (±{percent(min(error, 1.0))} %)" if error > _KNOWN else ""
 
 
@@ -46,7 +46,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         for point in points
         if (best := limits.best(results, point)) is not None and not math.isnan(best.useful[0])
     }
-    working = [(p, w) for p in points if p.omega in useful and (w := p.working) is not None]
+    working = [(p, w) for p in points if p.omega in useful and (w := p.damping_curve) is not None]
     if not working:
         return []
     ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
@@ -79,7 +79,7 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = limits.endured(results)
-    lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.working) is not None]
+    lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
     lost = [(p, w) for p, w in lost if w.peak > limits.ROUNDING]
     if limit is None or not lost:
         return None
@@ -135,7 +135,7 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     parted = [
         (p, w)
         for p in points
-        if (w := p.working) is not None and w.ways_differ and w.from_above.peak > (1 + target) * w.peak > 0
+        if (w := p.damping_curve) is not None and w.ways_differ and w.from_above.peak > (1 + target) * w.peak > 0
     ]
     if not parted:
         return []
@@ -256,7 +256,7 @@ def answer(results: Results) -> Answer:
 
 def _alone(results: Results) -> Answer:
     """The damper's own figures, which no release and no damping of the structure has a part in."""
-    points = sorted((p for p in results.speeds if p.working is not None), key=lambda p: p.load_g)
+    points = sorted((p for p in results.speeds if p.damping_curve is not None), key=lambda p: p.load_g)
     if not points:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
@@ -355,7 +355,7 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     fed = [
         (w.amplitude[w.damping_ratio < -1e-3 * w.peak].min(), p)
         for p in points
-        if (w := p.working) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
+        if (w := p.damping_curve) is not None and (w.damping_ratio < -1e-3 * w.peak).any()
     ]
     if not fed:
         return None
@@ -387,7 +387,7 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
         return "No: the ball takes nothing", (
             f"{along} neither rolls against a resistance nor loses speed at the walls.",
         )
-    cutoff = 0.0 if low.working is None else low.working.cutoff
+    cutoff = 0.0 if low.damping_curve is None else low.damping_curve.cutoff
     known = f", from {millimetres(cutoff)} mm on," if cutoff > 0 else ","
     text = (
         f"{capital(at_load(low))} no damping by the ball was found at any of the amplitudes searched{known}"

@@ -88,7 +88,7 @@ def with_verdicts(results: Results) -> Results:
     speeds = []
     for point in results.speeds:
         pressed = with_contact(results.scene, point)
-        speeds.append(pressed if point.working is None else replace(pressed, verdict=verdict(results, point)))
+        speeds.append(pressed if point.damping_curve is None else replace(pressed, verdict=verdict(results, point)))
     return replace(results, speeds=tuple(speeds))
 
 
@@ -238,7 +238,7 @@ def is_printed(results: Results) -> bool:
 
 def _idle(results: Results, point: SpeedPoint) -> Reason:
     """Why the damper does nothing at a speed."""
-    damper, figures = results.scene.damper, point.working
+    damper, figures = results.scene.damper, point.damping_curve
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
     if figures is None or math.isinf(figures.cutoff):
@@ -251,7 +251,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
 
 def best(results: Results, point: SpeedPoint) -> Best | None:
     """The most that the damper does at a speed; None where it does nothing."""
-    figures = point.working
+    figures = point.damping_curve
     if figures is None or not figures.peak > ROUNDING or is_torn(results, point):
         return None
     limit = endured(results)
@@ -380,7 +380,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     without the share of it that the tilt takes, is above the load times the rolling friction over the radius. Without a
     plate no amplitude is known to be the greatest, and there is the least amplitude alone.
     """
-    damper, figures, reduced, limit = results.scene.damper, point.working, point.reduced, endured(results)
+    damper, figures, reduced, limit = results.scene.damper, point.damping_curve, point.reduced, endured(results)
     if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
         return None
     if limit is None:
@@ -491,7 +491,7 @@ def deflection_governs(results: Results) -> bool:
 
 def is_beyond(results: Results, point: SpeedPoint) -> bool:
     """Whether the damper's peak lies at an amplitude, or at a speed, that the plate does not endure."""
-    limit, own = endured(results), point.working
+    limit, own = endured(results), point.damping_curve
     if own is None or not own.peak > 0:
         return False
     return is_torn(results, point) or (limit is not None and own.peak_amplitude > limit)
@@ -570,7 +570,7 @@ def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
 
 def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
-    damping, own, reduced = point.damper, point.level or point.working, point.reduced
+    damping, own, reduced = point.damper, point.level or point.damping_curve, point.reduced
     if damping is not None and damping.cutoff_g is not None:
         return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
     if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:

@@ -153,22 +153,13 @@ def _columns(record: type, data: Any, name: str) -> Any:
 class Figures:
     """What a damper does to a steady vibration; amplitudes are the structure's displacements along x at the damper."""
 
-    peak: Annotated[
-        float,
-        quantity("1", "damping_ratio_peak", headline=True),
-    ]
+    peak: Annotated[float, quantity("1", "damping_ratio_peak", headline=True)]
     """largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude"""
     peak_amplitude: Annotated[Unknown, quantity("m", "at_amplitude", headline=True)]
     """amplitude at the cavity where that is"""
-    range: Annotated[
-        Pair,
-        quantity("m", ends=_ENDS, headline=True),
-    ]
+    range: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
     """of amplitudes at which the damper works, with at least half its peak"""
-    half: Annotated[
-        Pair,
-        quantity("m", "half_range", ends=_ENDS, headline=True),
-    ]
+    half: Annotated[Pair, quantity("m", "half_range", ends=_ENDS, headline=True)]
     """between which the damping is at least half its peak"""
     cutoff: Annotated[Unknown, quantity("m", headline=True)]
     """amplitude up to which the ball stays at rest"""
@@ -201,60 +192,30 @@ class Pendulum:
 class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
-    error: Annotated[
-        float,
-        quantity("1", alone="working_error", headline=True),
-    ]
+    error: Annotated[float, quantity("1", alone="working_error", headline=True)]
     """of the peak and of `half`, relative: spread of the measurement, and what its pace moved"""
-    from_above: Annotated[
-        Figures,
-        part(prefix="from_above_"),
-    ] = field(repr=False)
+    from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those of the
     way up, from a ball at rest in the middle or rolling about it"""
-    slow_ramp: Annotated[
-        Figures,
-        part(prefix="slow_ramp_"),
-    ] = field(repr=False)
+    slow_ramp: Annotated[Figures, part(prefix="slow_ramp_")] = field(repr=False)
     """the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces
     earlier: typical, not certain"""
-    abrupt_start: Annotated[
-        Figures,
-        part(prefix="abrupt_start_"),
-    ] = field(repr=False)
+    abrupt_start: Annotated[Figures, part(prefix="abrupt_start_")] = field(repr=False)
     """the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the middle;
     later it may have drifted to a wall, and bounce"""
-    folds: Annotated[
-        Pair,
-        quantity("m", ends=_ENDS, headline=True),
-    ]
+    folds: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
     """amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to where a
     ball that rolls about the middle must meet the walls; null where the ways do not differ"""
-    jump: Annotated[
-        Pair,
-        quantity("m", ends=_ENDS),
-    ]
+    jump: Annotated[Pair, quantity("m", ends=_ENDS)]
     """amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the vibration
     grows; null as of `folds`"""
-    level: Annotated[
-        Figures | None,
-        part("level_floor", prefix="level_", headline=False),
-    ]
+    level: Annotated[Figures | None, part("level_floor", prefix="level_", headline=False)]
     """the figures of the way down on a floor that stays level, where the scene keeps it so; else null"""
-    tilt_share: Annotated[
-        float,
-        quantity("1", "floor_tilt_share", headline=True),
-    ]
+    tilt_share: Annotated[float, quantity("1", "floor_tilt_share", headline=True)]
     """share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it"""
-    pendulum: Annotated[
-        Pendulum | None,
-        part(prefix="pendulum_"),
-    ] = None
+    pendulum: Annotated[Pendulum | None, part(prefix="pendulum_")] = None
     """the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's"""
-    tilted_cutoff_g: Annotated[
-        MaybeUnknown,
-        quantity("g"),
-    ] = None
+    tilted_cutoff_g: Annotated[MaybeUnknown, quantity("g")] = None
     """cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"""
     tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
     """that over load_g"""
@@ -333,10 +294,7 @@ class Reason(StrEnum):
 class Verdict:
     """What a damper is good for at a speed."""
 
-    grade: Annotated[
-        str,
-        quantity(""),
-    ]
+    grade: Annotated[str, quantity("")]
     """yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never moves at
     what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows; unknown: outside the
     model"""
@@ -344,15 +302,9 @@ class Verdict:
     """largest damping ratio within what the structure endures; null: no verdict"""
     amplitude: Annotated[float | None, quantity("m")]
     """amplitude at the cavity where that is"""
-    useful: Annotated[
-        Pair,
-        quantity("m", "useful_range", ends=_ENDS),
-    ]
+    useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS)]
     """amplitudes between which the damping is at least half its peak, as far as the structure endures them"""
-    reason: Annotated[
-        str,
-        quantity(""),
-    ]
+    reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
     endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the drive), no_loss,
     not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact (ball or floor yields fully
@@ -413,10 +365,7 @@ class VibrationReduction:
     """the levels of [excitation]"""
     loose: Annotated[bool, quantity("1")] = False
     """whether the load holds the ball too loosely for more than a rough estimate"""
-    reason: Annotated[
-        str,
-        quantity(""),
-    ] = Reason.NONE
+    reason: Annotated[str, quantity("")] = Reason.NONE
     """why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another moves the
     cavity more), ball_swings (in its hollow floor)"""
     detail: Annotated[str, quantity("")] = ""
@@ -594,10 +543,7 @@ class Mode:
     """natural frequency"""
     family: Annotated[str, quantity("")]
     """what the mode does"""
-    error_parts: Annotated[
-        ErrorParts | None,
-        part(prefix="error_"),
-    ] = None
+    error_parts: Annotated[ErrorParts | None, part(prefix="error_")] = None
     """of the relative error, each without sign; null where unknown, or where an effect is not left out"""
     damping_ratio: Annotated[float | None, quantity("1")] = None
     """of a complex mode"""
@@ -679,7 +625,7 @@ class SpeedPoint:
     Attributes:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
         damper: what the scene's release leads to, with its effects.
-        working: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
+        damping_curve: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
@@ -696,28 +642,16 @@ class SpeedPoint:
     modes: Annotated[tuple[Mode, ...], part(along="mode")]
     reduced: Annotated[Reduced | None, part()] = None
     """the structure at the damper: 1 with the ball stuck, 2 without it"""
-    cavity_modes: Annotated[
-        tuple[CavityMode, ...],
-        part(prefix="cavity_", along="cavity_mode"),
-    ] = ()
+    cavity_modes: Annotated[tuple[CavityMode, ...], part(prefix="cavity_", along="cavity_mode")] = ()
     """a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes"""
     damper: Annotated[Damping | None, part()] = None
     """the ring-down of the scene's release"""
-    working: Annotated[
-        OwnFigures | None,
-        part(),
-    ] = None
+    damping_curve: Annotated[OwnFigures | None, part("working")] = None
     """the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of the
     cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
-    contact: Annotated[
-        ContactFigures | None,
-        part(prefix="contact_"),
-    ] = None
+    contact: Annotated[ContactFigures | None, part(prefix="contact_")] = None
     """of the ball at rest on its floor, where their materials are known by name"""
-    verdict: Annotated[
-        Verdict | None,
-        part(prefix="verdict_", headline=False),
-    ] = None
+    verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None
     """on the damper at this speed, from its own figures"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
@@ -739,7 +673,7 @@ class SpeedPoint:
     @property
     def level(self) -> Figures | None:
         """The damper's figures on a level floor, where the scene keeps it so."""
-        return None if self.working is None else self.working.level
+        return None if self.damping_curve is None else self.damping_curve.level
 
 
 @dataclass(frozen=True, eq=False)

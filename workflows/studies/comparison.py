@@ -107,7 +107,7 @@ def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | No
     """The figures of a run at a speed; None where it has none."""
     if point is None:
         return dict.fromkeys(_QUANTITIES)
-    own = point.working
+    own = point.damping_curve
     return {
         "load_g": point.load_g,
         "first_frequency_hz": verdict.first_frequency(point),
@@ -188,8 +188,8 @@ def draw(comparison: Comparison) -> str:
         colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
         for track in campbell(results):
             left.plot(track.x, track.y, color=colour, lw=0.9)
-        points = sorted((p for p in results.speeds if p.working is not None), key=lambda point: point.rpm)
-        peaks = [100 * p.working.peak or math.nan for p in points if p.working is not None]
+        points = sorted((p for p in results.speeds if p.damping_curve is not None), key=lambda point: point.rpm)
+        peaks = [100 * p.damping_curve.peak or math.nan for p in points if p.damping_curve is not None]
         right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
     air = [100 * ratio for ratio in limits.AIR]
     right.axhspan(*air, color=plots.RULE, lw=0)

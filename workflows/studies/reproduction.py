@@ -283,9 +283,9 @@ def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
 def _with_tilt(study: Simulated) -> Claim:
     """The cut-offs of the blade itself, whose floor tilts as it bends."""
     points = study.plate
-    known = [None if p.working is None else p.working.tilted_cutoff_ratio for p in points]
+    known = [None if p.damping_curve is None else p.damping_curve.tilted_cutoff_ratio for p in points]
     ratios = [math.nan if ratio is None else ratio for ratio in known]
-    tilted, flat = ([_in_a_cycle(p.working) for p in points], [_in_a_cycle(p.level) for p in points])
+    tilted, flat = ([_in_a_cycle(p.damping_curve) for p in points], [_in_a_cycle(p.level) for p in points])
     shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
     shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
     percents = {name: significant(100 * share, 2) for name, share in shares.items()}

@@ -40,7 +40,7 @@ class Curve:
 
     rpm: float
     damper: ParticleDamper
-    working: DampingCurve
+    damping_curve: DampingCurve
 
 
 def of(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
@@ -154,8 +154,8 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     figure, (axes,) = plots.canvas(3.1)
     colours = map_spread(len(curves) + 1)
     for curve, colour in zip(curves, colours, strict=False):
-        shown = curve.working.damping_ratio > 0
-        at, ratio = curve.working.amplitude[shown], curve.working.damping_ratio[shown]
+        shown = curve.damping_curve.damping_ratio > 0
+        at, ratio = curve.damping_curve.amplitude[shown], curve.damping_curve.damping_ratio[shown]
         axes.plot(1e3 * at, 100 * ratio, color=colour, label=f"{whole(curve.rpm)} rpm")
         grid = np.geomspace(goal.low, goal.high, 30)
         bound = [objectives.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
@@ -164,7 +164,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     for end in (goal.low, goal.high):
         axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-    top = max(100 * curve.working.peak for curve in curves)
+    top = max(100 * curve.damping_curve.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
     plots.legend(figure, axes, title="speed")
     return plots.svg(figure, "best", "Damping ratio of the best damper over amplitude")

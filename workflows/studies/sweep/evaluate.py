@@ -199,7 +199,7 @@ def empty(count: int) -> Rows:
 
 def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
-    point = replace(each.point, working=OwnFigures.of(measured(each.judged, known, **how), each.point.tilt_share))
+    point = replace(each.point, damping_curve=OwnFigures.of(measured(each.judged, known, **how), each.point.tilt_share))
     _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank

@@ -91,7 +91,7 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
             values[name] = getattr(own.damper, name), getattr(other.damper, name)
-        figures = [point.level or point.working for point in (own, other)]
+        figures = [point.level or point.damping_curve for point in (own, other)]
         here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
         values["ball_damping_ratio"] = here, there
         values["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
