@@ -66,7 +66,7 @@ class Flights:
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
     """How each of the rows flies, shape (n,)."""
     if rows["printed"].any() and not (harmonic is None and damper.modes is None):
-        raise ValueError("the printed equations know one free mode only; use the consistent formulation")
+        raise ValueError("the printed equations support one free mode only; use the consistent formulation")
     return np.where(couples(rows, structures_by(damper, rows)), COUPLED, APART)
 
 

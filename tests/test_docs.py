@@ -95,7 +95,7 @@ def test_the_page_on_known_modes_works_word_for_word(tmp_path, monkeypatch, caps
         if " check " in line:
             mass = float(re.search(r"^# +1 +310 +flap +(\S+)", said, re.M)[1])
             assert abs(mass - 1e3 / 2.27**2) < 0.02 * mass
-    assert "the ball adds an equivalent damping ratio" in " ".join(said.split())
+    assert "The ball adds an equivalent damping ratio" in " ".join(said.split())
 
 
 def test_the_reference_of_scenes_names_every_key():
@@ -117,7 +117,7 @@ def test_the_reference_of_scenes_names_every_key():
 def without_chaos(text):
     """What a run prints up to its table, without what is chaotic as a ball bounces: last columns, end of motion."""
     head, rows = text.split("\n\n  rpm", 1)
-    head = re.sub(r" \(one in motion goes on down to [^)]*\)", "", " ".join(head.split()))
+    head = re.sub(r" \(a moving ball goes on down to [^)]*\)", "", " ".join(head.split()))
     return head, [re.split(r"\s{2,}", row)[:3] for row in rows.split("\n*")[0].splitlines()]
 
 

@@ -195,7 +195,8 @@ def _read(path: Path, name: str) -> str:
     try:
         problem = unfit(path)
         if problem:
-            raise BadInput(f"expected a scene file, found {problem}", file=name)
+            results = ": `spindamp view` shows results" if (path / "results.json").is_file() else ""
+            raise BadInput(f"expected a scene file, found {problem}{results}", file=name)
         with path.open("rb") as file:
             raw = file.read(_LARGEST + 1)
     except FileNotFoundError:
@@ -206,7 +207,8 @@ def _read(path: Path, name: str) -> str:
     except (OSError, ValueError) as error:
         raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
     if len(raw) > _LARGEST:
-        raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
+        kind = "results" if path.suffix in (".json", ".nc") else "a file"
+        raise BadInput(f"not a scene: {kind} of more than {_LARGEST} bytes", file=name)
     if not raw.strip():
         raise BadInput("the file is empty: expected a scene, such as `spindamp check paper` prints", file=name)
     try:
@@ -294,7 +296,7 @@ stiffness by (16/15)(d/h)²."""
 _ALSO_CALLED = {"pre_twist": "pretwist", "twist": "pretwist", "twist_angle": "pretwist", "curvature": "camber"}
 
 _INSTEAD = {
-    "blades": "one blade is computed, however many the rotor has: expected [plate] or [blade]",
+    "blades": "spindamp computes one blade, not the whole rotor: expected [plate] or [blade]",
     "E": "expected [material] youngs_modulus",
     "nu": "expected [material] poissons_ratio",
     "rho": "expected [material] density",
@@ -303,8 +305,16 @@ _INSTEAD = {
     "balls_per_cavity": "each ball has a cavity of its own: give their number by count",
     "balls": "give the number of balls, each in a cavity of its own, by count",
     "cavities": "each ball has a cavity of its own: give their number by count",
+    "mu": "expected friction",
+    "position": "expected at",
+    "place": "expected at",
+    "ball_mass": "expected mass, that of all balls together",
+    "hub_diameter": "expected hub_radius",
+    "damper.clearance": "expected cavity, the diameter of the ball plus the clearance",
+    "excitation.amplitude": "expected one of force, pressure and base",
+    "release.amplitude": "expected displacement, along both axes of the damper",
 }
-"""Keys that a scene does not have, and what does it instead."""
+"""Keys, of any table or of one, that a scene does not have, and what does it instead."""
 
 _DIAMETERS = ("diameter", "ball_diameter")
 
@@ -391,8 +401,8 @@ def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
     if loc[0] in ("plate", "rotor") and (shape := _ALSO_CALLED.get(loc[-1], loc[-1])) in _NOT_FLAT:
         return f": {_NOT_FLAT[shape]}"
-    if loc[-1] in _INSTEAD:
-        return f": {_INSTEAD[loc[-1]]}"
+    if instead := _INSTEAD.get(".".join(loc)) or _INSTEAD.get(loc[-1]):
+        return f": {instead}"
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"

@@ -192,7 +192,7 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
 
 
 def _too_much(needed: float, there: float, advice: str) -> str:
-    return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {advice}"
+    return f"this needs about {in_words(needed)} of memory, and {in_words(there)} are available: {advice}"
 
 
 def _beside_the_plate(source: SceneFile) -> float:

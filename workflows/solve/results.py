@@ -155,7 +155,7 @@ class Figures:
         float,
         quantity(
             "1",
-            "largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude",
+            "largest equivalent damping ratio of the ball at a prescribed amplitude",
             "damping_ratio_peak",
             headline=True,
         ),
@@ -208,7 +208,7 @@ class OwnFigures(Figures):
         float,
         quantity(
             "1",
-            "of the peak and of `half`, relative: spread of the measurement, and what its pace moved",
+            "of the peak and of `half`, relative: spread of the measurement, and effect of its pace",
             alone="working_error",
             headline=True,
         ),
@@ -216,24 +216,24 @@ class OwnFigures(Figures):
     from_above: Annotated[
         Figures,
         part(
-            "the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those"
-            " of the way up, from a ball at rest in the middle or rolling about it",
+            "the same as the vibration falls and the ball keeps bouncing; the other figures are for growing "
+            "vibration, the least of starts at rest in the middle or rolling about it",
             prefix="from_above_",
         ),
     ] = field(repr=False)
     slow_ramp: Annotated[
         Figures,
         part(
-            "the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces"
-            " earlier: typical, not certain",
+            "the same on slow ramps from rest, 0.1 to 0.3 % per cycle, on which the ball drifts and bounces "
+            "earlier: the mean, typical but not guaranteed",
             prefix="slow_ramp_",
         ),
     ] = field(repr=False)
     abrupt_start: Annotated[
         Figures,
         part(
-            "the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the"
-            " middle; later it may have drifted to a wall, and bounce",
+            "the same after an abrupt start: cycles 13 to 36 at the full amplitude, from a ball at rest in the "
+            "middle; later it may drift to a wall and bounce",
             prefix="abrupt_start_",
         ),
     ] = field(repr=False)
@@ -241,8 +241,8 @@ class OwnFigures(Figures):
         Pair,
         quantity(
             "m",
-            "amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to"
-            " where a ball that rolls about the middle must meet the walls; null where the ways do not differ",
+            "amplitudes between which growing and falling vibration differ: from where bouncing ends on the way "
+            "down to where a ball that rolls about the middle must meet the walls; null where they do not differ",
             ends=_ENDS,
             headline=True,
         ),
@@ -251,15 +251,15 @@ class OwnFigures(Figures):
         Pair,
         quantity(
             "m",
-            "amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the"
-            " vibration grows; null as of `folds`",
+            "amplitudes at which the first and the last sweep up from rest begin to bounce, depending on how the "
+            "vibration grows; null as for `folds`",
             ends=_ENDS,
         ),
     ]
     level: Annotated[
         Figures | None,
         part(
-            "the figures of the way down on a floor that stays level, where the scene keeps it so; else null",
+            "figures for falling vibration on a level floor, where the scene keeps the floor level; else null",
             "level_floor",
             prefix="level_",
             headline=False,
@@ -362,9 +362,9 @@ class Verdict:
         str,
         quantity(
             "",
-            "yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never"
-            " moves at what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows;"
-            " unknown: outside the model",
+            "yes: at least what air gives blades; modest: at least a tenth of that; negligible: less; locked: the ball"
+            " never moves within what the structure endures; inadmissible: no such ball, plate or law, or a contact"
+            " that flows; unknown: outside the model",
         ),
     ]
     damping_ratio: Annotated[
@@ -461,7 +461,7 @@ class Energy:
     rolling: Annotated[float, quantity("J", "lost to rolling resistance")]
     impact: Annotated[float, quantity("J", "lost in hits of the walls")]
     slip: Annotated[float, quantity("J", "lost to slip on the floor")]
-    residual: Annotated[float, quantity("J", "not explained by the books")]
+    residual: Annotated[float, quantity("J", "not explained by the energy balance")]
 
     @property
     def ball_share(self) -> float:
@@ -527,7 +527,7 @@ class Damping:
     stopped: Annotated[float | None, KEPT]
     ball_mass: Annotated[float, KEPT]
     release: Annotated[Pair, KEPT]
-    intrinsic_sdc: Annotated[float, quantity("1", "what the structure's own damping loses in a cycle")]
+    intrinsic_sdc: Annotated[float, quantity("1", "lost to the structure's own damping in a cycle")]
     peak_sdc: Annotated[
         float | None, quantity("1", "everything lost in a cycle over its energy, at most", headline=True)
     ]
@@ -540,14 +540,14 @@ class Damping:
     amplitude_g: Annotated[Floats, COLUMN] = field(repr=False)
     sdc: Annotated[Floats, COLUMN] = field(repr=False)
     peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
-    energy: Annotated[Energy, part("joules; residual is what the books do not explain", prefix="energy_")]
+    energy: Annotated[Energy, part("joules; residual: not explained by the energy balance", prefix="energy_")]
     modal_energies: Annotated[
         dict[int, float],
         PlainSerializer(
             lambda known: tuple(ModalEnergy(*each) for each in known.items()), return_type=tuple[ModalEnergy, ...]
         ),
         BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
-        part("left at the end in the plate's modes, joules", prefix="modal_", along="modal"),
+        part("remaining in the structure's modes at the end, joules", prefix="modal_", along="modal"),
     ] = field(default_factory=dict)
     history: Annotated[History | None, KEPT] = None
     path: Annotated[BallPath | None, KEPT] = None
@@ -690,7 +690,7 @@ class SpeedPoint:
     cavity_modes: Annotated[
         tuple[CavityMode, ...],
         part(
-            "a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes",
+            "a mode of the structure at the cavity, of modal mass 1 kg; pairs are along the damper's axes",
             prefix="cavity_",
             along="cavity_mode",
         ),
@@ -699,8 +699,8 @@ class SpeedPoint:
     working: Annotated[
         OwnFigures | None,
         part(
-            "the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of"
-            " the cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the"
+            "figures of the damper itself, independent of the release and of the structure's damping; the tilt of "
+            "the cavity's floor is included. Amplitudes are the structure's displacements along axis 1 at the"
             " damper, m"
         ),
     ] = None
