@@ -95,7 +95,7 @@ def test_the_page_on_known_modes_works_word_for_word(tmp_path, monkeypatch, caps
         if " check " in line:
             mass = float(re.search(r"^# +1 +310 +flap +(\S+)", said, re.M)[1])
             assert abs(mass - 1e3 / 2.27**2) < 0.02 * mass
-    assert "The ball adds an equivalent damping ratio" in " ".join(said.split())
+    assert "the ball adds an equivalent damping ratio" in " ".join(said.split())
 
 
 def test_the_reference_of_scenes_names_every_key():

@@ -142,9 +142,9 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
     (stops, rolls), most = figures.folds, figures.from_above.peak
     return [
-        "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
+        "These figures are the least of the starts evaluated:"
         f" {at_load(point)} the ball may roll to and fro without meeting a wall up to {millimetres(rolls)} mm.",
-        f"Once it bounces, it keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
+        f"As the vibration falls, it keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
     ]
 
 
@@ -338,7 +338,8 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     text = (
-        f"The ball adds an equivalent damping ratio of up to {percent(top.damping_ratio)} %{known_within(at)},"
+        f"In a slowly growing vibration the ball adds an equivalent damping ratio of up to"
+        f" {percent(top.damping_ratio)} %{known_within(at)},"
         f" {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm; this is"
         f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration energy per cycle"
     )
