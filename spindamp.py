@@ -9,18 +9,19 @@
     spindamp.report(results, "report.html")      # the page alone
 
     spindamp.campbell("blade.toml")              # the plate alone
-    spindamp.modes("blade.toml", "blade.npz")    # its modes as a file that [structure] modes takes
+    spindamp.modes("blade.toml", "blade.npz")    # its modes as a file for [structure] modes
     spindamp.ringdown("blade.toml", rpm=6000)    # the damper at one speed
     spindamp.response("paper")                   # forced response at the crossings of engine orders
-    spindamp.accuracy("paper")                   # what accuracy costs in time
-    spindamp.effects("paper")                    # what each effect changes, and costs
+    spindamp.accuracy("paper")                   # cost of accuracy in time
+    spindamp.effects("paper")                    # change and cost of each effect
     spindamp.reproduce()                         # the paper, claim by claim
     spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
     spindamp.compare("out", "paper")             # runs side by side
     spindamp.design()                            # the best damper within what a scene's [design] allows
 
-Each does what the command of its name does, writes nothing that it is not told to, and returns what it found, or raises
-`ImpossibleResult` where a figure violates a law of physics. The plate alone is in `fem`, the damper alone in `damper`.
+Each function does the same as the command of its name, writes only the files requested, and returns its results. It
+raises `ImpossibleResult` if a figure violates a law of physics. The plate alone is in `fem`, the damper alone in
+`damper`.
 """
 
 from __future__ import annotations
@@ -147,7 +148,7 @@ def response(scene: SceneLike = DEFAULT) -> Response:
 
 @lawful()
 def reproduce() -> Reproduction:
-    """The paper's every claim against this code."""
+    """Every claim of the paper, compared with this code."""
     from workflows.studies import reproduction
 
     return reproduction.reproduce()
@@ -155,7 +156,7 @@ def reproduce() -> Reproduction:
 
 @lawful()
 def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
-    """What accuracy costs in time. Takes and raises what :func:`run` does."""
+    """Cost of accuracy in time. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.study import study
 
     return study(as_scene_file(scene))
@@ -163,7 +164,7 @@ def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
 
 @lawful()
 def effects(scene: SceneLike = DEFAULT) -> Switches:
-    """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
+    """Change and cost of each effect. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.effects import switching
 
     return switching(as_scene_file(scene))
@@ -187,21 +188,21 @@ def sweep(
 
     Args:
         scene: see :func:`run`.
-        vary: what each key takes, by its dotted name: a list, or text such as ``"0.1 mm:4 mm:20"``, ``"log:…"``. A key
-            of a pair sets both values, ``damper.cavity[0]`` one of them; ``damper.clearance`` sets the cavity.
-        sample: so many points spread over all ranges, in place of a grid.
+        vary: the values of each key, by its dotted name: a list, or text such as ``"0.1 mm:4 mm:20"``, ``"log:…"``. A
+            key of a pair sets both values, ``damper.cavity[0]`` one of them; ``damper.clearance`` sets the cavity.
+        sample: number of points spread over all ranges, in place of a grid.
         seed: of the sample.
         quick: figures to about a percent, in a fifth of the time.
         uncertain: take the ranges (or ``"normal:MEAN:DEVIATION"``) as distributions, by default of restitution,
             friction, rolling friction, damping ratio and clearance; `sample` is then the number of base points.
-        out: a folder to work in: ended in any way and called again, it goes on there. None: nothing is left.
+        out: a folder to work in, in which an interrupted sweep resumes. None: nothing is stored.
         workers: processes of this machine; None: one for each core.
         dask: address of a Dask scheduler, whose workers compute instead.
         executor: or any executor of `concurrent.futures`.
 
     Returns:
-        A data set in which every key is a dimension, or of a sample a coordinate; a point without an answer holds nan,
-        and `reason` says why. Of what is uncertain it has percentiles and Sobol' indices as well.
+        A data set in which every key is a dimension, or in a sample a coordinate; a point without an answer holds nan,
+        and `reason` gives the cause. With `uncertain` it also has percentiles and Sobol' indices.
 
     Raises:
         BadInput: scene, keys or values are wrong, or the folder belongs to another study.
@@ -227,7 +228,7 @@ def design(
     """The damper that damps best within what the table [design] of a scene allows; else as :func:`sweep`.
 
     Returns:
-        The best design with all there is to say of it: `found`, `holds`, `document()`, and its scene as `toml`.
+        The best design: `optimum`, `holds`, `document()`, and its scene as `toml`.
 
     Raises:
         BadInput: the scene is wrong, or has no [design].
@@ -259,7 +260,7 @@ def dataset(results: Results) -> xarray.Dataset:
 
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
-    """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
+    """Write a folder with all files of the command `run`, or `response`; see :func:`workflows.save`."""
     from workflows.studies.response import Response
 
     if isinstance(results, Response):
@@ -272,9 +273,9 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
-    """What a run has written into a folder; see :func:`workflows.load_results`.
+    """Read the results of a run from its folder; see :func:`workflows.load_results`.
 
-    Saved again it is the same but for `timings`, to which reading and writing add theirs.
+    Saved again they are identical except for `timings`.
     """
     from workflows.report import page
 

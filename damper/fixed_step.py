@@ -79,9 +79,9 @@ def stepped_ringdown(
     from damper.fixed_step_kernel import march
 
     if damper.floor_friction is not None:
-        raise ValueError("floor_friction: the paper's algorithm knows no slip")
+        raise ValueError("floor_friction: the paper's algorithm has no slip")
     if damper.modes is not None or not damper.level:
-        raise ValueError("the paper's algorithm knows a level floor only, moved by one mode along each axis")
+        raise ValueError("the paper's algorithm supports a level floor only, moved by one mode along each axis")
     cycles, steps_per_cycle = whole("cycles", cycles), whole("steps_per_cycle", steps_per_cycle)
     rows = damper.parameters
     rest = (0.0, 0.0)

@@ -65,7 +65,7 @@ class Flights:
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
     """How each of the rows flies, shape (n,)."""
     if rows["printed"].any() and not (harmonic is None and damper.modes is None):
-        raise ValueError("the printed equations know one free mode only; use the consistent formulation")
+        raise ValueError("the printed equations support one free mode only; use the consistent formulation")
     return np.where(structures_by(damper, rows).coupled, COUPLED, APART)
 
 

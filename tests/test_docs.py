@@ -115,7 +115,7 @@ def test_the_reference_of_scenes_names_every_key():
 def without_chaos(text):
     """What a run prints up to its table, without what is chaotic as a ball bounces: last columns, end of motion."""
     head, rows = text.split("\n\n  rpm", 1)
-    head = re.sub(r" \(one in motion goes on down to [^)]*\)", "", " ".join(head.split()))
+    head = re.sub(r" \(a moving ball goes on down to [^)]*\)", "", " ".join(head.split()))
     return head, [re.split(r"\s{2,}", row)[:3] for row in rows.split("\n*")[0].splitlines()]
 
 

@@ -256,7 +256,7 @@ def choose_theory(
     errors = own_errors(plate, rotor or Rotor(), effects, speeds, count)
     thin, thick = errors["kirchhoff"], errors["mindlin"]
     if effects.large_deflection:
-        why = "the load deflects the plate: only Mindlin's theory and the solid know finite rotations"
+        why = "the load deflects the plate: only Mindlin's theory and the solid support finite rotations"
     elif thin <= budget.thin:
         return Chosen("kirchhoff", f"thin: shear and the clamp change frequencies by {_percent(thin)} at most", thin)
     else:
@@ -266,7 +266,7 @@ def choose_theory(
     left = f"Mindlin's theory would be off by about {_percent(thick)}"
     if accuracy >= DEAR and is_rectangles(plate.mesh) and not effects.large_deflection:
         return Chosen("solid", left, 0.0)
-    why = 'theory = "solid" is exact, and dear' if accuracy < DEAR else "a solid would be no better here"
+    why = 'theory = "solid" is accurate but expensive' if accuracy < DEAR else "a solid would be no better here"
     return Chosen("mindlin", f"{left}; {why}", thick)
 
 

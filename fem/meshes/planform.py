@@ -88,7 +88,7 @@ def check_mesh(mesh: Any) -> None:
     neighbours = coo_array((np.ones(left.size), (left, right)), shape=(t.shape[1],) * 2)
     parts = connected_components(neighbours, directed=False)[0]
     if parts > 1:
-        raise MeshError(f"the mesh falls into {parts} parts that share no edge; a plate is one piece")
+        raise MeshError(f"the mesh is in {parts} parts that share no edge; a plate must be one piece")
     _reject_root(mesh)
 
 

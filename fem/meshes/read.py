@@ -122,6 +122,8 @@ _BULK = b"BEGIN BULK"
 def _check_kind(path: Path) -> None:
     """Refuse geometry without a mesh, and a part of a Nastran file that readers would search to its end."""
     kind = GEOMETRY.get(path.suffix.lower())
+    if path.suffix.lower() in (".html", ".htm"):
+        raise MeshError("a page, no mesh: open it in a browser")
     if kind is not None:
         raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):

@@ -338,9 +338,7 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(
-    operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float
-) -> float:
+def _project(operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float) -> float:
     """Know a speed by state and modes among the modes and slopes of solved speeds, and what these lack there.
 
     Returns the largest relative error that this leaves of a wanted frequency, to first order; enough: what may be left.

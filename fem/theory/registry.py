@@ -82,8 +82,8 @@ THEORIES = {
         memory={"": 1.4e4},
         deflected=2.7,
         lacks={"": _FREE, "held": (0.22, 0.5)},
-        against_solid="Theories are held against a solid; Mindlin's is clamped where a solid seems to be, a little"
-        " outside its root.",
+        against_solid="Errors are relative to a solid. The plate is clamped slightly outside its root, where a solid"
+        " appears to be.",
     ),
     "kirchhoff": PlateTheory(
         kind=Kind.KIRCHHOFF,
@@ -94,8 +94,7 @@ THEORIES = {
         memory={"": 2.4e4},
         deflected=1.5,
         lacks={"": _FREE},
-        against_solid="Theories are held against a solid; thin-plate theory leaves out shear, which matters most in"
-        " twist.",
+        against_solid="Errors are relative to a solid. Thin-plate theory neglects shear, which matters most in twist.",
     ),
     "solid": PlateTheory(
         kind=Kind.SOLID,
@@ -106,7 +105,7 @@ THEORIES = {
         memory={"": 3.8e4, "4": 5.2e4, "6": 6.2e4},
         deflected=1.8,
         lacks={"": (0.0, 0.0)},
-        against_solid="The solid is the reference that other theories are held against.",
+        against_solid="A solid is the reference for errors.",
     ),
 }
 """The theories by name, the default first; "kirchhoff/morley" and "solid/4" name an element or layers too, and

@@ -112,7 +112,7 @@ REFUSED = {
     "an effect": (("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"), r"\[effects\] coriolis = true: of solid"),
     "a pressure": (
         ("[accuracy]", "[excitation]\norders = [2]\npressure = '1 Pa'\n[accuracy]"),
-        r"\[excitation\] pressure.*: modes know no surface",
+        r"\[excitation\] pressure.*: modes do not describe the surface",
     ),
 }
 

@@ -56,7 +56,7 @@ def test_usage_errors(arguments: tuple[str, ...], message: str, spindamp: Comman
 
 def test_a_slow_start_is_explained(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("damper.compiled.CACHED", False)
-    assert "compiled code is not kept" in spindamp("ringdown", "structure").err
+    assert "compiled code cannot be stored" in spindamp("ringdown", "structure").err
     assert spindamp("campbell", "paper").err == ""
     monkeypatch.setattr("damper.compiled.COMPILES", False)
     (line,) = spindamp("ringdown", "structure").err.splitlines()

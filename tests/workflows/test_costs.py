@@ -412,12 +412,12 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
     rows = json.loads((tmp_path / "out" / "effects.json").read_text())["rows"]
     (row,) = [row for row in rows if row["effect"] == "rolling_resistance"]
     assert row["changes"]["cutoff_g"] is None
-    assert "cutoff_g is there only with it, at 10000 rpm" in row["remarks"]
-    assert "cutoff_g is there only with it" in outcome.out
+    assert "cutoff_g exists only with it, at 10000 rpm" in row["remarks"]
+    assert "cutoff_g exists only with it" in outcome.out
     with (tmp_path / "out" / "effects.csv").open() as file:
         (cells,) = [row for row in csv.DictReader(file) if row["effect"] == "rolling_resistance"]
     assert cells["cutoff_g"] == ""
-    assert "cutoff_g is there only with it" in cells["remarks"]
+    assert "cutoff_g exists only with it" in cells["remarks"]
 
 
 @pytest.mark.usefixtures("hasty")
@@ -443,9 +443,9 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     outcome = spindamp("effects", write(printed, tmp_path / "scene.toml"), "--out", "out")
     assert outcome.status == 0
     assert "the paper's model: the ball rolls again" in outcome.out
-    assert "printed equations know no slip" in outcome.out
+    assert "printed equations have no slip" in outcome.out
     found = {row["effect"]: row for row in json.loads((tmp_path / "out" / "effects.json").read_text())["rows"]}
-    assert "printed equations know no slip" in found["ball_slip"]["failed"]
+    assert "printed equations have no slip" in found["ball_slip"]["failed"]
     assert all(found[name]["changes"] == {} for name in OF_THE_PLATE)
     assert any(found["impact_friction"]["changes"].values())
     with (tmp_path / "out" / "effects.csv").open() as file:
@@ -456,7 +456,7 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     drawn = (tmp_path / "out" / "effects.svg").read_text()
     assert all(name.replace("_", " ") in drawn for name in NAMES)
     assert drawn.count("no plate in the scene") == len(OF_THE_PLATE)
-    assert "on: [effects] ball_slip = true: the printed equations know no slip" in drawn
+    assert "on: [effects] ball_slip = true: the printed equations have no slip" in drawn
     assert "accuracy, 0.001" in drawn
 
 

@@ -73,7 +73,7 @@ def test_a_ball_denser_than_any_solid_is_no_design(slow, here):
     found = spindamp.design(changed(scene, design__ball_diameter=["3 mm", "4.5 mm", "6 mm"]), executor=here)
     density = 1e-3 / (4 / 3 * math.pi * found.scene.scene.damper.radius**3)
     assert density <= 22_600.0
-    with pytest.raises(BadInput, match=r"no design is possible: the nearest one is 3\.13 times as dense as"):
+    with pytest.raises(BadInput, match=r"the balls of the closest one are 3\.13 times as dense as"):
         spindamp.design(changed(scene, design__ball_diameter=["2 mm", "2.5 mm", "3 mm"]), executor=here)
 
 
@@ -132,11 +132,11 @@ def test_the_plates_thickness_is_room():
     ("changes", "why"),
     [
         ({"design__amplitude": ["20 mm", "30 mm"]}, "would strain the root by over 0.4 %"),
-        ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: there the centrifugal pull at the root, 2750 MPa"),
+        ({"rotor__speeds": ["40000 rpm"]}, "from 40000 rpm on: the mean centrifugal stress at the root, 2750 MPa"),
         ({"rotor__speeds": ["0 rpm", "3500 rpm"]}, "at 0 rpm the ball's weight, which is neglected, exceeds"),
         (
             {"rotor__speeds": ["700 rpm"]},
-            "at 700 rpm every ball would slide, since rolling requires a friction of 2.1 at",
+            "at 700 rpm every ball would slide: rolling requires a friction coefficient of 2.1 at",
         ),
         ({"rotor__speeds": ["66 rpm"]}, "at 66 rpm the ball's weight, which is neglected, exceeds the load"),
     ],

@@ -135,9 +135,9 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
 def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))
-    assert any("how good that is is not known" in note for note in between.notes)
+    assert any("the error of this is unknown" in note for note in between.notes)
     at_rest = package.run(changed(SCENE, damper=None, release=None))
-    assert any("does not say at what speed" in note for note in at_rest.notes)
+    assert any("does not state the speed" in note for note in at_rest.notes)
 
 
 def test_files_that_contradict_their_speeds_are_remarked_on(spindamp: Command, files: Path) -> None:
@@ -147,8 +147,8 @@ def test_files_that_contradict_their_speeds_are_remarked_on(spindamp: Command, f
     (files / "few.frd").write_text(fewer)
     said = {
         "stands for 2 speeds": {"0 rpm": "rest.frd", "10000 rpm": "rest.frd"},
-        "is it of another speed?": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
-        "Of the files' 2 to 4 modes the 2 that all have": {"0 rpm": "few.frd", "10000 rpm": "fast.frd"},
+        "does it belong to another speed?": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
+        "The files hold 2 to 4 modes; the first 2, common to all": {"0 rpm": "few.frd", "10000 rpm": "fast.frd"},
     }
     for words, modes in said.items():
         scene = write(changed(SCENE, structure__modes=modes, rotor__speeds=["5000 rpm"]), files / "scene.toml")
@@ -403,7 +403,7 @@ def test_words_for_what_is_no_plate(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bar.json").write_text(json.dumps(small()))
     results = package.run(changed(OF_THE_BAR, rotor__modes=1))
-    assert any("along its axis 2" in note and "not among those asked for" in note for note in results.notes)
+    assert any("along its axis 2" in note and "beyond those requested" in note for note in results.notes)
     said = " ".join([*results.notes, *(effect.why for effect in results.effects.values())])
     assert "plate" not in said
     assert "both of its axes" not in said

@@ -103,12 +103,12 @@ BENT: dict[str, dict[str, str]] = {
     "rotor.speeds": NO_NUMBER
     | {
         "one speed": '"3500 rpm"',
-        "a frequency": '["50 Hz"]',
+        "of frequency": '["50 Hz"]',
         "negative inside": '["-1 rpm"]',
         "not a number inside": "[nan]",
         "twice the same": "[1, 1.0]",
         "beyond every plate": '["1e7 rpm"]',
-        "as good as rest": '["0 rpm", "1e-6 rpm"]',
+        "practically at rest": '["0 rpm", "1e-6 rpm"]',
         "true inside": "[true]",
         "a ladder without count": "{ start = 0, stop = 1 }",
         "a ladder with more": "{ start = 0, stop = 1, count = 2, step = 1 }",

@@ -136,7 +136,7 @@ EFFECTS = Switches(
         Switched("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
         Switched("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
         Switched("large_deflection", False, "", False, failed=40 * "no plate, "),
-        Switched("ball_slip", False, "", False, remarks=("cut-off is there only with it",) * 9, time_share=0.3),
+        Switched("ball_slip", False, "", False, remarks=("cut-off exists only with it",) * 9, time_share=0.3),
         Switched("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
     ),
 )
@@ -273,8 +273,11 @@ def test_small_loads_have_digits(spinning_up: Drawn, page_of_it: str) -> None:
     figures = spinning_up.figures
     assert spinning_up.results.speeds[1].load_g == pytest.approx((20 * np.pi / 30) ** 2 * 0.2 / 9.80665)
     assert "<td>0.0895</td>" in page_of_it
-    legends = [[text.get_text() for text in legend.get_texts()] for figure in figures for legend in figure.legends]
-    assert sorted(legends[0]) == ["0 g", "0.0895 g", "20.1 g", "22\u2009365 g"]
+    legends = [
+        sorted(text.get_text() for text in legend.get_texts()) for figure in figures for legend in figure.legends
+    ]
+    assert ["0 g", "0.0895 g", "20.1 g", "22\u2009365 g"] in legends
+    assert ["0 rpm", "10\u2009000 rpm", "20 rpm", "300 rpm"] in legends
 
 
 def test_a_cut_history_says_so(spinning_up: Drawn, page_of_it: str) -> None:
@@ -394,12 +397,13 @@ def legend(figure: Figure) -> list[str]:
 @pytest.mark.parametrize(("count", "named"), [(3, 3), (16, 16), (17, 9), (120, 9)])
 def test_a_legend_names_all_curves_or_some_from_end_to_end(count: int, named: int, slow: Results) -> None:
     found = many(slow, count)
-    for figure in (figures_of.damping_ratio(found), figures_of.capacity(found)):
+    for drawing, name, unit in ((figures_of.damping_ratio, "speed", "rpm"), (figures_of.capacity, "load", "g")):
+        figure = drawing(found)
         said = legend(figure)
         assert len(said) == named
-        assert {said[0], said[-1]} == {"1 g", f"{count} g"}
+        assert {said[0], said[-1]} == {f"1 {unit}", f"{count} {unit}"}
         (title,) = (each.get_title().get_text() for each in figure.legends)
-        assert title == ("load" if named == count else f"load, {named} of {count}")
+        assert title == (name if named == count else f"{name}, {named} of {count}")
 
 
 def test_the_axis_of_amplitudes_is_that_of_the_curves(slow: Results) -> None:

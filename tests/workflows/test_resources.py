@@ -84,7 +84,7 @@ def test_a_mesh_of_ten_million_cells(size: int, paper: Scene, spindamp: Command,
 
 def _too_much(outcome: Outcome, start: str, advice: str) -> None:
     said = refused(outcome, start, advice)
-    assert re.search(r"this needs about [0-9.]+ [GT]B of memory, and 16 GB are there: ", said)
+    assert re.search(r"this needs about [0-9.]+ [GT]B of memory, and 16 GB are available: ", said)
 
 
 def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:

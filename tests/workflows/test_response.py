@@ -330,7 +330,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
     said_force = re.search(r"At 2 N the load holds the ball at rest; it moves from ([0-9.]+) N on\.$", said)
     assert float(said_force[1]) == pytest.approx(force, rel=0.03)
-    assert added == (f"{best.force:g} N is added to the levels asked for, near the maximum of the estimate.")
+    assert added == (f"{best.force:g} N is evaluated too, near the largest reduction that free vibration predicts.")
     assert remarks.BEYOND not in report.text(known)
     monkeypatch.setattr(study.excitation, "endured", lambda *_: (strong.greatest + best.greatest) / 2)
     said = report.sentences(known)[0]

@@ -304,7 +304,7 @@ def test_switches_override_the_rules(paper: Scene) -> None:
 def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
     off = {"stress_stiffening": False}
     bent = selection.resolve(parse(changed(paper, rotor__stagger="30 deg", effects=off)))["large_deflection"]
-    assert (bent.on, bent.why) == (False, "stress_stiffening is off, of which it is a part")
+    assert (bent.on, bent.why) == (False, "it is part of stress_stiffening, which is off")
     on = selection.resolve(parse(changed(paper, rotor__speeds=[0], effects={"large_deflection": True})))
     assert on["large_deflection"].on
     assert on["stress_stiffening"].on

@@ -36,7 +36,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"plate__length": 150, "plate__width": 40}, "[plate] thickness", "; length = 150 is in m: was '150 mm' meant?"),
     ({"rotor__hub_radius": 150}, "[rotor] hub_radius", "150 is in m: was '150 mm' meant?"),
-    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "a single speed leaves stop out"),
+    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "for one speed give a list"),
     (
         {"rotor__speeds": ["0 rpm"], "release": {"ratio": 0.2}},
         "[release] ratio = 0.2",
@@ -45,7 +45,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     (
         {"structure__floor_tilt": "7 1/m"},
         "[structure] floor_tilt",
-        "the floor on a plate tilts by what the plate bends",
+        "on a plate the floor's tilt follows from the bending",
     ),
     ({"damper__mass_ratio": 11}, "[damper] mass_ratio = 11", "at most 10"),
     ({"damper__damping_ratio": 0.999}, "[damper] damping_ratio = 0.999", "at most 0.9"),
@@ -58,7 +58,7 @@ MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
     ({"rotor__twist": "20 deg"}, "[rotor] twist = '20 deg'", "a plate is flat: use a [blade] with a mesh"),
     ({"plate__camber": "20 deg"}, "[plate] camber", "a mesh of its volume; a camber up"),
-    ({"rotor__blades": 12}, "[rotor] blades = 12", "unknown key: one blade is computed"),
+    ({"rotor__blades": 12}, "[rotor] blades = 12", "unknown key: spindamp computes one blade"),
     (
         {"damper__diameter": "2 mm", "damper__radius": None},
         "[damper] diameter = '2 mm'",
@@ -126,7 +126,7 @@ STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
     (
         {"structure__floor_tilt": "7 1/m", "damper__formulation": "printed"},
         "[structure] floor_tilt",
-        "the printed equations know a level floor only",
+        "the printed equations support a level floor only",
     ),
     ({"effects__floor_tilt": True}, "[effects] floor_tilt = true", "structure.floor_tilt is 0: give the slope"),
     (
@@ -187,7 +187,7 @@ def test_malformed_scene(
 def test_hertz_are_no_speed() -> None:
     """60 turns a second are 3600 rpm."""
     for text, rpm in (("60 Hz", "3600"), ("0.06 kHz", "3600")):
-        with pytest.raises(quantities.UnitError, match=f"a frequency.*turns a second.*'{rpm} rpm'"):
+        with pytest.raises(quantities.UnitError, match=f"of frequency.*as revolutions.*'{rpm} rpm'"):
             quantities.to_si(text, quantities.ROTATION)
     assert quantities.to_si("60 Hz", quantities.FREQUENCY) == 60
 
@@ -197,7 +197,7 @@ def test_every_error_is_named(structure: Scene) -> None:
     with pytest.raises(BadInput) as found:
         parse(wrong)
     said = str(found.value)
-    for key, problem in (("speeds", "a frequency"), ("friction", "expected at least 0"), ("restitution", "at most 1")):
+    for key, problem in (("speeds", "of frequency"), ("friction", "expected at least 0"), ("restitution", "at most 1")):
         assert re.search(rf"{key}\b.*{problem}", said), said
     assert "more)" not in said
 
@@ -272,7 +272,7 @@ def test_a_range_is_quoted_as_it_was_typed(typed):
 
 def test_the_weight_left_out_is_said(structure):
     found = remarks.assumptions(pipeline.run(changed(structure, release__cycles=2)))
-    assert any("weight is left out" in text for text, _ in found)
+    assert any("weight is neglected" in text for text, _ in found)
 
 
 def test_balls_as_heavy_as_the_structure_are_taken(structure):

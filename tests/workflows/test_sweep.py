@@ -228,7 +228,7 @@ def test_speeds_without_a_picture_are_named(here):
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
     found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.in_words(found, report._best(found), "damper.restitution", "damper.friction")
-    assert "Nothing to draw at 0 rpm to 20 rpm, 60000 rpm: there, no ball has a verdict, or takes anything" in said
+    assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
 
 
 def test_divergence_is_a_reason(here):
@@ -354,7 +354,7 @@ def test_points_without_answer_take_their_base_point_along():
 def test_what_is_uncertain_has_a_verdict(here):
     """Balls denser than osmium, and amplitudes that the plate does not endure, have no part in what is said."""
     dense = changed(tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")), damper__count=1)
-    for scene, says in ((dense, "no verdict"), (at_full_speed(), "No ball takes anything at an amplitude that the")):
+    for scene, says in ((dense, "no verdict"), (at_full_speed(), "No point adds damping at an amplitude that the")):
         found = spindamp.sweep(
             scene, {"damper.friction": "0.2:0.4"}, uncertain=True, sample=8, quick=True, executor=here
         )
@@ -471,17 +471,17 @@ def test_panels_are_of_speeds_at_which_a_ball_works(data):
     assert "3000 rpm" in picture.svg
     assert "5000 rpm" in picture.svg
     assert "7000 rpm" not in picture.svg
-    assert "Nothing to draw at 7000 rpm to 9000 rpm" in picture.caption
+    assert "Not drawn: 7000 rpm to 9000 rpm" in picture.caption
     assert "The load holds the ball at rest below 0.099 mm at 3000 rpm, 0.27 mm at 5000 rpm." in picture.caption
     assert "It lies at an end of mass ratio and clearance" in picture.caption
 
 
 def test_what_takes_nothing_is_hatched_and_named(data):
     (picture,) = report.draw(data)
-    assert "nothing, or no verdict" in picture.svg
+    assert "no damping, or no verdict" in picture.svg
     data[HEADLINE] = data[HEADLINE].where(data[HEADLINE] > 0, 1e-5)
     (full,) = report.draw(data)
-    assert "nothing, or no verdict" not in full.svg
+    assert "no damping, or no verdict" not in full.svg
 
 
 def test_a_cut_off_that_varies_has_a_map(data):

@@ -451,7 +451,7 @@ def _announce_compiler() -> None:
         problem = "a hundred times slower, and results do not wait for their self-check"
         typer.echo(f"spindamp: NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {problem}", err=True)
     elif not compiled.CACHED:
-        problem = "neither the installation nor a home folder can be written, so that compiled code is not kept"
+        problem = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
         typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
     elif compiled.fresh() and sys.stderr.isatty():
         typer.echo(

@@ -41,7 +41,7 @@ def _run(arguments: list[str] | None) -> int:
 
             from workflows.cli.commands import app
     except ImportError as error:
-        return _fail(f"the installation is not whole: {one_line(str(error))}; install spindamp again", DEFECT)
+        return _fail(f"the installation is incomplete: {one_line(str(error))}; install spindamp again", DEFECT)
     try:
         with lawful(), folder.signal_as_cause():
             status = app(args=arguments, prog_name="spindamp", standalone_mode=False)

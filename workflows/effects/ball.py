@@ -53,7 +53,7 @@ def _rolling_resistance(case: Case) -> Called:
     if damper.rolling_friction == 0:
         return Called(False, "rolling_friction is 0")
     if not case.spins:
-        return Called(False, "nothing spins: no load presses the ball on the floor")
+        return Called(False, "the rotor is at rest: no load presses the ball on the floor")
     return Called(True, "rolling_friction is above 0 and the load presses the ball on the floor")
 
 
@@ -86,7 +86,7 @@ def _slip_refused(scene: Scene) -> Refusal | None:
     if damper is None or scene.effects.ball_slip is not True:
         return None
     if damper.formulation == "printed":
-        return Refusal("the printed equations know no slip", "[effects] ball_slip", True)
+        return Refusal("the printed equations have no slip", "[effects] ball_slip", True)
     if damper.friction == 0:
         return Refusal("ball_slip needs a friction above 0", "[damper] friction", 0)
     return None
@@ -101,7 +101,7 @@ def _floor_tilt(case: Case) -> Called:
     """The cavity's floor tilts: called for where that takes more of the ball's drive than `accuracy.damping`."""
     scene = case.scene
     if not case.spins:
-        return Called(False, "nothing spins: no load pulls the ball down a slope")
+        return Called(False, "the rotor is at rest: no load pulls the ball down a slope")
     if case.damper.formulation == "printed":
         return Called(False, PRINTED)
     if scene.in_space:
@@ -136,14 +136,14 @@ def _indentation(case: Case) -> Called:
     """Where a load presses the ball on its floor, and the strength of one of the two is known."""
     scene = case.scene
     if not case.spins:
-        return Called(False, "nothing spins: no load presses the ball on the floor")
+        return Called(False, "the rotor is at rest: no load presses the ball on the floor")
     plate = None if scene.material is None else scene.material.name
     names = case.damper.ball_material, case.damper.floor_material or plate
     known = [KNOWN[name] for name in names if name is not None]
     if len(known) < 2 or any(each.youngs_modulus is None for each in known):
         return Called(False, "the materials of ball and floor are not known by name")
     if all(each.hardness is None for each in known):
-        return Called(False, "the strength of neither ball nor floor is known")
+        return Called(False, "the strength of ball and floor is unknown")
     return Called(True, "where the load makes ball or floor yield, the ball lies in a dent")
 
 
@@ -156,7 +156,7 @@ def _structural_modes(case: Case) -> Called:
     if damper.formulation == "printed":
         return Called(False, PRINTED)
     if plate is None:
-        return Called(True, "the modes are known: each moves the cavity along its axes as it does")
+        return Called(True, "the modes are known, with their motion along both axes")
     released = () if release is None else (release.displacement, release.acceleration)
     if any(pair is not None and pair[1] != 0.0 for pair in released):
         return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
@@ -181,7 +181,7 @@ def _modes_refused(scene: Scene) -> Refusal | None:
     if (refusal := not_printed("structural_modes")(scene)) is not None:
         return refusal
     if switch is True and scene.given is not None:
-        return Refusal("the scene has no plate whose modes these could be", key, True)
+        return Refusal("the scene has no plate", key, True)
     return None
 
 

@@ -134,7 +134,7 @@ class Definition:
 NO_DAMPER = Called(False, "no damper in the scene")
 GIVEN = Called(False, "the structure's frequencies are given")
 AT_REST = Called(False, "nothing spins")
-PRINTED = "the printed equations know one mode along each axis and a level floor"
+PRINTED = "the printed equations support one mode along each axis and a level floor"
 
 
 def not_printed(name: str) -> Callable[[Scene], Refusal | None]:

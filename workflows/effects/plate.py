@@ -37,7 +37,7 @@ def _stress_stiffening(case: Case) -> Called:
         return GIVEN
     if not case.spins:
         if case.scene.effects.large_deflection is True:
-            return Called(True, "nothing spins, but large_deflection, which the scene asks for, needs it")
+            return Called(True, "the rotor is at rest, but large_deflection, which the scene asks for, needs it")
         return AT_REST
     return Called(True, "the plate spins, and the centrifugal pull stiffens it")
 
@@ -150,7 +150,7 @@ def _large_deflection(case: Case) -> Called:
     if not case.spins:
         return AT_REST
     if case.scene.effects.stress_stiffening is False:
-        return Called(False, "stress_stiffening is off, of which it is a part")
+        return Called(False, "it is part of stress_stiffening, which is off")
     return _moved_by_deflection(case.scene, case.form)
 
 
@@ -158,7 +158,7 @@ def _deflection_refused(scene: Scene) -> Refusal | None:
     """The bent state is found from the stresses that stiffen it."""
     if scene.effects.large_deflection is not True or scene.effects.stress_stiffening is not False:
         return None
-    problem = "needs stress_stiffening, of which it is a part, and that is false"
+    problem = "needs stress_stiffening, which is false"
     return Refusal(problem, "[effects] large_deflection", True)
 
 

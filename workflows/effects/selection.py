@@ -22,9 +22,9 @@ OF_THE_PLATE = tuple(name for name, kind in EFFECTS.items() if kind.of == "plate
 OF_THE_DAMPER = tuple(name for name, kind in EFFECTS.items() if kind.of == "damper")
 
 
-SOLID = {name: Called(True, "solid blades have it") for name in OF_THE_PLATE} | {
+SOLID = {name: Called(True, "always on for solid blades") for name in OF_THE_PLATE} | {
     "large_deflection": Called(True, "the load bends and untwists a blade"),
-    "coriolis": Called(False, "of solid blades it is estimated alone, as an error of each frequency"),
+    "coriolis": Called(False, "for solid blades it is only estimated, as an error of each frequency"),
 }
 """What is settled for a solid blade; large deflection by its state where that is solved."""
 

@@ -114,7 +114,7 @@ def capacity(results: Results) -> list[Curve]:
 
 
 def damping_ratio(results: Results) -> list[Curve]:
-    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per load."""
+    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per speed."""
     figures = [(point, point.damping_curve) for point in results.speeds]
     return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
 
@@ -130,7 +130,7 @@ def damping_ratio_of_other_starts(results: Results) -> list[Curve]:
 
 
 def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
-    label, tag = f"{formatting.amount(point.load_g)} g", speed_tag(point)
+    label, tag = f"{formatting.amount(point.rpm)} rpm", speed_tag(point)
     return Curve(f"{name}_{tag}", label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio)
 
 

@@ -370,7 +370,7 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     axes.set_xlim(_from_to(lines, ranges))
     axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     _beside(axes, limits.endured(results))
-    plots.legend(figure, axes, target, title="load")
+    plots.legend(figure, axes, target, title="speed")
     return figure
 
 

@@ -186,11 +186,21 @@ def legend(figure: Figure, axes: Axes, target: Target = PAGE, **how: Any) -> Non
 
 
 def plain(drawn: Iterable[Axes]) -> None:
-    """Plain numbers on logarithmic axes, where matplotlib would have powers of ten."""
+    """Plain numbers on logarithmic axes, where matplotlib would have powers of ten; 1, 2, 5 of few decades."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     for axes in drawn:
         for axis in (axes.xaxis, axes.yaxis):
             if axis.get_scale() == "log" and axis.isDefault_majfmt:
+                low, high = axis.get_view_interval()
+                if 0 < high < _FEW_DECADES * low:
+                    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                    axis.set_minor_formatter(NullFormatter())
                 axis.set_major_formatter("{x:g}")
+
+
+_FEW_DECADES = 1e3
+"""End over begin of a logarithmic axis up to which 1, 2 and 5 of each decade are labelled."""
 
 
 def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (), *, frames: bool = False) -> str:

@@ -29,9 +29,12 @@ from workflows.solve.results import Damping, ErrorParts, Reduced, Results, Speed
 PRINTED = "the equations as printed do not conserve energy"
 WEIGHT = "the ball's weight, which is neglected, exceeds the load"
 
-BEYOND, BEYOND_MEANS = "†", "† At a larger amplitude, or a higher speed, than the structure endures"
-NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ A speed that the answer gives no verdict on"
-AT_REST, AT_REST_MEANS = "*", "* Up to there a ball at rest stays at rest; the ring-down itself shows no cut-off."
+BEYOND, BEYOND_MEANS = "†", "† Beyond the amplitude or speed that the structure endures"
+NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ No verdict at this speed"
+AT_REST, AT_REST_MEANS = (
+    "*",
+    "* Amplitude up to which a ball at rest stays at rest; the ring-down itself shows no cut-off.",
+)
 """Marks of numbers in tables, and what they stand for below."""
 
 
@@ -88,7 +91,7 @@ def mark(results: Results, point: SpeedPoint) -> str:
 def legend(results: Results) -> list[str]:
     """What the marks of the damper's figures stand for, as far as a table over all speeds has them."""
     meanings = {
-        BEYOND: f"{BEYOND_MEANS}; what is left below that is in the answer above.",
+        BEYOND: f"{BEYOND_MEANS}; the verdict uses the largest value within these limits.",
         NO_VERDICT: f"{NO_VERDICT_MEANS}.",
     }
     marks = {mark(results, point) for point in results.speeds}
@@ -108,7 +111,7 @@ def cutoff_legend(results: Results) -> list[str]:
 def beyond(*, by_deflection: bool) -> str:
     """What a larger amplitude than the plate endures would do to it."""
     if by_deflection:
-        return f"bend the plate by over {100 * limits.SMALL:g} % of its length, beyond what it can be computed for"
+        return f"bend the plate by over {100 * limits.SMALL:g} % of its length, beyond the range of the theory"
     return f"strain the root by over {100 * limits.ENDURED:g} %, which no blade metal endures in vibration"
 
 
@@ -125,8 +128,8 @@ def torn_from(results: Results) -> str | None:
 def torn_at(rpm: float, stress: float) -> str:
     """That a plate tears from a speed on."""
     return (
-        f"from {whole(rpm)} rpm on: there the centrifugal pull at the root, {significant(stress / 1e6)} MPa on"
-        f" average, is more than any blade metal bears ({significant(limits.STRONGEST / 1e6)} MPa)"
+        f"from {whole(rpm)} rpm on: the mean centrifugal stress at the root, {significant(stress / 1e6)} MPa, exceeds"
+        f" what any blade metal endures ({significant(limits.STRONGEST / 1e6)} MPa)"
     )
 
 
@@ -141,7 +144,7 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     together = one * damper.count
     return (
         f"a ball of radius {significant(1e3 * damper.radius)} mm and {significant(1e3 * one)} g would be"
-        f" {significant(density / OSMIUM, 2)} times as dense as osmium, and nothing is denser",
+        f" {significant(density / OSMIUM, 2)} times as dense as osmium, the densest solid",
         "The figures are those of feasible balls of the same total mass, such as"
         f" {math.ceil(together / (steel * volume))} of steel ([damper] count), each in a cavity"
         " of its own, moving in step.",
@@ -157,8 +160,8 @@ def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     last = max(pressed, key=lambda contact: contact.hardness_ratio)
     times = span(min(contact.hardness_ratio for contact in pressed), last.hardness_ratio, 2)
     return (
-        f"the resting ball presses on its floor with {times} times the hardness of the softer, and the contact yields"
-        f" until it is up to {significant(2e3 * last.dent_radius, 2)} mm wide"
+        f"the mean contact pressure of the resting ball is {times} times the hardness of the softer material, and the"
+        f" contact yields to a width of up to {significant(2e3 * last.dent_radius, 2)} mm"
     )
 
 
@@ -172,11 +175,11 @@ def dents(results: Results) -> str | None:
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
     floor = damper.floor_material or (None if material is None else material.name)
     return (
-        f"At rest the {damper.ball_material} ball presses its floor of {floor} with up to"
-        f" {significant(most.peak_pressure / 1e9, 3)} GPa ({at_load(point)}), {significant(most.yield_ratio, 2)} times"
-        " the load at which the weaker of the two yields: it lies in a dent of at most"
+        f"The resting {damper.ball_material} ball presses on the {floor} floor with up to"
+        f" {significant(most.peak_pressure / 1e9, 3)} GPa ({at_load(point)}), under {significant(most.yield_ratio, 2)}"
+        " times the load of first yield. It leaves a dent of at most"
         f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
-        f" whose rim slopes by at most {significant(most.dent_slope, 2)}."
+        f" with a rim slope of at most {significant(most.dent_slope, 2)}."
     )
 
 
@@ -192,8 +195,8 @@ def unknown_floor(results: Results) -> str | None:
     point, most = max(every, key=lambda pair: pair[1].peak_pressure)
     floor, mean = damper.floor_material or (None if material is None else material.name), 2 / 3 * most.peak_pressure
     return (
-        f"Whether the floor of {floor} bears the ball is not known: {at_load(point)} the resting ball presses it with"
-        f" {significant(mean / 1e9, 2)} GPa on average, and a floor of less than {whole(mean / KGF)} HB would flow."
+        f"The strength of the {floor} floor is not known. {capital(at_load(point))} the mean contact pressure of the"
+        f" resting ball is {significant(mean / 1e9, 2)} GPa, which requires a hardness above {whole(mean / KGF)} HB."
     )
 
 
@@ -225,9 +228,9 @@ def long_hits(results: Results) -> str | None:
     if hit <= _BRIEF * flight:
         return None
     return (
-        f"A hit lasts {significant(1e6 * hit, 2)} µs by Hertz, {percent(hit / flight)} % of the"
-        f" {significant(1e6 * flight, 2)} µs between hits {where} at the amplitude of the best: the model takes hits as"
-        " instantaneous."
+        f"A wall hit lasts {significant(1e6 * hit, 2)} µs (Hertz), {percent(hit / flight)} % of the"
+        f" {significant(1e6 * flight, 2)} µs between hits {where} at the amplitude of largest damping. The model treats"
+        " hits as instantaneous."
     )
 
 
@@ -252,16 +255,16 @@ def level_floor(results: Results) -> str | None:
     tilted = sorted(ratio for ratio, _ in pairs if not math.isnan(ratio))
     level = sorted(ratio for _, ratio in pairs if ratio is not None)
     text = (
-        "This scene keeps the cavity's floor level, and so do its ring-downs below. The verdict and the ball's own"
-        " figures are those of a floor that tilts as the structure bends"
+        "The ring-downs of this scene keep the cavity's floor level. The verdict and the damping curve include its tilt"
+        " as the structure bends"
     )
     if limits.is_printed(results):
         text = "The printed equations keep the cavity's floor level"
     if tilted and level:
         below, not_below = (span(ratios[0], ratios[-1], 3) for ratios in (tilted, level))
-        text += f": simulated with the tilt, the ball rests below {below} of the load, and not below {not_below}"
+        text += f": simulated with the tilt, the cut-off is {below} of the load, and not {not_below}"
     never = sum(math.isnan(ratio) for ratio, _ in pairs)
-    where = f"; at {never} of {len(pairs)} loads it never moves" if never else ""
+    where = f"; at {never} of {len(pairs)} loads the ball never moves" if never else ""
     return f"{text}{where}."
 
 
@@ -275,7 +278,7 @@ def turning_floor(results: Results) -> str | None:
     if share <= target:
         return None
     return (
-        f"The turning floor also turns the ball, which is neglected: {percent(share)} % of the ball's drive, two fifths"
+        f"The tilting floor also spins the ball. This is neglected: {percent(share)} % of the ball's drive, two fifths"
         " of its radius times the floor's slope over the displacement."
     )
 
@@ -310,14 +313,16 @@ def sideways(results: Results) -> str | None:
     notable = [
         f"{percent(share)} % of {what} ({at})"
         for (share, at), what in (
-            (chord, "the load, by its chordwise motion"),
-            (along, f"the rolling resistance, across, as the {carrier(results)}'s bending draws its tip in"),
+            (chord, "the load from chordwise motion"),
+            (along, f"the rolling resistance from the shortening of the bent {carrier(results)}"),
         )
         if share > _NOTABLE_SIDEWAYS
     ]
     if not notable:
         return None
-    return f"Coriolis forces on the ball are neglected: at its best amplitude up to {' and '.join(notable)}."
+    return (
+        f"Coriolis forces on the ball are neglected: up to {' and '.join(notable)} at the amplitude of largest damping."
+    )
 
 
 _NOTABLE_SIDEWAYS = 0.01
@@ -349,8 +354,8 @@ def pendulum(results: Results) -> str | None:
     if reach <= _LINEAR:
         return f"{text}."
     return (
-        f"{text}, for small ways: the cavity lets it go {significant(reach, 2)} radii of its path, and beyond"
-        f" {_LINEAR:g} of one its frequency falls by more than a percent, which is left out."
+        f"{text}, for small swings. The cavity allows {significant(reach, 2)} radii of its path; beyond {_LINEAR:g}"
+        " radii its frequency falls by more than 1 %, which is neglected."
     )
 
 
@@ -367,9 +372,9 @@ def modes_left_out(results: Results) -> str | None:
     if worst <= scene.accuracy.damping or not results.effects["structural_modes"].on:
         return None
     return (
-        "Modes that hits feed are left out, for want of room: each changes the damping by about"
-        f" {percent(worst)} %, more than the {significant(100 * scene.accuracy.damping)} % asked for;"
-        f" [accuracy] damping = {upwards(worst)} is attainable."
+        f"Modes that wall hits excite are left out: each would change the damping by about {percent(worst)} %, more"
+        f" than the {significant(100 * scene.accuracy.damping)} % asked for. [accuracy] damping = {upwards(worst)} is"
+        " attainable."
     )
 
 
@@ -379,7 +384,7 @@ def still_across(results: Results) -> str | None:
     if not rung or any(coupling.leading_mode(p.cavity_modes, 1) is not None for p in rung):
         return None
     known = results.scene.known is not None
-    why = "such modes are not in the file, or not among those asked for" if known else "its lag modes lie higher"
+    why = "such modes are not in the file, or beyond those requested" if known else "the lag modes lie higher"
     return (
         f"None of the {len(rung[0].cavity_modes)} modes moves the cavity along its axis 2, so the cavity is treated as"
         f" fixed in that direction: {why}."
@@ -398,11 +403,11 @@ def leaning_load(results: Results) -> str | None:
     lean, rolls = across / point.radius, limits.lever(scene, point) / scene.damper.radius
     if point.load_g == 0 or lean <= 0.1 * rolls:
         return None
-    consequence = "would roll to a wall and lean on it" if lean > rolls else "would be held off the middle by it"
+    consequence = "would roll to a wall" if lean > rolls else "would come to rest off the middle"
     return (
-        f"At this place the load leans by {significant(math.degrees(math.atan(lean)), 2)}° from the plate's length,"
-        f" away from its centre line: the cavity's floor is taken to face it. On one square to the length the ball"
-        f" {consequence}, which is not what is simulated."
+        f"At this place the load points {significant(math.degrees(math.atan(lean)), 2)}° away from the plate's length."
+        " The cavity's floor is assumed perpendicular to the load; on a floor perpendicular to the length, the ball"
+        f" {consequence}, which is not simulated."
     )
 
 
@@ -425,9 +430,8 @@ def level_structure(results: Results) -> str | None:
     if structure is None or any(structure.floor_tilt) or not any(p.load_g > 0 for p, _, _ in ring_downs(results)):
         return None
     return (
-        "This [structure] does not say how the cavity's floor tilts as it bends (floor_tilt), which on a plate raises"
-        " the amplitude from which the ball moves, nor what amplitude it endures: the verdict is that of a level floor"
-        " without limit."
+        "This [structure] has no floor tilt (floor_tilt) and no limit of amplitude: the verdict assumes a level floor"
+        " and unlimited strength. On a plate the tilt raises the amplitude at which the ball begins to move."
     )
 
 
@@ -441,8 +445,8 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     if max(shares) <= 0:
         return f"{begin} the other way, and the slope adds {share} to the ball's drive; the figures include it."
     if min(shares) > 1:
-        return f"{begin} so far that it is the slope that drives the ball, with a pull of {share} of the motion's own."
-    beyond = "; beyond 100 % it is the slope that drives the ball" if max(shares) > 1 else ""
+        return f"{begin} so far that the slope drives the ball, with {share} of the drive by inertia."
+    beyond = "; above 100 % the slope drives the ball" if max(shares) > 1 else ""
     return (
         f"{begin} and the load pulls the ball back down the slope, which cancels {share} of the ball's drive; the"
         f" figures include it{beyond}."
@@ -474,8 +478,8 @@ def weight(results: Results) -> str | None:
         seen = light[len(ruled)]
         share = f"{significant(100 / seen.load_g, 2)} % of the load at {whole(seen.rpm)} rpm"
     return (
-        f"The ball's weight is left out: it is {share}. On a horizontal shaft it turns through the cavity once a"
-        " revolution, on a vertical one it pulls the ball to one side."
+        f"The ball's weight is neglected: it is {share}. On a horizontal shaft its direction in the cavity rotates once"
+        " per revolution; on a vertical one it pulls the ball to one side."
     )
 
 
@@ -486,8 +490,8 @@ def at_rest(results: Results) -> str | None:
         return None
     idle = [key for key in ("rolling_friction", "floor_radius") if getattr(damper, key)]
     text = "At 0 rpm no load presses the ball on its floor: it is free between the walls"
-    text += f", and {' and '.join(idle)} {'does' if len(idle) == 1 else 'do'} nothing" if idle else ""
-    return f"{text}. The answer speaks of the speeds at which there is a load." if any(loads) else f"{text}."
+    text += f", and {' and '.join(idle)} {'has' if len(idle) == 1 else 'have'} no effect" if idle else ""
+    return f"{text}. The verdict covers the other speeds." if any(loads) else f"{text}."
 
 
 def lost_at_most(damping: Damping) -> float | None:
@@ -505,9 +509,9 @@ def lent(results: Results) -> str | None:
     if borrowed:
         share, point = max(borrowed, key=lambda pair: pair[0])
         return (
-            f"Ball and structure exchange energy, and the ball loses none: at {whole(point.rpm)} rpm it takes up to"
-            f" {percent(share)} % in a cycle and gives it back later. The table leaves that out; the curve"
-            " over amplitude has it, as the paper's definition does."
+            f"Ball and structure exchange energy without loss: at {whole(point.rpm)} rpm the ball takes up to"
+            f" {percent(share)} % in a cycle and returns it later. The table excludes this exchange; the curve over"
+            " amplitude includes it, by the paper's definition."
         )
     return None
 
@@ -523,13 +527,13 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     entries: list[tuple[str, str]] = []
     if scene.plate is not None:
         root = "perfectly clamped" if scene.plate.root is None else "held by linear springs"
-        entries.append((f"The plate is linear elastic and {root} at the root.", "ours"))
+        entries.append((f"The plate is linear elastic and {root} at the root.", "assumption"))
     if scene.blade is not None:
         entries.append(
             (
                 "The blade is linear elastic and perfectly clamped at the root. It vibrates about its equilibrium under"
                 " the load, without Coriolis forces.",
-                "ours",
+                "assumption",
             )
         )
     if scene.material is not None and (name := scene.material.name) is not None:
@@ -551,27 +555,29 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
-            ("Several balls move in step, each in a cavity of its own.", "ours"),
-            ("The ball's weight is left out.", "ours"),
+            ("Several balls move in step, each in a cavity of its own.", "assumption"),
+            ("The ball's weight is neglected.", "assumption"),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
         ]
         consistent = (
             "The moment of inertia is taken about the contact (7/5 m r²), and the structure feels the whole reaction of"
             " the ball.",
-            "ours: Newton's laws, where the printed equations do not keep them",
+            "Newton's laws, which the printed equations violate",
         )
         printed = ("Equations 2 to 4 as printed, which do not conserve energy.", "paper, eqs. 2 to 4")
         entries.append(consistent if scene.damper.formulation == "consistent" else printed)
     if any(paper.row(scene, point.load_g) for point in results.speeds):
         entries += [
             ("Rotation speeds, hub radius 0 and g = 10 m/s².", "read back from the loads of Table II, to every digit"),
-            ("E/ρ of the plate, for ν = 0.3.", "ours: one number fitted to the seven frequencies of Table II"),
+            ("E/ρ of the plate, for ν = 0.3.", "fitted to the seven frequencies of Table II"),
         ]
         if _is(results, "kirchhoff"):
-            source = "ours: Table II fits it to 0.04 %, and Mindlin's theory to 0.11 %"
+            source = "agrees with Table II to 0.04 %, Mindlin's theory to 0.11 %"
             entries.append(("The plate is thin: no transverse shear.", source))
         if scene.damper is not None and scene.damper.damping_ratio:
-            entries.append((f"ζ = {scene.damper.damping_ratio:g} of the structure.", "ours: the paper prints none"))
+            entries.append(
+                (f"ζ = {scene.damper.damping_ratio:g} of the structure.", "assumption: the paper prints none")
+            )
     return entries
 
 
@@ -650,8 +656,8 @@ def other_mode(results: Results) -> str | None:
         return None
     number, point = led
     return (
-        f"Along axis 1 of the cavity mode {number} ({point.modes[number - 1].family}, {significant(reduced.f2_hz)} Hz"
-        f" {at_load(point)}) yields most: amplitudes, cut-offs and damping ratios are those of this mode."
+        f"Mode {number} ({point.modes[number - 1].family}, {significant(reduced.f2_hz)} Hz {at_load(point)}) moves the"
+        " cavity most along its axis 1: amplitudes, cut-offs and damping ratios are those of this mode."
     )
 
 
@@ -727,8 +733,8 @@ def root_stress(results: Results) -> str | None:
     if stress is None or not 1e7 <= stress <= limits.STRONGEST:
         return None
     return (
-        f"At {whole(in_rpm(fastest))} rpm the centrifugal pull at the root is {significant(stress / 1e6)} MPa on"
-        " average over the section: compare it with the yield of the material."
+        f"At {whole(in_rpm(fastest))} rpm the mean centrifugal stress at the root is {significant(stress / 1e6)} MPa:"
+        " compare it with the yield strength of the material."
     )
 
 
@@ -741,8 +747,8 @@ def wide(results: Results) -> str | None:
     if width <= _WIDE * length:
         return None
     return (
-        f"The mesh is {significant(width)} mm wide and {significant(length)} mm long: the root, at the smallest x, is a"
-        " long edge. If a short one is meant, turn the mesh until its length lies along x."
+        f"The mesh is {significant(width)} mm wide and {significant(length)} mm long: its root, at the smallest x, is a"
+        " long edge. If the short edge is the root, rotate the mesh so that its length lies along x."
     )
 
 
@@ -753,15 +759,15 @@ def frequency_error(results: Results) -> str | None:
     own = THEORIES[results.theory.name].against_solid
     plate = results.scene.plate
     if plate is not None and plate.mesh is not None and results.theory.name == "solid":
-        own += " On cells that are no rectangles a thin solid is too stiff, which finer meshes show; Mindlin's is not."
+        own += " A thin solid on cells that are not rectangles is too stiff until the mesh is fine; Mindlin's is not."
     if results.scene.point_mass > 0:
         own = (
-            "Under a point mass the frequencies fall with every refinement: the estimate holds what cells down to a"
-            f" tenth of the thickness would still take off. {own}"
+            "Under a point mass frequencies fall with every refinement: the estimate covers cells down to a tenth of"
+            f" the thickness. {own}"
         )
     mesh, accuracy = results.diagram.mesh, sentence(results)
     if accuracy is None:
-        unknown = f"The error of the mesh ({mesh}) is not known: it is too large for a finer one to compare with."
+        unknown = f"The error of the mesh ({mesh}) is not known: it is too large to be compared with a finer one."
         return f"{unknown} {own}"
     return f"{accuracy} The mesh: {mesh}. {own}"
 
@@ -779,8 +785,8 @@ def real_modes(results: Results) -> str | None:
     if abs(most) <= results.scene.accuracy.frequency:
         return None
     return (
-        f"Coriolis forces move the first bending mode by {percent(most)} %. What the damper feels (M1, K1,"
-        " M2, K2) is of a real mode, and without them."
+        f"Coriolis forces move the first bending mode by {percent(most)} %. The structure at the damper (M1, K1, M2,"
+        " K2) is that of the real mode, without them."
     )
 
 
@@ -793,7 +799,7 @@ def divergence(results: Results) -> str | None:
     if len(lost) > 1:
         which = f"{len(lost)} of the speeds asked for, from {which} on"
     where = "" if critical is None else f" Its critical speed is {critical:.6g} rpm."
-    return f"The plate diverges at {which}: it leaves its equilibrium without oscillating, and has no frequency.{where}"
+    return f"The plate diverges at {which}: it leaves its equilibrium without oscillating and has no frequency.{where}"
 
 
 def veering(results: Results) -> str | None:
@@ -804,9 +810,9 @@ def veering(results: Results) -> str | None:
     places = [f"{whole(low)} and {whole(high)} rpm ({', '.join(names)})" for low, high, names in crossings]
     more = f", and {len(places) - 4} times more" if len(places) > 4 else ""
     return (
-        f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed for certain: they exchange"
-        " their characters there, or cross at a sharper angle than the steps resolve. A curve of the Campbell diagram"
-        " may go on as another mode."
+        f"Between {'; between '.join(places[:4])}{more} modes change too much to be followed with certainty: they veer,"
+        " or cross at a sharper angle than the steps resolve. A curve of the Campbell diagram may continue as another"
+        " mode."
     )
 
 
@@ -843,7 +849,7 @@ def _nothing_released(results: Results) -> str | None:
     still = [p.rpm for p, _, _ in ring_downs(results) if p.load_g == 0]
     if release is None or release.ratio is None or not still:
         return None
-    return f"At {whole(still[0])} rpm there is no load, so that a ratio of it releases nothing: nothing moves there."
+    return f"At {whole(still[0])} rpm there is no load, so a release by its ratio is zero: nothing moves there."
 
 
 def _held(results: Results) -> str | None:
@@ -856,8 +862,8 @@ def _held(results: Results) -> str | None:
     lift = significant(1e3 * math.hypot(*damping.release))
     needed = significant(1e3 * own.cutoff, 2)
     return (
-        f"From {whole(point.rpm)} rpm on, this scene's release of {lift} mm does not set the ball rolling, which takes"
-        f" {needed} mm there: those ring-downs show the structure alone."
+        f"From {whole(point.rpm)} rpm on, this scene's release of {lift} mm is below the {needed} mm that set the ball"
+        " rolling: those ring-downs show the structure alone."
     )
 
 
@@ -866,7 +872,7 @@ def _books(results: Results) -> str | None:
     worst = max(shares, key=abs, default=0.0)
     if abs(worst) <= EXPLAINED:
         return None
-    what = "appears from nowhere" if worst < 0 else "is lost without a cause"
+    what = "appears without a source" if worst < 0 else "is lost without a cause"
     why = ": the printed equations do not conserve energy" if limits.is_printed(results) else ""
     return f"Up to {percent(abs(worst))} % of the initial energy {what}{why}."
 
@@ -882,9 +888,9 @@ def _rows(results: Results) -> str | None:
         return None
     rows = math.ceil(damper.count / most)
     return (
-        f"At most {most} of the {damper.count} cavities lie side by side in a section of the plate: they take {rows}"
-        f" rows along the radius, {significant(2e3 * damper.radius * rows)} mm deep. The model has all of them at one"
-        " place; further in there is less load and less motion."
+        f"At most {most} of the {damper.count} cavities fit side by side in a section of the plate: they need {rows}"
+        f" rows along the radius, {significant(2e3 * damper.radius * rows)} mm deep. The model places all of them at"
+        " one point; nearer the root, load and motion are smaller."
     )
 
 
@@ -899,8 +905,8 @@ def _rolling(results: Results) -> str | None:
     lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
     return (
         f"In the ring-downs (release {lift} mm), rolling without slip requires"
-        f" a friction of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])}, more than the"
-        f" {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
+        f" a friction coefficient of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])},"
+        f" more than the {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import textwrap
 from dataclasses import fields
@@ -57,7 +58,9 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
 
 def _wrapped(paragraph: str, mark: str = "") -> list[str]:
     width = min(shutil.get_terminal_size((100, 24)).columns, 100)
-    return textwrap.wrap(paragraph, width, initial_indent=mark, subsequent_indent=" " * len(mark))
+    whole = re.sub(r"(?<=\d) (?=%|(?:mm|g|rpm|Hz|N)\b)", "\xa0", paragraph)  # a number and its unit on one line
+    lines = textwrap.wrap(whole, width, initial_indent=mark, subsequent_indent=" " * len(mark))
+    return [line.replace("\xa0", " ") for line in lines]
 
 
 def rows(results: Results) -> list[tuple[str, ...]]:

@@ -55,9 +55,9 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         low, high = useful[point.omega]
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
         in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
-        ends_there = f", all that the {carrier(results)} endures" if high < figures.half[1] else ""
+        ends_there = f", the limit of what the {carrier(results)} endures" if high < figures.half[1] else ""
         amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
-        half = "" if ranges else "the ball gives at least half of its best damping "
+        half = "" if ranges else "the ball gives at least half of its largest damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     sustained = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
@@ -73,7 +73,7 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
     if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return ""
     last = point.damper.cutoff_g / in_g(results, point.reduced, 1.0)
-    return f" (one in motion goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
+    return f" (a moving ball goes on down to {millimetres(last)} mm)" if last < _BELOW * cutoff else ""
 
 
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -88,8 +88,8 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     if what_to_do(results, points) is not None:  # which names both amplitudes
         return f"More than {millimetres(limit)} mm would {beyond}."
     return (
-        f"{capital(at_load(point))} it takes {millimetres(figures.cutoff)} mm to set the ball rolling, but more than"
-        f" {millimetres(limit)} mm would {beyond}: there the damper is out of reach."
+        f"{capital(at_load(point))} the ball begins to roll at {millimetres(figures.cutoff)} mm, but more than"
+        f" {millimetres(limit)} mm would {beyond}: the damper is out of reach there."
     )
 
 
@@ -113,10 +113,10 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
     moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
     if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
-        without = f"without its dent it would above {millimetres(remedy.without_dent)} mm"
+        without = f"without its dent it would move above {millimetres(remedy.without_dent)} mm"
         return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
     if not steps:
-        return f"{moves}: its own dent holds it, which a harder floor or a lighter ball would mend."
+        return f"{moves}: its own dent holds it, and a harder floor or a lighter ball would reduce the dent."
     would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
     return f"{moves}; {would}."
 
@@ -142,9 +142,9 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
     (stops, rolls), most = figures.folds, figures.from_above.peak
     return [
-        "These figures hold for a slowly growing vibration and are the least of the starts evaluated:"
+        "These figures are the least of the starts evaluated:"
         f" {at_load(point)} the ball may roll or rest without hitting a wall up to {millimetres(rolls)} mm.",
-        f"Once it bounces, it does so down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
+        f"As the vibration falls, it keeps bouncing down to {millimetres(stops)} mm and adds up to {percent(most)} %.",
     ]
 
 
@@ -166,8 +166,8 @@ def _where_none(results: Results, points: Sequence[SpeedPoint]) -> tuple[list[st
 _OUTSIDE: dict[str, Callable[[Results, Sequence[SpeedPoint]], str]] = {
     Reason.WEIGHT: lambda *_: remarks.WEIGHT,
     Reason.SLIP: lambda results, points: (
-        "the ball would slide, since rolling requires a friction of"
-        f" {_frictions(results, points)} at the amplitude of its best"
+        "the ball would slide, since rolling requires a friction coefficient of"
+        f" {_frictions(results, points)} at the amplitude of largest damping"
     ),
     Reason.CONTACT: lambda results, points: remarks.flows(results, points),
 }
@@ -188,13 +188,14 @@ def _rests_on(results: Results, points: Sequence[SpeedPoint]) -> str:
     if not better:
         return ""
     return (
-        ", if the ball rolls without slip, which at the amplitude of its best takes a friction of"
-        f" {_frictions(results, better)} {stretch(better, points)}: {damper.friction:g} is given for the walls"
+        ", provided that the ball rolls without slip: at the amplitude of largest damping this requires a friction"
+        f" coefficient of {_frictions(results, better)} {stretch(better, points)}, and the scene has"
+        f" {damper.friction:g}"
     )
 
 
 def _frictions(results: Results, points: Sequence[SpeedPoint]) -> str:
-    """The least and the most friction that rolling takes at the points."""
+    """The least and the largest friction that rolling requires at the points."""
     each = [_friction(results, point) for point in points]
     return span(min(each), max(each))
 
@@ -245,9 +246,8 @@ def answer(results: Results) -> Answer:
     if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*map(" ".join, orders), *alone.sentences))
     (first, *rest), *others = orders
-    by_itself = (
-        f"Compared with the damping by air alone: {alone.verdict[0].lower()}{alone.verdict[1:].replace(': ', ', ', 1)}."
-    )
+    judged, none, where = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".partition("; no verdict ")
+    by_itself = f"Compared with the damping by air alone: {judged.replace(': ', ', ', 1)}{none}{where}."
     estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
     more = (" ".join(rest),) if rest else ()
     others_said = map(" ".join, others)
@@ -306,7 +306,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> str:
     if len(stretches) == 1:
         return capital(_WORDS[stretches[0][0]])
     if len(known) > _STEPS_AT_MOST:
-        return f"{capital(_WORDS[max(map(_rank, points))])} at best"
+        return f"{capital(_WORDS[max(map(_rank, points))])} at some speeds"
     words = []
     for k in known:
         rank, run = stretches[k]
@@ -338,16 +338,17 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     text = (
-        f"At its best, {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm, the ball adds"
-        f" an equivalent damping ratio of {percent(top.damping_ratio)} %{known_within(at)}: it takes"
-        f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration's energy in a cycle"
+        f"In a slowly growing vibration the ball adds an equivalent damping ratio of up to"
+        f" {percent(top.damping_ratio)} %{known_within(at)},"
+        f" {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm; this is"
+        f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration energy per cycle"
     )
     least, there = min(ratios, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = f", within what the {carrier(results)} endures," if least.limited else ""
-        text += f"; {at_load(there)}{within} it adds {percent(least.damping_ratio)} % at best"
+        text += f". {capital(at_load(there))}{within} it adds up to {percent(least.damping_ratio)} %"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
-    return [f"{text}.", f"For comparison: air alone damps turbine blades by {air}, friction dampers by {friction}."]
+    return [f"{text}.", f"For comparison, air alone gives turbine blades {air}, and friction dampers add {friction}."]
 
 
 def _fed(points: list[SpeedPoint]) -> str | None:
@@ -363,7 +364,7 @@ def _fed(points: list[SpeedPoint]) -> str | None:
     load_text = at_load(point)
     return (
         f"{capital(load_text)} and above {millimetres(amplitude)} mm they drive the vibration instead of"
-        " damping it, which no ball can do."
+        " damping it, which is impossible for a ball."
     )
 
 
@@ -384,16 +385,16 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
         return "No: the ball never moves", tuple(part for part in parts if part)
     if all(reason == Reason.LOSSLESS for reason in reasons):
         along = "Along the bending direction it" if damper is not None and damper.friction else "It"
-        return "No: the ball takes nothing", (
-            f"{along} neither rolls against a resistance nor loses speed at the walls.",
+        return "No: the ball dissipates nothing", (
+            f"{along} neither meets rolling resistance nor loses speed at the walls.",
         )
     cutoff = 0.0 if low.damping_curve is None else low.damping_curve.cutoff
     known = f", from {millimetres(cutoff)} mm on," if cutoff > 0 else ","
     text = (
         f"{capital(at_load(low))} no damping by the ball was found at any of the amplitudes searched{known}"
-        " which does not tell that there is none."
+        " which does not prove that there is none."
     )
-    return "Not found: whether the ball damps", tuple(part for part in (text, slope) if part)
+    return "Undecided: no damping by the ball was found", tuple(part for part in (text, slope) if part)
 
 
 def _beside_the_paper(results: Results) -> str | None:
@@ -403,9 +404,9 @@ def _beside_the_paper(results: Results) -> str | None:
     low, high = (round(100 * value) for value in paper.SDC_RANGE)
     text = f"The paper reports losses of {low} to {high} % in a cycle for this plate. "
     if results.scene.damper is not None and results.scene.damper.formulation == "consistent":
-        text += "The ball cannot do that: a bound on its work in this cavity rules it out."
+        text += "That is impossible: a bound on the work of the ball in this cavity rules it out."
     else:
-        text += "The ball does not do that, even by the equations as printed."
+        text += "The ball does not reach that, even by the printed equations."
     tilts = results.effects["floor_tilt"].on
     off = [(abs(p.damper.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damper and p.damper.cutoff_g]
     near = [pair for pair in off if pair[0] <= _NEAR]
@@ -428,9 +429,9 @@ TOO_LOOSE = (
 
 _NO_ESTIMATE: dict[str, str] = {
     Reason.WEIGHT: remarks.WEIGHT,
-    Reason.SLIP: "the ball would slide at the amplitude of its best",
+    Reason.SLIP: "the ball would slide at the amplitude of largest damping",
     Reason.DENSITY: "no solid is as dense as this ball",
-    Reason.ROOT_STRESS: "the centrifugal pull at the root is more than any blade metal bears",
+    Reason.ROOT_STRESS: "the centrifugal stress at the root exceeds what any blade metal endures",
     Reason.CONTACT: "ball or floor yields fully under the load",
     Reason.OTHER_MODE: "another mode moves the cavity more; `spindamp response` computes the motion",
     Reason.SWINGS: "the ball swings freely in its hollow floor; `spindamp response` computes the motion",
@@ -456,7 +457,10 @@ def _orders(results: Results) -> list[list[str]]:
     low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
-        return [*met, ["Engine orders take two speeds at least: modes are met between the lowest and the highest."]]
+        return [
+            *met,
+            ["Engine orders need at least two speeds: crossings are sought between the lowest and the highest."],
+        ]
     nowhere = f"meets no mode between {low} and {high} rpm"
     return met + [[f"Engine order {order} {nowhere}{_beyond(results, order)}."] for order in unmet]
 
@@ -512,8 +516,8 @@ def _at_no_level(results: Results, reduction: VibrationReduction, unit: str) -> 
             return f"{at_rest}, in its own dent"
         return f"{at_rest}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
     if not math.isfinite(reduction.ratio):
-        return f"{evaluated}: the ball takes nothing of the amplitude"
-    return f"{evaluated}: the ball takes {percent(max(1 - reduction.ratio, 0.0))} % of the amplitude at most"
+        return f"{evaluated}: the ball does not reduce the amplitude"
+    return f"{evaluated}: the ball reduces the amplitude by {percent(max(1 - reduction.ratio, 0.0))} % at most"
 
 
 def listed(items: Sequence[float | str], joint: str = "and") -> str:
@@ -531,7 +535,7 @@ def _plate_only(results: Results) -> Answer:
     text = f"The first frequency is {span(min(first), max(first), 5)} Hz {speeds}."
     accuracy = remarks.sentence(results)
     alone = f"The {remarks.carrier(results)} alone"
-    verdict = alone if remarks.met(results) else f"{alone}, less exact than asked for"
+    verdict = alone if remarks.met(results) else f"{alone}, less accurate than requested"
     if (torn := remarks.torn_from(results)) is not None:
         verdict += f"; it cannot turn {torn}"
     return Answer(verdict, (text,) if accuracy is None else (text, accuracy))

@@ -36,7 +36,7 @@ class Damper(Table):
     mass: Annotated[q.Mass, q.Positive] | None = None
     """mass of all balls together"""
     ball_density: Annotated[q.Density, q.Positive] | None = None
-    """of each ball: all together then weigh count (4/3) π radius³ times as much"""
+    """of each ball; the total mass is then count (4/3) π radius³ times this"""
     ball_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
     """a material whose density is known, instead of ball_density"""
     floor_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
@@ -50,8 +50,8 @@ class Damper(Table):
     """sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across; along the radius the
     cavity holds the ball"""
     housing: Annotated[q.Mass, q.Positive] | None = None
-    """mass of what holds the cavity where it stands out of the plate, a point mass at the damper's place; without it
-    the cavity must fit the plate"""
+    """mass of a housing that holds the cavity outside the plate, a point mass at the damper's place; without it the
+    cavity must fit the plate"""
     restitution: q.Restitution
     """e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the logarithm of the
     speed; 'auto': by the strength of ball and floor"""
@@ -84,7 +84,7 @@ class Damper(Table):
             materials.check_density("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
                 raise fault(
-                    "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium: nothing is denser"
+                    "ball_density", f"expected at most {materials.OSMIUM:g} kg/m^3, that of osmium, the densest solid"
                 )
         for side in self.cavity:
             if side < 2 * self.radius * (1 - ROUNDING):
@@ -122,7 +122,7 @@ class Damper(Table):
     def _hollow(self, floor: tuple[float, float]) -> None:
         """A hollow floor in which the ball finds room, and whose equations are not the paper's."""
         if self.formulation == "printed":
-            raise fault("floor_radius", "the printed equations know a flat floor only: leave this out")
+            raise fault("floor_radius", "the printed equations support a flat floor only: leave this out")
         for radius, side in zip(floor, self.cavity, strict=True):
             least = max(self.radius, side / 2)
             if radius <= least * (1 + ROUNDING):
@@ -218,8 +218,8 @@ def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -
     if damper.housing or damper.count <= most:
         return None
     return "count", (
-        f"no more than {most} cavities of this size lie in the plate between its root and the damper's place: expected"
-        " fewer, or housing = the mass of what stands out of the plate"
+        f"the plate has room for {most} cavities of this size between its root and the damper's place: expected no"
+        " more, or housing = the mass of what stands out of the plate"
     )
 
 
@@ -229,7 +229,7 @@ def housing_too_light(damper: Damper) -> tuple[str, str] | None:
     least = _FOIL * faces
     if damper.housing is None or damper.housing >= least:
         return None
-    return "housing", f"lighter than plastic foil of 0.01 mm over the open faces: expected at least {1e3 * least:.2g} g"
+    return "housing", f"lighter than 0.01 mm of plastic foil over the open faces: expected at least {1e3 * least:.2g} g"
 
 
 def misfit(damper: Damper, thickness: float, width: float, reach: float, room: float) -> tuple[str, str] | None:

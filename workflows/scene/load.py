@@ -192,7 +192,8 @@ def _read(path: Path, name: str) -> str:
     try:
         problem = non_file_kind(path)
         if problem:
-            raise BadInput(f"expected a scene file, found {problem}", file=name)
+            results = ": `spindamp view` shows results" if (path / "results.json").is_file() else ""
+            raise BadInput(f"expected a scene file, found {problem}{results}", file=name)
         with path.open("rb") as file:
             raw = file.read(_LARGEST + 1)
     except FileNotFoundError:
@@ -203,7 +204,8 @@ def _read(path: Path, name: str) -> str:
     except (OSError, ValueError) as error:
         raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
     if len(raw) > _LARGEST:
-        raise BadInput(f"not a scene: larger than {_LARGEST} bytes", file=name)
+        kind = "results" if path.suffix in (".json", ".nc") else "a file"
+        raise BadInput(f"not a scene: {kind} of more than {_LARGEST} bytes", file=name)
     if not raw.strip():
         raise BadInput("the file is empty: expected a scene, such as `spindamp check paper` prints", file=name)
     try:
@@ -366,8 +368,8 @@ def _unknown(error: Any, loc: list[str]) -> str:
     shape = hints["also_called"].get(loc[-1], loc[-1])
     if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
         return f": {hints['shape'][shape]}"
-    if loc[-1] in hints["keys"]:
-        return f": {hints['keys'][loc[-1]]}"
+    if instead := hints["keys"].get(".".join(loc)) or hints["keys"].get(loc[-1]):
+        return f": {instead}"
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"

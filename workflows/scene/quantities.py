@@ -225,8 +225,8 @@ def _of_turns(number: float, unit: str) -> str:
     if hertz is None:
         return ROTATION.expectation
     return (
-        f"{ROTATION.expectation}; '{unit}' is the unit of a frequency, which is not taken for a speed: if turns a"
-        f" second are meant, write '{60 * hertz * number:.9g} rpm'"
+        f"{ROTATION.expectation}; '{unit}' is a unit of frequency: as revolutions, write"
+        f" '{60 * hertz * number:.9g} rpm'"
     )
 
 
@@ -316,6 +316,9 @@ def several(
 
     def validate(value: object, info: ValidationInfo) -> tuple[Any, ...]:
         items = value if isinstance(value, list | tuple) else [value] * least if single else []
+        if isinstance(value, str) and not items and least == most == 2:
+            one(value, info)  # what is wrong with the value itself comes first
+            raise wrong(f"expected a list of two, such as ['{value}', '{value}']")
         if not least <= len(items) <= (most or len(items)):
             raise wrong(expectation)
         read = tuple(one(item, info) for item in items)
@@ -414,6 +417,8 @@ _mass_unit = partial(_unit_of, MASS, "mass such as 'kg' or 't'")
 
 
 def _number(value: object) -> float:
+    if isinstance(value, str) and (share := re.fullmatch(r"([0-9.]+) ?%", value)) is not None:
+        raise wrong(f"expected a number: {value} is {float(share[1]) / 100:g}")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise wrong("expected a number")
     try:

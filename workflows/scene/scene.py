@@ -61,8 +61,8 @@ def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if any(speed > FASTEST for speed in speeds):
         raise wrong(f"expected speeds up to {FASTEST:g} rad/s, about a million rpm")
     if slow := [speed for speed in speeds if 0 < speed < SLOWEST]:
-        least = f"{SLOWEST:g} rad/s, about a thousandth of a turn a minute"
-        raise wrong(f"expected 0, or speeds from {least} on: {slow[0]:g} rad/s is as good as rest")
+        least = f"{SLOWEST:g} rad/s, about a thousandth of a revolution per minute"
+        raise wrong(f"expected 0, or at least {least}: {slow[0]:g} rad/s is practically at rest")
     if len(speeds) > MOST_SPEEDS:
         raise wrong(f"expected at most {MOST_SPEEDS} speeds")
     if len(set(speeds)) < len(speeds):
@@ -79,7 +79,7 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
     if count > 1 and not stop > start:
         raise wrong("stop: expected a speed above start")
     if count == 1 and stop != start:
-        raise wrong("count: expected at least 2, or stop equal to start: a single speed leaves stop out")
+        raise wrong("count: expected at least 2; for one speed give a list such as ['3500 rpm']")
     return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
 
 
@@ -135,7 +135,7 @@ class Structure(Table):
     def _sense(self) -> Self:
         """A frequency at which something as large as a cavity with a ball in it can vibrate."""
         if not all(_LOWEST <= each <= _HIGHEST for each in self.frequency):
-            problem = f"expected from {_LOWEST:g} Hz to {_HIGHEST:.0f} Hz, as structures that hold a ball vibrate"
+            problem = f"expected from {_LOWEST:g} Hz to {_HIGHEST:.0f} Hz, the range of structures that carry a damper"
             raise fault("frequency", problem)
         return self
 
@@ -374,8 +374,8 @@ class Design(Table):
     wall: Annotated[q.Length, q.NotNegative] = 0.0
     """left of the plate on either side of the cavity, through the thickness, at least"""
     hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = 1.0
-    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1: it flows. It
-    takes materials known by name, dimensionless"""
+    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1: it flows.
+    Requires materials known by name, dimensionless"""
     yield_ratio: Annotated[q.Number, q.Positive] | None = None
     """load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default: none"""
     amplitude: q.LengthPair | None = None
@@ -447,7 +447,7 @@ class Excitation(Table):
             raise fault("at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if (self.at is None) != (self.direction is None):
             missing, other = ("direction", "at") if self.direction is None else ("at", "direction")
-            raise fault(missing, f"missing: a force elsewhere than at the damper takes it beside {other}")
+            raise fault(missing, f"missing: a force away from the damper needs it beside {other}")
         return self
 
     @property
@@ -552,9 +552,9 @@ _OF_A_PLATE = {
 
 
 _OF_A_MESH = {
-    "excitation.pressure": "modes know no surface that a pressure acts on: expected force or base",
-    "damper.housing": "the modes are those of the structure as it is, whatever it carries: leave this out",
-    "design.place": "the place is free on a plate alone: leave this out",
+    "excitation.pressure": "modes do not describe the surface that a pressure acts on: expected force or base",
+    "damper.housing": "the modes already include all that the structure carries: leave this out",
+    "design.place": "only plates allow a range of places: leave this out",
 }
 """Keys that a structure of known modes leaves as they are, and why."""
 
@@ -563,7 +563,7 @@ class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
     title: Annotated[q.Line, Field(max_length=200)] = "untitled"
-    """for people; one line"""
+    """one line of text"""
     plate: Plate | None = None
     """the plate"""
     blade: Blade | None = None
@@ -581,11 +581,11 @@ class Scene(Table):
     release: Release | None = None
     """how a ring-down begins; left out beside a damper: by default"""
     excitation: Excitation | None = None
-    """what shakes the structure, for `response`"""
+    """excitation, for `run`, `response` and `design`"""
     accuracy: Accuracy = Accuracy()
-    """errors that are allowed"""
+    """tolerances"""
     design: Design | None = None
-    """what `spindamp design` may choose; of no influence elsewhere"""
+    """design space of `spindamp design`; other commands ignore it"""
 
     @model_validator(mode="before")
     @classmethod
@@ -603,7 +603,7 @@ class Scene(Table):
         if isinstance(data, Mapping) and data.get("structure") is not None:
             if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
                 raise fault(
-                    "structure.floor_tilt", "the floor on a plate tilts by what the plate bends: leave this out"
+                    "structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out"
                 )
             for table in ("plate", "material"):
                 if data.get(table) is not None:
@@ -628,7 +628,7 @@ class Scene(Table):
         if self.excitation is not None and self.damper is not None and self.damper.damping_ratio == 0:
             raise fault(
                 "damper.damping_ratio",
-                "an excited structure without damping has no bound at resonance: give what the air or its clamp takes,"
+                "without damping the amplitude at resonance is unbounded: give the damping ratio by air and clamp,"
                 " such as 0.001",
             )
         if self.plate is not None:
@@ -636,7 +636,7 @@ class Scene(Table):
         if self.damper is not None and (radius := self._damper_radius) is not None:
             check_reach(radius, self.damper, None if self.plate is not None else self.release)
         if self.release is not None and self.release.ratio is not None and not any(self.rotor.speeds):
-            raise fault("release.ratio", "at rest there is no load, and a ratio of it releases nothing")
+            raise fault("release.ratio", "at rest there is no load, so a ratio of it is no release")
         return self
 
     @property
@@ -730,7 +730,7 @@ class Scene(Table):
         if max(map(abs, tilt)) * damper.radius >= 1:
             raise fault("structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / damper.radius:g} 1/m")
         if any(tilt) and damper.formulation == "printed":
-            raise fault("structure.floor_tilt", "the printed equations know a level floor only: leave this out")
+            raise fault("structure.floor_tilt", "the printed equations support a level floor only: leave this out")
         if not any(tilt) and self.effects.floor_tilt is True:
             raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
 

@@ -229,7 +229,7 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     hits = limits.hits(scene, point)
     if scene.damper is not None and scene.damper.rolling_friction == "auto":
         if limits.solids(scene) is None:
-            problem = "takes the materials of ball and floor by name: expected ball_material and floor_material"
+            problem = "requires named materials of ball and floor: expected ball_material and floor_material"
             raise BadInput(problem, key="[damper] rolling_friction", value="auto")
         hits["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
     return hits | ({"break_away": limits.rim_slope(scene, point)} if effects["indentation"].on else {})

@@ -381,7 +381,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
             raise source.wrong(problem, "[structure] modes")
         if omega is None and np.isnan(model.speeds[0].omega):
             omega = _only_speed(source, name)
-            remarks.append(f"{name} does not say at what speed its modes are: they are taken for those of the scene's.")
+            remarks.append(f"{name} does not state the speed of its modes: the speed of the scene is assumed.")
         if omega is not None:
             model = replace(model, speeds=(replace(model.speeds[0], omega=omega),))
         models.append(model)
@@ -402,18 +402,18 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             problems.append(
-                f"{name} stands for {names.count(name)} speeds: its modes are taken not to change between them."
+                f"{name} is given for {names.count(name)} speeds: its modes are assumed not to change between them."
             )
     for (omega, name), model in zip(known.files.items(), models, strict=True):
         static = model.speeds[0].static
         if omega == 0.0 and static is not None and static.any():
             problems.append(
-                f"{name} stands for 0 rpm, and its modes follow a static displacement: is it of another speed?"
+                f"{name} is given for 0 rpm, but holds a static displacement: does it belong to another speed?"
             )
     counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
     if min(counts) < max(counts):
         problems.append(
-            f"Of the files' {min(counts)} to {max(counts)} modes the {min(counts)} that all have are taken."
+            f"The files hold {min(counts)} to {max(counts)} modes; the first {min(counts)}, common to all, are used."
         )
     return problems
 
@@ -446,7 +446,7 @@ def _read(source: SceneFile, name: str) -> tuple[Raw, str]:
     try:
         return _file(source.folder / name, _stamp(source, name))
     except (ModesFileError, OSError, MemoryError) as error:
-        problem = "larger than the memory that is there" if isinstance(error, MemoryError) else str(error)
+        problem = "larger than the available memory" if isinstance(error, MemoryError) else str(error)
         raise source.wrong(problem, "[structure] modes", name) from error
 
 
@@ -487,12 +487,12 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     for key in ("unit", "mass_unit"):
         own, unit_given = getattr(raw, key), getattr(known, key)
         if own is not None and unit_given is not None and own != unit_given:
-            problem = f"{name} says '{own}': leave this out, or mend the file"
+            problem = f"{name} says '{own}': leave this out, or correct the file"
             raise source.wrong(problem, f"[structure] {key}", unit_given)
     try:
         model = in_si(raw, *known.scale(raw.unit, raw.mass_unit))
     except ValueError as error:
-        problem = f"{name}: unit '{raw.unit}' or mass_unit '{raw.mass_unit}' is none: {error}"
+        problem = f"{name}: unit '{raw.unit}' or mass_unit '{raw.mass_unit}' is not a unit: {error}"
         raise source.wrong(problem, "[structure] modes") from error
     largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
     if largest.size > 1 and np.ptp(largest) <= 1e-5 * largest.max():
@@ -639,7 +639,7 @@ def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list
         return []
     remark = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
     if known.size < 3:
-        return [f"{remark}: with two speeds alone, how good that is is not known."]
+        return [f"{remark}: with only two speeds the error of this is unknown."]
     count = source.scene.rotor.modes
     changes, masses = [], []
     for omega in between:

@@ -155,7 +155,7 @@ def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
 
 
 _UNNAMED = (
-    "takes the materials of ball and floor by name, the floor's of known strength: expected ball_material and"
+    "requires named materials of ball and floor, the floor's of known strength: expected ball_material and"
     " floor_material, or a number"
 )
 

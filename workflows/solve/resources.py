@@ -188,7 +188,7 @@ def _require(source: SceneFile, needed: float, worst: Part) -> None:
     """Refuse what needs more memory than there is, by its largest part."""
     there = available() + _own_memory()
     if needed > there:
-        problem = f"this needs about {in_words(needed)} of memory, and {in_words(there)} are there: {worst.advice}"
+        problem = f"this needs about {in_words(needed)} of memory, and {in_words(there)} are available: {worst.advice}"
         raise source.wrong(problem, worst.key, worst.value)
 
 

@@ -154,7 +154,7 @@ class Figures:
     """What a damper does to a steady vibration; amplitudes are the structure's displacements along x at the damper."""
 
     peak: Annotated[float, quantity("1", "damping_ratio_peak", headline=True)]
-    """largest damping ratio that the ball's losses amount to, where it lasts at a held amplitude"""
+    """largest equivalent damping ratio of the ball at a prescribed amplitude"""
     peak_amplitude: Annotated[Unknown, quantity("m", "at_amplitude", headline=True)]
     """amplitude at the cavity where that is"""
     range: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
@@ -193,24 +193,24 @@ class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
     error: Annotated[float, quantity("1", alone="working_error", headline=True)]
-    """of the peak and of `half`, relative: spread of the measurement, and what its pace moved"""
+    """of the peak and of `half`, relative: spread of the measurement, and effect of its pace"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
-    """the same on the way down, where a ball in motion keeps bouncing; the other figures are the least of those of the
-    way up, from a ball at rest in the middle or rolling about it"""
+    """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
+    least of starts at rest in the middle or rolling about it"""
     slow_ramp: Annotated[Figures, part(prefix="slow_ramp_")] = field(repr=False)
-    """the same as the mean of ramps up from rest, of 0.1 to 0.3 % a cycle, on which the ball drifts and bounces
-    earlier: typical, not certain"""
+    """the same on slow ramps from rest, 0.1 to 0.3 % per cycle, on which the ball drifts and bounces earlier: the mean,
+    typical but not guaranteed"""
     abrupt_start: Annotated[Figures, part(prefix="abrupt_start_")] = field(repr=False)
-    """the same in the thirteenth to 36th cycle of amplitudes that are there at once, the ball at rest in the middle;
-    later it may have drifted to a wall, and bounce"""
+    """the same after an abrupt start: cycles 13 to 36 at the full amplitude, from a ball at rest in the middle; later
+    it may drift to a wall and bounce"""
     folds: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
-    """amplitudes between which the two ways differ: from where a bouncing ball falls off on the way down to where a
-    ball that rolls about the middle must meet the walls; null where the ways do not differ"""
+    """amplitudes between which growing and falling vibration differ: from where bouncing ends on the way down to where
+    a ball that rolls about the middle must meet the walls; null where they do not differ"""
     jump: Annotated[Pair, quantity("m", ends=_ENDS)]
-    """amplitudes at which the first and the last sweep up from rest begin to bounce, which goes by how the vibration
-    grows; null as of `folds`"""
+    """amplitudes at which the first and the last sweep up from rest begin to bounce, depending on how the vibration
+    grows; null as for `folds`"""
     level: Annotated[Figures | None, part("level_floor", prefix="level_", headline=False)]
-    """the figures of the way down on a floor that stays level, where the scene keeps it so; else null"""
+    """figures for falling vibration on a level floor, where the scene keeps the floor level; else null"""
     tilt_share: Annotated[float, quantity("1", "floor_tilt_share", headline=True)]
     """share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it"""
     pendulum: Annotated[Pendulum | None, part(prefix="pendulum_")] = None
@@ -295,9 +295,9 @@ class Verdict:
     """What a damper is good for at a speed."""
 
     grade: Annotated[str, quantity("")]
-    """yes: as much as the air gives blades; modest: a tenth of that; negligible: less; locked: the ball never moves at
-    what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows; unknown: outside the
-    model"""
+    """yes: at least what air gives blades; modest: at least a tenth of that; negligible: less; locked: the ball never
+    moves within what the structure endures; inadmissible: no such ball, plate or law, or a contact that flows; unknown:
+    outside the model"""
     damping_ratio: Annotated[float | None, quantity("1")]
     """largest damping ratio within what the structure endures; null: no verdict"""
     amplitude: Annotated[float | None, quantity("m")]
@@ -389,7 +389,7 @@ class Energy:
     slip: Annotated[float, quantity("J")]
     """lost to slip on the floor"""
     residual: Annotated[float, quantity("J")]
-    """not explained by the books"""
+    """not explained by the energy balance"""
 
     @property
     def ball_share(self) -> float:
@@ -461,7 +461,7 @@ class Damping:
     ball_mass: Annotated[float, KEPT]
     release: Annotated[Pair, KEPT]
     intrinsic_sdc: Annotated[float, quantity("1")]
-    """what the structure's own damping loses in a cycle"""
+    """lost to the structure's own damping in a cycle"""
     peak_sdc: Annotated[float | None, quantity("1", headline=True)]
     """everything lost in a cycle over its energy, at most"""
     peak_sdc_at_g: Annotated[float | None, quantity("g")]
@@ -476,7 +476,7 @@ class Damping:
     sdc: Annotated[Floats, COLUMN] = field(repr=False)
     peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
     energy: Annotated[Energy, part(prefix="energy_")]
-    """joules; residual is what the books do not explain"""
+    """joules; residual: not explained by the energy balance"""
     modal_energies: Annotated[
         dict[int, float],
         PlainSerializer(
@@ -485,7 +485,7 @@ class Damping:
         BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
         part(prefix="modal_", along="modal"),
     ] = field(default_factory=dict)
-    """left at the end in the plate's modes, joules"""
+    """remaining in the structure's modes at the end, joules"""
     history: Annotated[History | None, KEPT] = None
     path: Annotated[BallPath | None, KEPT] = None
 
@@ -643,12 +643,12 @@ class SpeedPoint:
     reduced: Annotated[Reduced | None, part()] = None
     """the structure at the damper: 1 with the ball stuck, 2 without it"""
     cavity_modes: Annotated[tuple[CavityMode, ...], part(prefix="cavity_", along="cavity_mode")] = ()
-    """a mode of the plate as the cavity feels it, its modal mass 1 kg; pairs are along the damper's axes"""
+    """a mode of the structure at the cavity, of modal mass 1 kg; pairs are along the damper's axes"""
     damper: Annotated[Damping | None, part()] = None
     """the ring-down of the scene's release"""
     damping_curve: Annotated[OwnFigures | None, part("working")] = None
-    """the damper's own figures, which neither release nor damping of the structure has a part in; the tilt of the
-    cavity's floor is counted in. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
+    """figures of the damper itself, independent of the release and of the structure's damping; the tilt of the cavity's
+    floor is included. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
     contact: Annotated[ContactFigures | None, part(prefix="contact_")] = None
     """of the ball at rest on its floor, where their materials are known by name"""
     verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None

@@ -19,7 +19,7 @@ from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.report.text import run as solved
-from workflows.scene.load import SceneLike
+from workflows.scene.load import SceneLike, opened
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
@@ -66,7 +66,8 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    results = [_of(each, stages) for each in runs]
+    known = [each if isinstance(each, Results) or _is_folder(each) else opened(each) for each in runs]  # before any run
+    results = [_of(each, stages) for each in known]
     titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
     return Comparison(tuple(names), tuple(results))
@@ -75,9 +76,11 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
 def _of(run: SceneLike | Results, stages: Stages | None) -> Results:
     if isinstance(run, Results):
         return run
-    if isinstance(run, str | PathLike) and Path(run).is_dir():
-        return serialise.read(run)
-    return solved(run, stages)
+    return serialise.read(run) if isinstance(run, str | PathLike) and _is_folder(run) else solved(run, stages)
+
+
+def _is_folder(run: SceneLike) -> bool:
+    return isinstance(run, str | PathLike) and Path(run).is_dir()
 
 
 def _name(run: SceneLike | Results, results: Results) -> str:

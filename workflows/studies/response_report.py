@@ -41,7 +41,7 @@ _OF_STATES = {
     "power_lost": ("W", "power lost"),
     "stored": ("W", "rate at which the stored energy changes over the window"),
     "power_error": ("W", "standard error of the power put in"),
-    "divergence": ("1", "exponent by which neighbouring motions part a cycle"),
+    "divergence": ("1", "rate at which neighbouring motions diverge, per cycle"),
     "cycles": ("1", "cycles followed"),
 }
 
@@ -78,7 +78,7 @@ def dataset(result: Response) -> xr.Dataset:
         values = np.abs([through.shaped(getattr(through.states, name)) for through in passed])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
     short = np.array([through.short for through in passed])
-    data["shortcut"] = (dims, short, {"units": "m", "long_name": "amplitude by the short way"})
+    data["shortcut"] = (dims, short, {"units": "m", "long_name": "amplitude estimated from free vibration"})
     return data
 
 
@@ -159,10 +159,10 @@ def sentences(result: Response) -> list[str]:
     added = [level for level in result.excitation.levels if level not in result.asked]
     if added:
         levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
-        answer.append(f"{levels} added to the levels asked for, near the maximum of the estimate.")
+        answer.append(f"{levels} evaluated too, near the largest reduction that free vibration predicts.")
     ends = [through for through in result.passed if _at_the_end(through)]
     for through in ends:
-        answer.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie beyond.")
+        answer.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie outside them.")
     return answer
 
 
@@ -240,7 +240,7 @@ def text(result: Response) -> str:
     lines = [result.results.scene.title, *sentences(result), ""]
     force = f"{result.excitation.kind}, {result.excitation.unit}"
     heads = ("order", "mode", "largest at, rpm", force, "without, mm", "with, mm", "ratio", "regime", "hits")
-    lines += aligned([(*heads, "short way off"), *(_cells(result, row) for row in rows(result))])
+    lines += aligned([(*heads, "estimate off"), *(_cells(result, row) for row in rows(result))])
     if any(is_beyond(result, row) for row in rows(result)):
         lines.append(f"{remarks.BEYOND_MEANS}.")
     low, high = (significant(100 * ratio, 2) for ratio in AIR)
@@ -249,9 +249,9 @@ def text(result: Response) -> str:
         if figures.peak > 0:
             ends = " to ".join(significant(1e3 * end) for end in figures.range)
             lines.append(
-                f"order {c.order}: the ball's damping ratio is {significant(100 * figures.peak, 2)} % at most, at"
-                f" {significant(1e3 * figures.peak_amplitude)} mm; it works from {ends} mm; the air alone gives blades"
-                f" {low} to {high} %"
+                f"order {c.order}: the ball adds a damping ratio of up to {significant(100 * figures.peak, 2)} %, at"
+                f" {significant(1e3 * figures.peak_amplitude)} mm, and at least half of that from {ends} mm; air alone"
+                f" gives blades {low} to {high} %"
             )
     return "\n".join(lines)
 

@@ -502,7 +502,7 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     assert shaken is not None
     assert spec is not None
     if spec.damping_ratio == 0:
-        problem = "without damping of its own a structure has no amplitude at resonance: expected more, such as 0.001"
+        problem = "without damping the amplitude at resonance is unbounded: expected a value above 0, such as 0.001"
         raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
     points = excitation.over_speed_range(solver).points
@@ -543,7 +543,9 @@ def space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design is None or scene.damper is None:
         raise ValueError("the scene has no [design]")
     if scene.damper.formulation == "printed":
-        problem = "no design makes sense: the equations as printed do not conserve energy; expected 'consistent'"
+        problem = (
+            "the printed equations do not conserve energy, so a design by them is meaningless: expected 'consistent'"
+        )
         raise source.wrong(problem, "[damper] formulation", scene.damper.formulation)
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")

@@ -135,18 +135,18 @@ def draw(designed: Designed) -> list[Picture]:
 
 
 _OF_CURVES = (
-    "Damping ratio by the ball of the best damper over the amplitude at the cavity, at each speed. The range that"
-    " counts lies between the dashed lines; dotted, the most that any ball of its mass could do in its room."
-    f" Grey: what the air gives turbine blades, {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %."
+    "Damping ratio by the ball of the best damper over the amplitude at the cavity, at each speed. Dashed: the range"
+    " that counts. Dotted: the bound for any ball of its mass and clearance."
+    f" Grey: air alone on turbine blades, {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %."
 )
 _OF_A_RESPONSE = (
-    "Amplitude over speed with the best damper, from the least cycle to the greatest; dashed, without any ball."
+    "Amplitude over speed with the best damper, from the least cycle to the greatest. Dashed: without a ball."
 )
 _OF_DAMPING = "The least damping ratio over the range,"
 _OF_AMPLITUDES = "The greatest amplitude at the crossings,"
 _OF_THE_MAP = (
-    "with two of the free lengths changed and all else as in the best, which is the cross. White: no such damper helps,"
-    " mostly since the load holds the ball at rest. Hatched: a limit is exceeded."
+    "with two of the free lengths varied and all else as in the best design (cross). White: no such damper helps,"
+    " mostly because the load holds the ball at rest. Hatched: a limit is exceeded."
 )
 
 
@@ -229,18 +229,18 @@ def amplitude_sentences(optimum: Optimum, goal: LeastAmplitude) -> list[str]:
     """What carries it."""
     scored, level = optimum.scored, _level(goal)
     lines = [
-        f"Under {level} it is greatest at order {scored.order} and {_speed(scored.speed)}: {_mm(scored.value)} mm;"
-        f" without any ball, the greatest of the crossings is {_mm(scored.without)} mm."
+        f"Under {level} it is largest at order {scored.order} and {_speed(scored.speed)}: {_mm(scored.value)} mm;"
+        f" without a ball, the largest at any crossing is {_mm(scored.without)} mm."
     ]
     if scored.bound > 0:
         part = significant(100 * (scored.without - scored.value) / (scored.without - scored.bound), 2)
         lines.append(
-            f"No ball of this mass in this room can bring it below {_mm(scored.bound)} mm: its way in the cavity is too"
-            f" short to balance more of the force. It achieves {part} % of the conceivable reduction."
+            f"No ball of this mass and clearance can bring it below {_mm(scored.bound)} mm, since its travel is too"
+            f" short to balance more of the force. The design achieves {part} % of the possible reduction."
         )
     else:
         lines.append(
-            "Its mass and its room set no bound: a ball that went from wall to wall in step could hold the whole force."
+            "Mass and clearance set no bound: a ball that crosses its cavity in phase could balance the whole force."
         )
     return lines
 
@@ -253,9 +253,9 @@ def no_amplitude_because(space: Space, optimum: Optimum, goal: LeastAmplitude) -
         able = significant(100 * (1 - scored.bound / scored.without), 2)
         left = significant(100 * scored.value / scored.without, 4)
         lines = [
-            f"{place} the ball of the best moves, but leaves {left} % of the amplitude, {_mm(scored.without)} mm."
-            f" Whatever it did, a ball of its mass in its room could take no more than {able} %: a larger mass or room"
-            " is needed."
+            f"{place} the ball of the best design moves, but {left} % of the amplitude remains, {_mm(scored.without)}"
+            f" mm. No ball of its mass and clearance can remove more than {able} %: a larger mass or clearance is"
+            " needed."
         ]
         return [*lines, f"The best of {optimum.evaluations} designs evaluated has {best(space, optimum)}."]
     if not math.isfinite(scored.grows):
@@ -266,13 +266,13 @@ def no_amplitude_because(space: Space, optimum: Optimum, goal: LeastAmplitude) -
     ]
     if damper is not None and isinstance(damper.rolling_friction, float) and damper.rolling_friction > 0:
         lines.append(_to_roll(damper.rolling_friction, 1 / scored.grows, "that much more force"))
-    return [*lines, f"The ball of {optimum.evaluations} designs evaluated that moves first has {best(space, optimum)}."]
+    return [*lines, f"The first ball to move, of {optimum.evaluations} designs evaluated, has {best(space, optimum)}."]
 
 
 def _to_roll(friction: float, share: float, instead: str) -> str:
     """What would set the ball rolling: so much of its rolling friction, or something else instead."""
     return (
-        "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. It would take"
+        "A ball begins to roll where its inertia exceeds rolling friction over radius times the load. This requires"
         f" a rolling friction of {_mm(friction * share)} mm instead of {_mm(friction)} mm, or {instead}."
     )
 
@@ -311,13 +311,13 @@ def damping_sentences(space: Space, optimum: Optimum, goal: LeastDamping) -> lis
     ]
     if scored.falling > (1 + space.source.scene.accuracy.damping) * scored.value:
         lines.append(
-            "That is as the vibration grows slowly from a ball at rest; as it falls, a ball that bounces goes on doing"
-            f" so and gives at least {_percent(scored.falling)} %."
+            "This holds as the vibration grows slowly from a ball at rest. As the vibration decays, the ball keeps"
+            f" bouncing and adds at least {_percent(scored.falling)} %."
         )
     if math.isfinite(scored.bound):
         lines.append(
-            f"No ball of this mass in this room can do more than {_percent(scored.bound)} % over the whole range: it"
-            f" does {100 * scored.value / scored.bound:.0f} % of that."
+            f"No ball of this mass and clearance can add more than {_percent(scored.bound)} % over the whole range;"
+            f" this design reaches {100 * scored.value / scored.bound:.0f} % of that."
         )
     lines += _carried(scored)
     if space.source.scene.excitation is not None:
@@ -333,13 +333,13 @@ def _carried(scored: Scored) -> list[str]:
     used = dict(scored.used)
     if "hardness" not in used:
         return [
-            "Whether the floor carries the ball is not checked: that takes ball_material and [damper] floor_material."
+            "The contact of ball and floor is not checked: this requires ball_material and [damper] floor_material."
         ]
     yields = used.get("first yield")
-    of_yield = "" if yields is None else f", and its load {_percent(yields)} % of what is allowed in first yields"
+    of_yield = "" if yields is None else f", the load {_percent(yields)} % of the load allowed by yield_ratio"
     return [
-        f"Ball and floor carry the load at all speeds: its mean pressure is {_percent(used['hardness'])} % of what is"
-        f" allowed{of_yield}."
+        f"Ball and floor carry the load at all speeds: the mean contact pressure is {_percent(used['hardness'])} % of"
+        f" the pressure allowed{of_yield}."
     ]
 
 
@@ -350,7 +350,7 @@ def no_damping_because(space: Space, optimum: Optimum, goal: LeastDamping) -> li
         return [f"At {_speed(scored.speed)} the tilt of the floor cancels the drive of every ball."]
     lines = [
         f"At {_speed(scored.speed)} the load holds every ball at rest below {significant(1e3 * scored.cutoff)} mm or"
-        f" more, and damping from {significant(1e3 * goal.low)} mm on is asked for.",
+        f" more, but damping is required from {significant(1e3 * goal.low)} mm on.",
     ]
     rolling_friction = None if damper is None else damper.rolling_friction
     if isinstance(rolling_friction, float) and rolling_friction > 0 and scored.cutoff > goal.low:
@@ -375,7 +375,7 @@ def sentences(designed: Designed) -> list[str]:
     if not scored.works:
         return _why_none(space, optimum)
     lines = [
-        f"The best of {optimum.evaluations} designs evaluated: {best(space, optimum)}; its balls weigh"
+        f"Best of {optimum.evaluations} designs evaluated: {best(space, optimum)}; its balls weigh"
         f" {significant(1e3 * scored.mass)} g."
     ]
     if isinstance(goal, LeastDamping):
@@ -400,23 +400,23 @@ def obstacle(scored: Scored) -> str:
     endured = remarks.beyond(by_deflection=why.kind == "deflection")
     return {
         "held": "the load holds the ball at rest",
-        "lossless": "the ball takes nothing",
+        "lossless": "the ball dissipates nothing",
         "useless": "the ball does not help",
         "undriven": "nothing drives the damper's place at the crossings",
         "limit": f"beyond the limit of {why.text}",
         "weight": f"{at} {remarks.WEIGHT}",
         "root_stress": remarks.torn_at(why.rpm, why.value) if why.kind == "root_stress" else "",
-        "strain": f"the least of its amplitudes would {endured}",
-        "deflection": f"the least of its amplitudes would {endured}",
-        "slip": f"{at} every ball would slide, since rolling requires a friction of {significant(why.value, 2)} at the"
-        " greatest of its amplitudes",
+        "strain": f"even the lowest amplitude of the range would {endured}",
+        "deflection": f"even the lowest amplitude of the range would {endured}",
+        "slip": f"{at} every ball would slide: rolling requires a friction coefficient of {significant(why.value, 2)}"
+        " at the largest amplitude of the range",
     }.get(why.kind, why.text)
 
 
 def _why_none(space: Space, optimum: Optimum) -> list[str]:
     goal = space.goal
     if optimum.scored.impossible:
-        return [f"The design that comes nearest cannot be: {obstacle(optimum.scored)}."]
+        return [f"The closest design is not feasible: {obstacle(optimum.scored)}."]
     if isinstance(goal, LeastDamping):
         return no_damping_because(space, optimum, goal)
     return no_amplitude_because(space, optimum, goal) if isinstance(goal, LeastAmplitude) else []

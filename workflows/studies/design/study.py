@@ -271,23 +271,25 @@ def _infeasible(space: Space, nearest: Scored) -> BadInput:
     """Why no design keeps to the limits, from the one that comes nearest."""
     over = max(nearest.used, key=lambda item: item[1], default=None)
     if over is None or over[1] <= 1:
-        return BadInput(f"no design makes sense: {report.obstacle(nearest)}", file=space.source.name, key="[design]")
+        return BadInput(f"no design is feasible: {report.obstacle(nearest)}", file=space.source.name, key="[design]")
     name, share = over
     if name == "density":
-        problem = f"no design is possible: the nearest one is {significant(share)} times as dense as osmium"
+        problem = (
+            f"no design is feasible: the balls of the closest one are {significant(share)} times as dense as osmium"
+        )
         return BadInput(problem, file=space.source.name, key="[damper]")
     pressed = (
-        f"the floor carries none of these balls, the best with {significant(share)} times the limit of {name}; smaller"
-        " balls, or a harder ball_material or [damper] floor_material, press less"
+        f"the floor carries none of these balls, the best at {significant(share)} times the limit of {name}; use"
+        " smaller balls, or a harder ball_material or [damper] floor_material"
     )
-    taken = f"the one that comes nearest takes {significant(share)} times"
+    taken = f"the closest one needs {significant(share)} times"
     key, problem = {
         "hardness": ("hardness_ratio", pressed),
         "first yield": ("yield_ratio", pressed),
         "mass": ("mass", f"{taken} the mass allowed"),
     }.get(name, ("wall", f"{taken} the plate's thickness, with its walls"))
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-    return BadInput(f"no design keeps to it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
+    return BadInput(f"no design satisfies it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, optimum: Optimum) -> SceneFile:

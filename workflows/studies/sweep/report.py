@@ -175,13 +175,13 @@ def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
     """What the maps do not show: what lies beyond, where no ball works, up to which amplitude balls rest in a panel."""
     name, places = panels(data, (x, y))
     ends = [short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
-    sentence = f" It lies at an end of {' and '.join(ends)}: beyond, there may be more." if ends else ""
+    sentence = f" It lies at an end of {' and '.join(ends)}: the optimum may lie beyond." if ends else ""
     if name is not None:
         idle = np.flatnonzero(~_works(data, name))
         if idle.size and idle.size < data.sizes[name]:
             sentence += (
-                f" Nothing to draw at {_runs(data, name, idle)}: there, no ball has a verdict, or takes anything that"
-                " the structure endures."
+                f" Not drawn: {_runs(data, name, idle)}, where no ball has a verdict or adds damping within what the"
+                " structure endures."
             )
     if not varies(data, "cutoff", (x, y)):
         ends = []
@@ -230,7 +230,7 @@ def draw_map(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: s
         each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
         each.grid(visible=False)
     axes[0].set_ylabel(axis_label(data, y))
-    colour_key(figure, levels, colours, named, idle="nothing, or no verdict" if idle else "")
+    colour_key(figure, levels, colours, named, idle="no damping, or no verdict" if idle else "")
     return plots.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
 
 
@@ -328,14 +328,14 @@ def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...
     """What a picture shows, and the values of the keys that it does not show: those of the best point."""
     others = [name for name in best if name not in used and data.sizes[name] > 1]
     fixed = f" Here {', '.join(titled(data, name, best[name]) for name in others)}." if others else ""
-    air = f"The air gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
+    air = f"Air alone gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
     of_maps = (
-        "; dashed where the ball does as much as the least of that, and a tenth of it. Hatched: nothing at any"
-        " amplitude that the structure endures, or no verdict. The cross is where it does most"
+        "; dashed lines: the lowest of that, and a tenth of it. Hatched: no damping at any amplitude that the structure"
+        " endures, or no verdict. Cross: the best point"
     )
     about = {
-        HEADLINE: "The damping ratio that the ball alone amounts to at its best, at an amplitude that the structure"
-        f" endures. {air}{of_maps * (len(used) > 2)}.",
+        HEADLINE: "The largest damping ratio of the ball alone at amplitudes that the structure endures."
+        f" {air}{of_maps * (len(used) > 2)}.",
         "cutoff": "Below this amplitude the load holds the ball at rest.",
     }
     return about[quantity] + fixed
@@ -367,8 +367,8 @@ def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, serie
 
 
 _OF_BARS = (
-    "Which parameter is worth measuring: the share of the variance that each has together with all it acts with (total"
-    " Sobol' index), with 95 % confidence, at the middle speed."
+    "Which parameter is worth measuring: the share of the variance due to each, interactions included (total Sobol'"
+    " index), with 95 % confidence, at the middle speed."
 )
 
 
@@ -486,7 +486,7 @@ def text(data: xr.Dataset) -> str:
     elif entries["best"] is not None:
         keys, values = entries["best"]["keys"], entries["best"]["values"]
         where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
-        lines.append(f"The ball does most at {where}:")
+        lines.append(f"The best point is {where}:")
         amplitude = values["best_amplitude"]
         there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
         lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
@@ -494,7 +494,7 @@ def text(data: xr.Dataset) -> str:
         lines.append(headline(data, entries))
     if entries["without_verdict"]:
         have = "point has" if entries["without_verdict"] == 1 else "points have"
-        lines.append(f"{entries['without_verdict']} {have} no verdict: `spindamp run` of one says why")
+        lines.append(f"{entries['without_verdict']} {have} no verdict: `spindamp run` of such a point says why")
     if entries["without_answer"]:
         have = "point has" if entries["without_answer"] == 1 else "points have"
         lines.append(f"{entries['without_answer']} {have} no answer:")
@@ -507,7 +507,7 @@ def headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
     if entries["best"] is not None:
         return spread(data) if "ST" in data and _is_spread(data) else ""
     if entries["without_answer"] + entries["without_verdict"] < entries["points"]:
-        return "No ball takes anything at an amplitude that the structure endures"
+        return "No point adds damping at an amplitude that the structure endures"
     return "No point has a verdict" if entries["without_verdict"] else "No point has an answer"
 
 
@@ -522,7 +522,7 @@ def spread(data: xr.Dataset) -> str:
     low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[_HEADLINE, :, k])
     return (
         f"At {float(data['rpm'].values[k]):.6g} rpm the largest damping ratio is {significant(low)} to"
-        f" {significant(high)} % (90 %), in the median {significant(middle)} %"
+        f" {significant(high)} % (90 %), with a median of {significant(middle)} %"
     )
 
 
@@ -532,7 +532,7 @@ def _uncertain(data: xr.Dataset) -> list[str]:
     shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
     if not shares:
         return [spread(data)]
-    return [f"{spread(data)}; of its variance each has, with all it acts together with:", f"  {', '.join(shares)}"]
+    return [f"{spread(data)}; share of the variance by parameter, interactions included:", f"  {', '.join(shares)}"]
 
 
 _FIGURES = (

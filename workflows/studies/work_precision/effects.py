@@ -120,7 +120,7 @@ def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
     if name.startswith("frequency"):
         return [f"{name} has no partner of its family {_at(only_with + only_without)}"] if odd else []
     return [
-        f"{name} is there only {side} it, {_at(speeds)}"
+        f"{name} exists only {side} it, {_at(speeds)}"
         for side, speeds in (("with", only_with), ("without", only_without))
         if speeds
     ]

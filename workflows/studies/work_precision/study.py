@@ -486,7 +486,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     with stages("pipeline", len(ASKED) + 1) as step:
         whole, picked = pipeline_studies(source, step)
     if not studies:
-        raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that there is no accuracy to pay for")
+        raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that accuracy has no cost here")
     targets = source.scene.accuracy.model_dump()
     return WorkPrecision(source.scene.title, targets, (*studies, *whole), chosen | picked)
 
