@@ -19,7 +19,7 @@ from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
 from workflows.report.text import run as solved
-from workflows.scene.load import SceneLike, opened
+from workflows.scene.load import SceneLike, as_scene_file
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 
@@ -66,7 +66,7 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    known = [each if isinstance(each, Results) or _is_folder(each) else opened(each) for each in runs]  # before any run
+    known = [each if isinstance(each, Results) or _is_folder(each) else as_scene_file(each) for each in runs]  # before any run
     results = [_of(each, stages) for each in known]
     titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
