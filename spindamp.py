@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError, lawful
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, load, opened, parse, shipped
@@ -42,10 +42,10 @@ if TYPE_CHECKING:
     from fem.modal_model import ModalModel
     from workflows.solve.results import Results
     from workflows.studies.comparison import Comparison
-    from workflows.studies.design.report import Designed
+    from workflows.studies.design.report import DesignResult
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response import Response
-    from workflows.studies.work_precision.effects import Switches
+    from workflows.studies.work_precision.effects import EffectStudy
     from workflows.studies.work_precision.timing import WorkPrecision
 
 __all__ = [
@@ -161,7 +161,7 @@ def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
 
 
 @lawful()
-def effects(scene: SceneLike = DEFAULT) -> Switches:
+def effects(scene: SceneLike = DEFAULT) -> EffectStudy:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
     from workflows.studies.work_precision.effects import switching
 
@@ -207,11 +207,13 @@ def sweep(
     """
     from pathlib import Path
 
+    from workflows.progress import Stages
     from workflows.studies.sweep import study
+    from workflows.studies.sweep.executor import workers_of
 
-    folder = None if out is None else Path(out)
-    who: dict[str, Any] = {"workers": workers, "dask": dask, "executor": executor}
-    return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
+    points = study.of_scene(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    pool = workers_of(workers, dask, executor)
+    return study.solve(points, None if out is None else Path(out), pool, Stages())
 
 
 @lawful()
@@ -222,11 +224,11 @@ def design(
     workers: int | None = None,
     dask: str | None = None,
     executor: Executor | None = None,
-) -> Designed:
+) -> DesignResult:
     """The damper that damps best within what the table [design] of a scene allows; else as :func:`sweep`.
 
     Returns:
-        The best design with all there is to say of it: `found`, `holds`, `document()`, and its scene as `toml`.
+        The best design with all its results: `optimum`, `active_constraints`, `document()`, and its scene as `toml`.
 
     Raises:
         BadInput: the scene is wrong, or has no [design].

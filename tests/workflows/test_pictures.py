@@ -26,7 +26,7 @@ from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report
-from workflows.studies.work_precision.effects import Switched, Switches
+from workflows.studies.work_precision.effects import EffectChange, EffectStudy
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -127,17 +127,17 @@ LADDER = ConvergenceStudy(
 SHORT = replace(LADDER, rows=tuple(replace(row, time_s=2.0 + n) for n, row in enumerate(LADDER.rows[:6])))
 """Within a decade, where each tick of a logarithmic axis has a label."""
 
-EFFECTS = Switches(
+EFFECTS = EffectStudy(
     90 * "T",
     1e-3,
     (
-        Switched("stress_stiffening", True, "", True, {"frequency_1": 0.4}, time_s=0.1, time_share=0.2),
-        Switched("spin_softening", True, "", True, {"frequency_1": -2e-4}, time_s=0.1, time_share=0.1),
-        Switched("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
-        Switched("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
-        Switched("large_deflection", False, "", False, failed=40 * "no plate, "),
-        Switched("ball_slip", False, "", False, remarks=("cut-off is there only with it",) * 9, time_share=0.3),
-        Switched("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
+        EffectChange("stress_stiffening", True, "", True, {"frequency_1": 0.4}, time_s=0.1, time_share=0.2),
+        EffectChange("spin_softening", True, "", True, {"frequency_1": -2e-4}, time_s=0.1, time_share=0.1),
+        EffectChange("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
+        EffectChange("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
+        EffectChange("large_deflection", False, "", False, failed=40 * "no plate, "),
+        EffectChange("ball_slip", False, "", False, remarks=("cut-off is there only with it",) * 9, time_share=0.3),
+        EffectChange("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
     ),
 )
 

@@ -18,8 +18,8 @@ from workflows.studies.reproduction import (
     RELEASE,
     SHOWN,
     Claim,
+    PaperRun,
     Reproduction,
-    Simulated,
     Verdict,
     of_figures,
     of_table_two,
@@ -130,7 +130,7 @@ def test_the_bound_of_the_closure_is_that_of_both_axes(found: Reproduction) -> N
     assert damped.work_bound == pytest.approx(leading * growth, rel=4e-2)
 
 
-def _another(study: Simulated, **changes: object) -> Simulated:
+def _another(study: PaperRun, **changes: object) -> PaperRun:
     """The study as it would be if every ring-down had come out otherwise."""
     points = {
         formulation: tuple(replace(p, damper=replace(p.damper, **changes)) for p in points if p.damper is not None)

@@ -182,22 +182,20 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
-    from workflows.studies.sweep import executor, report, sensitivity, store, study
+    from workflows.studies.sweep import executor, report, store, study
 
-    plan = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    plan = study.of_scene(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     out = _folder(out, json, "spindamp-sweep", plan.source)
     if out is not None:
-        store.checked(out)
+        store.check_target(out)
     if not json:
         for axis in plan.plan.axes:
-            if instead := axis.key.displaced(plan.source.scene):
+            if instead := axis.key.replaced(plan.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
     with Stages(lines=True) as stages:
-        data = study.in_memory(plan, pool, stages) if out is None else study.complete(plan, out, pool, stages)
-        if uncertain:
-            data = sensitivity.analysed(data, seed)
+        data = study.solve(plan, out, pool, stages)
         if out is not None:
             with stages("report"):
                 report.write(data, out)
@@ -225,7 +223,7 @@ def design(
     from workflows.studies.design import report, study
     from workflows.studies.sweep.executor import workers_of
 
-    def solve(source: SceneFile, stages: Stages) -> report.Designed:
+    def solve(source: SceneFile, stages: Stages) -> report.DesignResult:
         return study.design(
             source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=partial_results
         )
@@ -236,7 +234,7 @@ def design(
     best = _of_a_scene(source, solve, report, out, json)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
-    if not best.optimum.scored.works:
+    if not best.optimum.evaluation.works:
         raise NoAnswer(f"{source.name}: {report.in_short(best)}")
 
 

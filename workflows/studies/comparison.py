@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ class Comparison:
     """Runs side by side.
 
     Attributes:
-        names: what each is called, no two alike.
+        names: of each, all different.
         results: of each.
     """
 
@@ -66,23 +66,17 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    results = [_of(each, stages) for each in runs]
-    titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
+    titles, results = zip(*(_of(each, stages) for each in runs), strict=True)
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
-    return Comparison(tuple(names), tuple(results))
+    return Comparison(tuple(names), results)
 
 
-def _of(run: SceneLike | Results, stages: Stages | None) -> Results:
-    if isinstance(run, Results):
-        return run
-    if isinstance(run, str | PathLike) and Path(run).is_dir():
-        return serialise.read(run)
-    return solved(run, stages)
-
-
-def _name(run: SceneLike | Results, results: Results) -> str:
-    """What a run is called: a folder or file by its name, anything else by its title."""
-    return Path(fspath(run)).stem if isinstance(run, str | PathLike) else results.scene.title
+def _of(run: SceneLike | Results, stages: Stages | None) -> tuple[str, Results]:
+    """A run by the name of its folder or file, anything else by its title."""
+    if isinstance(run, str | PathLike):
+        return Path(run).stem, serialise.read(run) if Path(run).is_dir() else solved(run, stages)
+    results = run if isinstance(run, Results) else solved(run, stages)
+    return results.scene.title, results
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -101,6 +95,8 @@ _QUANTITIES = {
     "at_amplitude_mm": "at mm",
 }
 """What is put side by side at each speed: its key, and the head of its column."""
+
+_HEADS = ("rpm", "run", *_QUANTITIES.values())
 
 
 def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | None]:
@@ -133,13 +129,11 @@ def headline(results: Results) -> str:
 
 def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
-    lines = []
-    for name, results in zip(comparison.names, comparison.results, strict=True):
-        lines += [f"{name}: {headline(results)}", ""]
-    differences = [(key, *(_value(value) for value in values)) for key, values in comparison.differences.items()]
+    runs = zip(comparison.names, comparison.results, strict=True)
+    lines = [line for name, results in runs for line in (f"{name}: {headline(results)}", "")]
+    differences = [(key, *map(_value, values)) for key, values in comparison.differences.items()]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
-    heads = ("rpm", "run", *_QUANTITIES.values())
-    return "\n".join([*lines, "", *aligned([heads, *map(_cells, rows(comparison))])])
+    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))])])
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -210,13 +204,13 @@ def write(comparison: Comparison, out: Path) -> None:
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
         for name, results in zip(comparison.names, comparison.results, strict=True)
     ]
-    differences = [(key, [_value(value) for value in values]) for key, values in comparison.differences.items()]
+    differences = [(key, [*map(_value, values)]) for key, values in comparison.differences.items()]
     page = from_template(
         "compare.html.j2",
         result=comparison,
         runs=runs,
         differences=differences,
-        heads=("rpm", "run", *_QUANTITIES.values()),
+        heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],
         figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
+from fem.rotor import in_rpm
 from workflows.formatting import significant
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -17,7 +18,7 @@ from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import limits
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.studies.sweep.evaluate import DamperCase
-from workflows.studies.sweep.plan import SPEEDS, Axis, Sample, Value, drawn, find
+from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Value, at_shares, find
 
 BEYOND, NONE = 100.0, 200.0
 """What a design loses that exceeds a limit, and one that makes no sense."""
@@ -41,7 +42,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True)
-class Scored:
+class Evaluation:
     """What a design is worth.
 
     Attributes:
@@ -76,6 +77,11 @@ class Scored:
     falling: float = math.nan
 
     @property
+    def rpm(self) -> float:
+        """The speed at which the value is taken [rev/min]."""
+        return round(in_rpm(self.speed), 9)
+
+    @property
     def impossible(self) -> bool:
         """Whether it exceeds a limit, or makes no sense."""
         return self.score <= -BEYOND
@@ -91,23 +97,26 @@ class Optimum:
     """The best design: its shares, its worth with full figures, and how many were tried."""
 
     shares: Floats
-    scored: Scored
+    evaluation: Evaluation
     evaluations: int
 
 
 class Goal(Protocol):
-    """What designs are compared by."""
+    """What designs are compared by.
 
-    @property
-    def said(self) -> str:
-        """What the value is, in words."""
+    Attributes:
+        objective: what the value is, in words; of_damping: whether it is a damping ratio, or else an amplitude.
+    """
+
+    objective: ClassVar[str]
+    of_damping: ClassVar[bool]
 
     @property
     def speeds(self) -> tuple[float, ...]:
-        """At which a design is looked at, ascending [rad/s]."""
+        """At which designs are solved, ascending [rad/s]."""
 
-    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
-        """What a damper is worth that is placed on its structure at these speeds; `quick`: to a few percent."""
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
+        """What a damper is worth on its structure at these speeds; `quick`: to a few percent."""
 
 
 NAMES = {
@@ -130,7 +139,7 @@ class Space:
         design: its table.
         axes: what is free.
         goal: what designs are compared by.
-        solved_as: the scene with the effects that this takes.
+        solved_as: the scene with the effects that the goal requires.
     """
 
     source: SceneFile
@@ -144,51 +153,50 @@ class Space:
         """Numbers of the axes that are ranges."""
         return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
 
-    def plan(self, shares: Floats) -> Sample:
-        """Designs at rows of shares, at all speeds at which they are looked at."""
+    def plan(self, shares: Floats) -> Plan:
+        """Designs at rows of shares, at all speeds of the goal."""
         speeds = Axis(find(SPEEDS, "[design]"), self.goal.speeds)
-        return Sample((*self.axes, speeds), len(shares), 0, tiles=np.clip(shares, 0.0, 1.0))
+        return at_shares((*self.axes, speeds), np.clip(shares, 0.0, 1.0), {})
 
     def values(self, shares: Floats) -> dict[str, Value]:
         """The keys of a design by name."""
-        pairs = zip(self.axes, np.asarray(shares), strict=True)
-        return {axis.name: drawn(axis, np.array([share]))[0] for axis, share in pairs}
+        return {axis.name: axis.at(np.array([share]))[0] for axis, share in zip(self.axes, shares, strict=True)}
+
+    def summary(self, shares: Floats) -> str:
+        """A design in words, key by key."""
+        return ", ".join(formatted(name, value) for name, value in self.values(shares).items())
 
 
-def misfit(shares: Mapping[str, float]) -> tuple[str, float] | None:
+def formatted(name: str, value: Value) -> str:
+    """A key of a design as [design] has it: a diameter, a clearance in mm."""
+    label = NAMES[name].replace("_", " ")
+    if isinstance(value, str) or name == "damper.count":
+        return f"{label} {value}"
+    if not math.isfinite(value):
+        return f"{label} {FLAT}"
+    return f"{label} {significant(1e3 * float(value) * (2 if name == 'damper.radius' else 1), 4)} mm"
+
+
+def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:
     """The limit that a damper exceeds, and the ratio by which; None within all of them."""
     over = [(name, ratio) for name, ratio in shares.items() if ratio > 1 + 1e-9 or (name == "hardness" and ratio >= 1)]
     return max(over, key=lambda item: item[1], default=None)
 
 
-def used(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
+def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
-    keys = {}
-    if scene.damper is not None and scene.damper.ball_density is None:
-        keys["density"] = scene.damper.density(ball_mass) / OSMIUM
+    shares, damper, plate = {}, scene.damper, scene.plate
+    assert damper is not None
+    if damper.ball_density is None:
+        shares["density"] = damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
-        keys["mass"] = ball_mass / design.mass
-    damper, plate = scene.damper, scene.plate
-    if damper is not None and plate is not None and damper.housing is None and plate.length is not None:
-        thickness = plate_mesh.plate_thickness(
-            plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate
-        )
-        keys["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
-    pressed = limits.contact(scene, fastest)
-    if pressed is not None and not math.isnan(pressed.hardness_ratio):
-        keys["hardness"] = pressed.hardness_ratio / design.hardness_ratio
-    if pressed is not None and design.yield_ratio is not None and not math.isnan(pressed.yield_ratio):
-        keys["first yield"] = pressed.yield_ratio / design.yield_ratio
-    return keys
-
-
-def in_words(name: str, value: Value) -> str:
-    """A key of a design as [design] has it: a diameter, a clearance in mm."""
-    called = NAMES[name].replace("_", " ")
-    if isinstance(value, str):
-        return f"{called} {value}"
-    if not math.isfinite(value):
-        return f"{called} {FLAT}"
-    if name == "damper.count":
-        return f"{called} {value}"
-    return f"{called} {significant(1e3 * float(value) * (2 if name == 'damper.radius' else 1), 4)} mm"
+        shares["mass"] = ball_mass / design.mass
+    if plate is not None and damper.housing is None and plate.length is not None:
+        thickness = plate_mesh.plate_thickness(plate, damper.on_plate or (plate.length, 0.0))
+        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
+    contact = limits.contact(scene, fastest)
+    if contact is not None and not math.isnan(contact.hardness_ratio):
+        shares["hardness"] = contact.hardness_ratio / design.hardness_ratio
+    if contact is not None and design.yield_ratio is not None and not math.isnan(contact.yield_ratio):
+        shares["first yield"] = contact.yield_ratio / design.yield_ratio
+    return shares
