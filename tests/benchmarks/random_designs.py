@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from workflows.scene.load import load
-from workflows.studies.design import objectives, study
+from workflows.studies.design import space as spaces
+from workflows.studies.design import study
 from workflows.studies.sweep import executor
 from workflows.studies.sweep.plan import sobol
 
@@ -27,7 +28,7 @@ AT_ONCE = 64
 
 def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
     """Print how many of COUNT designs are better; return that number."""
-    free = objectives.space(load(scene))
+    free = spaces.design_space(load(scene))
     sign = 1 if free.design.amplitude is not None else -1
     unit = 100.0 if sign > 0 else 1e3
     with executor.local() as workers:

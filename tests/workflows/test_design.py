@@ -19,7 +19,9 @@ from workflows.scene.load import SHIPPED, load, opened, parse
 from workflows.solve.excitation import held_well
 from workflows.studies import response
 from workflows.studies.design import objectives, report, study
-from workflows.studies.design.space import Evaluation, Obstacle, Optimum
+from workflows.studies.design import space as spaces
+from workflows.studies.design.objectives import Evaluation, Obstacle
+from workflows.studies.design.space import Optimum
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
@@ -47,7 +49,7 @@ def few_speeds(monkeypatch):
 
 
 def space_of(scene, **design):
-    return objectives.space(opened(scene | {"design": scene["design"] | design}))
+    return spaces.design_space(opened(scene | {"design": scene["design"] | design}))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
@@ -101,7 +103,7 @@ def test_the_least_damping_of_a_known_curve():
 
 def score_of(space):
     plates = PlateCache()
-    return lambda shares, quick=True: objectives.evaluate_designs(space, np.asarray(shares), plates, quick=quick)
+    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), plates, quick=quick)
 
 
 def test_limits_bound_and_cutoff(slow):
@@ -121,9 +123,9 @@ def test_limits_bound_and_cutoff(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = objectives.space(load("design"))
+    space = spaces.design_space(load("design"))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = objectives.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
+    (found,) = spaces.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
     assert found.value == 0.0
     assert any(what in report.obstacle(found) for what in ("cavity", "thickness"))
 
@@ -143,15 +145,15 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
-    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
-    (found,) = objectives.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    space = spaces.design_space(opened(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
     assert why in report.obstacle(found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = objectives.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
+    (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
@@ -163,17 +165,17 @@ def test_the_printed_equations_have_no_design(slow):
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
-    space = objectives.space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
-    (found,) = objectives.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    space = spaces.design_space(opened(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith("a blade, where the structure endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    space = objectives.space(load("design"))
+    space = spaces.design_space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Optimum(shares, objectives.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
+    found = Optimum(shares, spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
     for each in report.damping_curves(space, found, space.goal):
         assert (
             objectives.cutoff_of(each.damper)
@@ -293,7 +295,7 @@ def test_why_none_works(slow, here):
     needed = 1e-4 * 1e-4 / found.optimum.evaluation.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = objectives.evaluate_designs(other, found.optimum.shares[None], PlateCache(), quick=True)
+        (again,) = spaces.evaluate_designs(other, found.optimum.shares[None], PlateCache(), quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert not found.toml
@@ -365,7 +367,7 @@ def shaken(structure):
 
 def at_the_crossing(scene, share=0.0):
     """A design of one free key at the first crossing, and its space."""
-    space = objectives.space(opened(scene))
+    space = spaces.design_space(opened(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
     met = space.goal.crossings[0]
     return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends), space
@@ -396,7 +398,7 @@ def test_one_of_amplitudes_and_excitation(slow, shaken):
 )
 def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     with pytest.raises(BadInput) as found:
-        objectives.space(opened(changed(shaken, **changes)))
+        spaces.design_space(opened(changed(shaken, **changes)))
     assert says in str(found.value)
 
 
@@ -418,7 +420,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         excitation__force="0.2 N",
         design={"floor_radius": floors},
     )
-    tried, score = {}, objectives.evaluate_designs
+    tried, score = {}, spaces.evaluate_designs
 
     def kept(space, shares, plates, *, quick):
         found = score(space, shares, plates, quick=quick)
@@ -426,7 +428,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         tried.update({(radius, quick): each for radius, each in zip(radii, found, strict=True)})
         return found
 
-    monkeypatch.setattr(objectives, "evaluate_designs", kept)
+    monkeypatch.setattr(spaces, "evaluate_designs", kept)
     found = spindamp.design(scene, executor=here)
     best = found.optimum.evaluation
     score_of(found.space)(np.array([[5 / 6]]), quick=False)
@@ -519,7 +521,7 @@ clearance = ["0.01 mm", "1 mm"]
 
 def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities():
     """Cavities of other sizes move it by seven times its half width; its height is F / (2 zeta K) for all of them."""
-    space = objectives.space(opened(tomllib.loads(BLADE)))
+    space = spaces.design_space(opened(tomllib.loads(BLADE)))
     (met,) = space.goal.crossings
     for share in (0.0, 1.0):
         (each,) = placed_of(space, [share, share])
@@ -535,7 +537,7 @@ def test_the_greatest_of_all_crossings(shaken):
     """A crossing that is left out, for it cannot have more than another, is not the greatest."""
     scene = changed(shaken, rotor__speeds=["2800 rpm", "4200 rpm"], excitation__orders=[3, 4])
     for rolling, share in product((0.0, 5e-5), (0.0, 0.9)):
-        space = objectives.space(opened(changed(scene, damper__rolling_friction=rolling)))
+        space = spaces.design_space(opened(changed(scene, damper__rolling_friction=rolling)))
         placed = placed_of(space, [0.0, share])
         found = space.goal.worth(placed, quick=True)
         here = [
@@ -582,5 +584,5 @@ def test_why_none_helps(shaken, here):
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / evaluation.grows)
-        (again,) = score_of(objectives.space(opened(other)))(found.optimum.shares[None])
+        (again,) = score_of(spaces.design_space(opened(other)))(found.optimum.shares[None])
         assert (again.grows < 1) is moves

@@ -399,7 +399,7 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     monkeypatch.setattr(study, "SPEEDS", 9)
     found = respond(opened(blade("20 N")))
     best, strong = study.rows(found)
-    assert found.asked == (strong.force,) == (20.0,)
+    assert found.requested_levels == (strong.force,) == (20.0,)
     assert study.is_beyond(found, strong)
     assert not study.is_beyond(found, best)
     first, nowhere, added = report.sentences(found)

@@ -350,8 +350,10 @@ def render(result: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
     shades, sections = plots.shades(len(result.excitation.levels)), []
     for number, passage in enumerate(result.passages):
-        section = {"passage": passage, "crossing": passage.crossing, "rows": rows(result, passage)}
+        mine = rows(result, passage)
+        section = {"passage": passage, "crossing": passage.crossing, "rows": mine}
         section |= {"endured": endured(result.results, passage.crossing)}
+        section |= {"beyond": any(is_beyond(result, row) for row in mine)}
         sections.append(section | {"response": response(result, passage, str(number), shades)})
     return page.from_template(
         "response.html.j2",

@@ -16,20 +16,89 @@ import numpy as np
 
 from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
 from damper.starts import Motions, motions_of
+from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import FLAT, Excitation, Scene
-from workflows.solve import coupling, engine_orders, excitation, limits
+from workflows.scene.scene import Excitation, Scene
+from workflows.solve import coupling, engine_orders, excitation
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
-from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Evaluation, Obstacle, Space
-from workflows.studies.sweep import evaluate
-from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, damper_curve
-from workflows.studies.sweep.plan import Axis, Spread, find
+from workflows.studies.sweep.evaluate import QUICK, DamperCase, damper_curve
+
+BEYOND, NONE = 100.0, 200.0
+"""What a design loses that exceeds a limit, and one that makes no sense."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Why a design is worth nothing.
+
+    Attributes:
+        kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
+            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
+        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
+        text: of what was refused, or the name of the limit.
+    """
+
+    kind: str
+    rpm: float = math.nan
+    value: float = math.nan
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a design is worth.
+
+    Attributes:
+        value: what the goal is about: the least damping ratio, or the greatest amplitude [m]; 0 where there is none.
+        score: what is searched for the most of.
+        bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
+            where there is no such figure.
+        speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
+        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
+        without: amplitude without any ball that the value stands beside [m]; nan where there is none.
+        grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
+        mass: of all balls [kg].
+        used: shares of the limits.
+        endured: amplitude that the plate endures [m]; inf where it is not known.
+        falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
+        why: why it is worth nothing; None where it is worth something.
+    """
+
+    value: float
+    score: float
+    bound: float = math.nan
+    speed: float = math.nan
+    amplitude: float = math.nan
+    cutoff: float = math.nan
+    mass: float = math.nan
+    used: tuple[tuple[str, float], ...] = ()
+    why: Obstacle | None = None
+    order: int = 0
+    without: float = math.nan
+    grows: float = math.nan
+    endured: float = math.inf
+    falling: float = math.nan
+
+    @property
+    def rpm(self) -> float:
+        """The speed at which the value is taken [rev/min]."""
+        return round(in_rpm(self.speed), 9)
+
+    @property
+    def impossible(self) -> bool:
+        """Whether it exceeds a limit, or makes no sense."""
+        return self.score <= -BEYOND
+
+    @property
+    def works(self) -> bool:
+        """Whether it is worth anything."""
+        return self.why is None
+
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
@@ -502,100 +571,3 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     if not alone:
         raise engine_orders.unmet(points, forcing.orders, source.name, driven=False)
     return LeastAmplitude(forcing, tuple(crossings), (low, high), max(alone))
-
-
-_WIDE = 4.0
-"""Ratio of a range's ends from which on it is searched in its logarithm."""
-
-
-def space(source: SceneFile, stages: Stages | None = None) -> Space:
-    """The designs that a scene allows.
-
-    With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
-
-    Raises:
-        BadInput: it has no [design] or no damper to begin with, or one by the printed equations; see also
-            :func:`amplitude_objective`.
-        NoAnswer: the plate has none.
-    """
-    scene, design, damper = source.scene, source.scene.design, source.scene.damper
-    if damper is None or design is None:
-        raise source.wrong("the table is missing: design needs it", "[damper]" if damper is None else "[design]")
-    if damper.formulation == "printed":
-        problem = "no design makes sense: the equations as printed do not conserve energy; expected 'consistent'"
-        raise source.wrong(problem, "[damper] formulation", damper.formulation)
-    if design.place is not None and scene.plate is None:
-        raise source.wrong("belongs to a plate", "[design] place")
-    tables = {name: getattr(design, table) for name, table in NAMES.items()}
-    axes = tuple(_axis(name, table) for name, table in tables.items() if table is not None)
-    if design.amplitude is not None:
-        return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
-    excitation.checked(source)
-    forced = excitation.with_forced_effects(source)
-    return Space(source, design, axes, amplitude_objective(forced, stages or Stages(visible=False)), forced)
-
-
-def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
-    """A pair is a range, any other list a choice; a ball is drawn by its radius."""
-    key = find(name, "[design]")
-    values = [math.inf if value == FLAT else value for value in limits]
-    if name == "damper.radius":
-        values = [value / 2 for value in values]
-    numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in values)
-    if len(values) == 2 and numbers and values[0] < values[1]:
-        low, high = map(float, values)
-        return Axis(key, (), Spread(low, high, "log" if high > _WIDE * low and not key.whole else "even"))
-    return Axis(key, tuple(values))
-
-
-def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
-    """The designs at rows of shares; `quick` where a few percent do not count."""
-    plan = space.plan(shares)
-    speeds = len(space.goal.speeds)
-    rows, reasons = evaluate.empty(plan.size), list[str]()
-    cases: list[list[DamperCase]] = [[] for _ in shares]
-    for each in evaluate.damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
-        cases[each.number // speeds].append(each)
-    scores = []
-    for number, mine in enumerate(cases):
-        missing = rows["reason"][number * speeds : (number + 1) * speeds]
-        if (missing >= 0).any():
-            scores.append(Evaluation(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
-        else:
-            scores.append(_one(space, mine, quick=quick))
-    return scores
-
-
-def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
-    """A design on its structure at every speed."""
-    scene = cases[0].scene
-    mass = max(each.damper.ball_mass for each in cases)
-    if (why := _no_verdict(space, cases)) is not None:
-        return Evaluation(0.0, -NONE, mass=mass, why=why)
-    fastest = max(cases, key=lambda each: each.point.omega)
-    shares = spaces.limit_shares(space.design, scene, mass, fastest.point)
-    used, over = tuple(shares.items()), spaces.exceeded(shares)
-    if over is not None:
-        name, ratio = over
-        return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
-    endured = limits.endured(fastest.results)
-    endured = math.inf if endured is None else endured
-    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
-
-
-def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
-    """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
-    slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
-    if limits.weight_governs(slowest.point):
-        return Obstacle("weight", slowest.point.rpm)
-    if limits.is_torn(fastest.results, fastest.point):
-        return Obstacle(
-            "root_stress", fastest.point.rpm, limits.root_stress(fastest.results, fastest.point.omega) or 0.0
-        )
-    if not isinstance(space.goal, LeastDamping):
-        return None
-    endured = limits.endured(fastest.results)
-    if endured is not None and space.goal.low > endured:
-        return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
-    friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
-    return Obstacle("slip", slowest.point.rpm, friction) if friction > limits.DRY else None

@@ -21,8 +21,8 @@ from workflows.solve.limits import AIR
 from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
-from workflows.studies.design.objectives import LeastDamping
-from workflows.studies.design.space import NAMES, Evaluation, Optimum, Space, formatted
+from workflows.studies.design.objectives import Evaluation, LeastDamping
+from workflows.studies.design.space import NAMES, Optimum, Space, formatted
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans

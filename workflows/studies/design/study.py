@@ -24,9 +24,11 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, opened
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Floats
-from workflows.studies.design import objectives, report
+from workflows.studies.design import report
+from workflows.studies.design import space as spaces
+from workflows.studies.design.objectives import Evaluation
 from workflows.studies.design.report import DesignResult, Grid
-from workflows.studies.design.space import Evaluation, Optimum, Space
+from workflows.studies.design.space import Optimum, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
@@ -229,7 +231,7 @@ def design(
     source = opened(scene)
     resources.check(source)
     clock = stages or Stages()
-    space = objectives.space(source, clock)
+    space = spaces.design_space(source, clock)
     resumed = nullcontext() if partial_results is None else folder.going_on(_GOES_ON)
     with resumed, pool or executor.local() as workers, clock("design") as step:
         score = partial(evaluate_on_workers, workers, executor.digest())
@@ -288,7 +290,7 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[
     """Score the designs from a number to before another; what a worker does."""
     executor.require_code(digest)
     executor.ready()
-    return objectives.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
+    return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
 
 
 def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:

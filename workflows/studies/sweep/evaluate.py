@@ -173,7 +173,6 @@ HEADLINE = "best_damping_ratio"
 ROW = np.dtype([*((quantity.name, quantity.kind) for quantity in QUANTITIES), ("reason", "i4")])
 """A row; `reason` is the number of the text that says why there is no answer, -1 where there is one."""
 
-NUMBERS = tuple(quantity.name for quantity in QUANTITIES)
 UNGRADED = -1
 """The grade without a verdict."""
 
