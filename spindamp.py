@@ -163,9 +163,9 @@ def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
 @lawful()
 def effects(scene: SceneLike = DEFAULT) -> EffectStudy:
     """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
-    from workflows.studies.work_precision.effects import switching
+    from workflows.studies.work_precision.effects import effect_study
 
-    return switching(opened(scene))
+    return effect_study(opened(scene))
 
 
 @lawful()

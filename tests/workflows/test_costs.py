@@ -26,7 +26,7 @@ from workflows.studies.sweep.evaluate import QUICK
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
-from workflows.studies.work_precision.effects import EffectChange, EffectStudy, changes, switching
+from workflows.studies.work_precision.effects import EffectChange, EffectStudy, changes, effect_study
 from workflows.studies.work_precision.integration import integrate
 from workflows.studies.work_precision.study import study
 from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, measure
@@ -488,7 +488,7 @@ def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool)
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    rows = {row.effect: row for row in switching(load.load("structure"), QUIET).rows}
+    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
     on, off = rows["impact_friction"], rows["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
     assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)

@@ -159,7 +159,7 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
     """
     from workflows.studies.work_precision import effects as study
 
-    _of_a_scene(_load(scene), study.switching, study, out, json)
+    _of_a_scene(_load(scene), study.effect_study, study, out, json)
 
 
 @_commands.command()

@@ -86,23 +86,18 @@ def _gain(space: Space, optimum: Optimum, score: Score, k: int) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A map: names and values (SI) along x and y, and what the design there is worth, rows of y."""
+    """A map: names and values (SI) along x and y.
+
+    Attributes:
+        values: of designs, (y, x); nan where one works nowhere or exceeds a limit; beyond: where a limit is exceeded.
+    """
 
     x: str
     xs: Floats
     y: str
     ys: Floats
-    evaluation: tuple[tuple[Evaluation, ...], ...]
-
-    @property
-    def values(self) -> Floats:
-        """Shape (y, x); nan where a design works nowhere or exceeds a limit."""
-        return np.array([[each.value if each.works else np.nan for each in row] for row in self.evaluation])
-
-    @property
-    def beyond(self) -> npt.NDArray[np.bool_]:
-        """Where a limit is exceeded, shape (y, x)."""
-        return np.array([[each.impossible for each in row] for row in self.evaluation])
+    values: Floats
+    beyond: npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

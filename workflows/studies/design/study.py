@@ -312,5 +312,6 @@ def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
     rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
     every = score(rows, True)
     xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k in (x, y))
-    table = tuple(tuple(every[n : n + _MAP]) for n in range(0, len(every), _MAP))
-    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, table)
+    values = np.array([each.value if each.works else np.nan for each in every]).reshape(_MAP, _MAP)
+    beyond = np.array([each.impossible for each in every]).reshape(_MAP, _MAP)
+    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values, beyond)

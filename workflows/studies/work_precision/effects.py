@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
 from workflows.effects import selection
-from workflows.effects.definition import Called, Effect
 from workflows.effects.selection import EFFECTS
 from workflows.errors import SpindampError
 from workflows.formatting import whole
@@ -177,48 +177,50 @@ class EffectStudy:
         }
 
 
-def switching(source: SceneFile, stages: Stages | None = None) -> EffectStudy:
+def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy:
     """Run a scene with each effect the other way, on one mesh.
 
     Raises:
         BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
-    stages = stages or Stages()
-    quiet = Stages(visible=False)
-    settled = choose_model(source, quiet)
-    resolved, called = settled.effects, selection.called_for(source.scene, settled.form)
-    size = None if settled.form is None else structure.discretise(source, settled, quiet).choice.size
-    with stages("effects", len(resolved) + 1) as step:
-        own = _run(source, resolved, {}, size)
+    stages, quiet = stages or Stages(), Stages(visible=False)
+    choice = choose_model(source, quiet)
+    effects = {name: effect.on for name, effect in choice.effects.items()}
+    size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
+
+    def run(**switches: bool) -> tuple[SpeedPoint, ...]:
+        """The scene with all effects as decided but those switched, on the mesh of its own run."""
+        scene = source.changed(effects=source.scene.effects.model_copy(update=effects | switches))
+        return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
+
+    called = selection.called_for(source.scene, choice.form)
+    with stages("effects", len(effects) + 1) as step:
+        own = run()
         step.advance("as the scene has it")
         rows = []
-        for name in resolved:
-            rows.append(_switched(source, resolved, called, name, own, size))
+        for name, on in effects.items():
+            row = EffectChange(name, *called[name][:2], on)
+            rows.append(_change_of(source, row, effects, own, run))
             step.advance(name)
     return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
 
-def _switched(
+def _change_of(
     source: SceneFile,
-    resolved: dict[str, Effect],
-    called: dict[str, Called],
-    name: str,
+    row: EffectChange,
+    effects: dict[str, bool],
     own: tuple[SpeedPoint, ...],
-    size: int | None,
+    run: Callable[..., tuple[SpeedPoint, ...]],
 ) -> EffectChange:
-    called_for, why, _ = called[name]
-    on = resolved[name].on
-    row = EffectChange(name, called_for, why, on)
-    belongs_to = EFFECTS[name].of
+    """The row of an effect, filled in by a run with it the other way."""
+    belongs_to, on = EFFECTS[row.effect].of, row.on
     if belongs_to == "plate" and source.scene.blade is not None:
         return replace(row, failed="solid blades are solved one way alone")
     if getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
-    switches, together = _switches(name, resolved)
+    switches, together = _switches(row.effect, effects)
     try:
-        time, *medians = compared(
-            lambda: _run(source, resolved, switches, size), lambda: _run(source, resolved, {}, size)
-        )
+        time, *medians = compared(partial(run, **switches), run)
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
@@ -234,26 +236,17 @@ def _switched(
     )
 
 
-def _switches(name: str, resolved: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
+def _switches(name: str, effects: dict[str, bool]) -> tuple[dict[str, bool], tuple[str, ...]]:
     """An effect the other way, with those that must go with it, and these in words."""
-    switches, together = {name: not resolved[name].on}, []
+    switches, together = {name: not effects[name]}, []
     for part, parent in ((part, kind.part_of) for part, kind in EFFECTS.items() if kind.part_of):
-        if name == parent and resolved[parent].on and resolved[part].on:
+        if name == parent and effects[parent] and effects[part]:
             switches[part] = False
             together.append(f"together with {part}, which needs it")
-        if name == part and not resolved[part].on and not resolved[parent].on:
+        if name == part and not effects[part] and not effects[parent]:
             switches[parent] = True
             together.append(f"together with {parent}, which it needs")
     return switches, tuple(together)
-
-
-def _run(
-    source: SceneFile, resolved: dict[str, Effect], switches: dict[str, bool], size: int | None
-) -> tuple[SpeedPoint, ...]:
-    """The scene with all effects as decided but those switched, on a mesh that is given."""
-    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in resolved.items()} | switches)
-    scene, quiet = source.changed(effects=effects), Stages(visible=False)
-    return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
 
 _ROUNDING = 1e-12
