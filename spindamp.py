@@ -261,12 +261,16 @@ def dataset(results: Results) -> xarray.Dataset:
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
+    from pathlib import Path
+
     from workflows.studies.response import Response
 
     if isinstance(results, Response):
+        from workflows.io.files import write_study
         from workflows.studies import response_report
 
-        return response_report.write(results, folder)
+        write_study(response_report, results, Path(folder))
+        return Path(folder)
     from workflows.report import page
 
     return page.save(results, folder)

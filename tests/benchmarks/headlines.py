@@ -27,7 +27,6 @@ from workflows.io import serialise
 from workflows.report import verdict
 from workflows.solve.excitation import HELPS
 from workflows.studies import response_report as of_response
-from workflows.studies.design import report as of_design
 
 Table = dict[str, Any]
 
@@ -434,7 +433,7 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
     """All that is said of a scene, a command after the other."""
     scene = {"title": name} | scene
     if "structure" in scene:
-        document = json.loads(of_design.dumps(spindamp.design(scene, workers=1)))
+        document = spindamp.design(scene, workers=1).document()
         yield Line(name, "design", f"{document['verdict']}.", of_best(document))
         return
     plain = {key: value for key, value in scene.items() if key != "design"}
@@ -448,14 +447,14 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
     yield Line(name, "run", every[0], faults)
     try:
         found = spindamp.response(plain)
-        document = json.loads(of_response.dumps(found))
+        document = of_response.document(found)
         motion = said(document["headline"])
         faults = [fault for each in motion for fault in of_crossings(each, document)] + of_added(document)
         yield Line(name, "response", document["headline"][0], faults + disagreements(short, motion))
     except SpindampError as failed:
         yield Line(name, "response", "–", [f"no answer: {failed}"])
     if "design" in scene:
-        document = json.loads(of_design.dumps(spindamp.design(scene, workers=1)))
+        document = spindamp.design(scene, workers=1).document()
         yield Line(name, "design", f"{document['verdict']}.", of_best(document))
 
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 import workflows
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, measured_quickly, write
+from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
 from workflows.report.page import Drawings, draw, render
@@ -353,8 +354,8 @@ def study() -> WorkPrecision:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    report.write(study(), folder / "accuracy")
-    effects_report.write(EFFECTS, folder / "effects")
+    write_study(report, study(), folder / "accuracy")
+    write_study(effects_report, EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import findings, needs_chromium
+from workflows.io.files import write_study
 from workflows.studies import reproduction_report as report
 from workflows.studies.reproduction import (
     FORMULATIONS,
@@ -200,7 +201,7 @@ def test_slips_are_numbers(found: Reproduction) -> None:
 @pytest.fixture(scope="module")
 def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction") / "out"
-    report.write(found, folder)
+    write_study(report, found, folder)
     return folder
 
 

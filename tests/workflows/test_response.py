@@ -1,7 +1,6 @@
 """Forced response of scenes: crossings, figures, files, and what is refused."""
 
 import dataclasses
-import json
 import math
 import re
 import tomllib
@@ -15,6 +14,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from tests.workflows.browser import findings, needs_chromium
 from workflows.errors import BadInput
+from workflows.io.files import write_study
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.scene.load import SHIPPED, opened
@@ -114,7 +114,7 @@ def test_the_range_holds_at_the_levels_followed(known, estimated, followed, usef
 
 
 def test_document(known):
-    found = json.loads(report.dumps(known))
+    found = report.document(known)
     for entry in found["crossings"]:
         assert {"order", "mode", "rpm", "frequency_hz", "force", "amplitude_without", "amplitude", "regime"} <= set(
             entry
@@ -140,7 +140,7 @@ def test_an_interpolation_whose_error_is_not_known(known):
     unknown = dataclasses.replace(
         known, passages=(dataclasses.replace(passage, crossing=dataclasses.replace(passage.crossing, basis=math.nan)),)
     )
-    assert [each["basis_error"] for each in json.loads(report.dumps(unknown))["crossings"]] == [None] * 3
+    assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -157,7 +157,7 @@ def test_files(known, written):
         assert set(data["regime"].values.flat) <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
-    report.write(known, written)  # into its own folder again
+    write_study(report, known, written)  # into its own folder again
 
 
 @pytest.mark.usefixtures("few_speeds")

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -19,6 +19,7 @@ from workflows.errors import BadInput, NoAnswer
 from workflows.progress import LOG, Stages
 
 if TYPE_CHECKING:
+    from workflows.io.files import StudyReport
     from workflows.scene.load import SceneFile
 
 Scene = Annotated[
@@ -60,20 +61,6 @@ Uncertain = Annotated[
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
 Result = TypeVar("Result")
-Reported = TypeVar("Reported", contravariant=True)
-
-
-class StudyReport(Protocol[Reported]):
-    """What the report of a study offers: three ways to show it."""
-
-    def write(self, result: Reported, out: Path, /) -> object:
-        """Write the whole into a folder, or nothing."""
-
-    def text(self, result: Reported, /) -> str:
-        """What a person reads."""
-
-    def dumps(self, result: Reported, /) -> str:
-        """The machine-readable result."""
 
 
 @_commands.command()
@@ -182,6 +169,7 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
+    from workflows.io.files import as_json
     from workflows.studies.sweep import executor, report, store, study
 
     plan = study.of_scene(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
@@ -199,7 +187,7 @@ def sweep(
         if out is not None:
             with stages("report"):
                 report.write(data, out)
-    _show(report.dumps(data) if json else report.text(data), out, json)
+    _show(as_json(report.document(data)) if json else report.text(data), out, json)
     if problem := report.no_answer(data):
         raise NoAnswer(f"{plan.source.name}: {problem}")
 
@@ -417,8 +405,8 @@ def _study(
         result = solve(stages)
         if out is not None:
             with stages("report"):
-                report.write(result, out)
-    _show(report.dumps(result) if json else report.text(result), out, json)
+                files.write_study(report, result, out)
+    _show(files.as_json(report.document(result)) if json else report.text(result), out, json)
     return result
 
 

@@ -14,7 +14,7 @@ from workflows import formatting
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed, significant, whole
 from workflows.io import provenance, serialise
-from workflows.io.files import as_json, as_table, campbell, finite, write_study
+from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
@@ -156,6 +156,9 @@ def _value(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
+NAME = "compare"
+
+
 def document(comparison: Comparison) -> dict[str, Any]:
     """The machine-readable result."""
     return {
@@ -167,11 +170,6 @@ def document(comparison: Comparison) -> dict[str, Any]:
         "differences": {key: list(values) for key, values in comparison.differences.items()},
         "rows": rows(comparison),
     }
-
-
-def dumps(comparison: Comparison) -> str:
-    """The machine-readable result."""
-    return as_json(document(comparison))
 
 
 @plots.style()
@@ -193,12 +191,8 @@ def draw(comparison: Comparison) -> str:
     return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
 
 
-def write(comparison: Comparison, out: Path) -> None:
-    """Write `compare.json`, `compare.csv`, `compare.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(comparison: Comparison) -> dict[str, str | bytes]:
+    """The files beside `compare.json`."""
     figure = draw(comparison)
     runs = [
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
@@ -215,10 +209,8 @@ def write(comparison: Comparison, out: Path) -> None:
         figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )
-    contents = {
-        "compare.json": dumps(comparison) + "\n",
+    return {
         "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(comparison)),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }
-    write_study(out, contents)

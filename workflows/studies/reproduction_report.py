@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from pathlib import Path
 
 from workflows import formatting
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
@@ -20,6 +19,9 @@ from workflows.studies.reproduction import (
     Value,
 )
 from workflows.studies.sweep.report import Picture
+
+NAME = "reproduce"
+document = Reproduction.document
 
 
 @plots.style()
@@ -78,24 +80,18 @@ def _capacity(family: Family, number: int) -> str:
     return plots.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
-def write(reproduction: Reproduction, out: Path) -> None:
-    """Write `reproduce.json`, `reproduce.csv`, `closure.csv` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(reproduction: Reproduction) -> dict[str, str | bytes]:
+    """The files beside `reproduce.json`."""
     document = reproduction.document()
     claims = document["claims"]
     lines = [
         line | {"assumptions": _joined(each["name"] for each in line["assumptions"])} for line in document["closure"]
     ]
-    contents = {
-        "reproduce.json": dumps(reproduction) + "\n",
+    return {
         "reproduce.csv": as_table(claims[0], claims),
         "closure.csv": as_table(lines[0], lines),
         "report.html": render(reproduction),
     }
-    write_study(out, contents)
 
 
 def text(reproduction: Reproduction) -> str:
@@ -103,11 +99,6 @@ def text(reproduction: Reproduction) -> str:
     lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in reproduction.claims]
     counts = ", ".join(f"{count} {verdict}" for verdict, count in reproduction.count.items())
     return "\n".join([*lines, "", counts])
-
-
-def dumps(reproduction: Reproduction) -> str:
-    """The machine-readable result."""
-    return as_json(reproduction.document())
 
 
 def render(reproduction: Reproduction) -> str:

@@ -123,6 +123,10 @@ def rows(result: Response, only: Passage | None = None) -> list[Row]:
     return [_row(result, passage, k) for passage in passages for k in range(len(passage.forces))]
 
 
+_OF_A_ROW = ("least", "mean", "rms", "greatest", "error", "hits_per_cycle", "power_in", "power_lost")
+"""Fields of a row that steady states have by the same names."""
+
+
 def _row(result: Response, passage: Passage, force: int) -> Row:
     speed, start = peak(passage, force)
     states = passage.states
@@ -139,12 +143,9 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         rpm=in_rpm(float(passage.omega[speed])),
         frequency=passage.crossing.order * float(passage.omega[speed]) / (2 * np.pi),
         without=without,
-        **{name: at(name) for name in ("least", "mean", "rms", "greatest", "error")},
+        **{name: at(name) for name in _OF_A_ROW},
         smallest=float(passage.shaped(states.mean)[speed, force].min()),
         regime=str(passage.shaped(states.regime)[speed, force, start]),
-        hits_per_cycle=at("hits_per_cycle"),
-        power_in=at("power_in"),
-        power_lost=at("power_lost"),
         estimate=estimate if np.isfinite(estimate) else None,
         stress_without=None if stress is None else stress * without,
         stress_with=None if stress is None else stress * at("greatest"),

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.rotor import in_rpm
 from workflows.formatting import DASH, aligned, significant, whole
-from workflows.io import files, provenance
-from workflows.io.files import as_json, finite, write_study
+from workflows.io import provenance
+from workflows.io.files import about, finite
 from workflows.report import figures, page, plots, remarks, verdict
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
@@ -27,6 +25,8 @@ from workflows.versions import versions
 if TYPE_CHECKING:
     import xarray as xr
 
+
+NAME = "response"
 
 _OF_STATES = {
     "least": ("m", "least amplitude of a cycle"),
@@ -56,7 +56,7 @@ def dataset(result: Response) -> xr.Dataset:
     import xarray as xr
 
     dims = ("crossing", "speed", "force", "start")
-    passages, data = result.passages, xr.Dataset(attrs=files.about(result.results))
+    passages, data = result.passages, xr.Dataset(attrs=about(result.results))
     heights = {
         "units": result.excitation.unit.replace("²", "2"),
         "long_name": f"height of the {result.excitation.kind}",
@@ -320,20 +320,10 @@ def _damper(result: Response, passage: Passage) -> dict[str, Any]:
     }
 
 
-def dumps(result: Response) -> str:
-    """The machine-readable result."""
-    return as_json(document(result))
-
-
-def write(result: Response, out: str | os.PathLike[str]) -> Path:
-    """Write `response.json`, `response.nc`, pictures and `report.html` into `out`, or nothing; returns `out`.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(result: Response) -> dict[str, str | bytes]:
+    """The files beside `response.json`."""
     shades = plots.shades(len(result.excitation.levels))
     contents: dict[str, str | bytes] = {
-        "response.json": dumps(result) + "\n",
         "response.nc": bytes(dataset(result).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
         "report.html": render(result),
     }
@@ -342,8 +332,7 @@ def write(result: Response, out: str | os.PathLike[str]) -> Path:
     for number, passage in enumerate(result.passages):
         drawn = response(result, passage, str(number), shades)
         contents[f"response_{tag(passage)}.svg"] = plots.standalone(drawn, len(shades))
-    write_study(Path(out), contents)
-    return Path(out)
+    return contents
 
 
 def render(result: Response) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy.typing as npt
 from damper import DampingCurve, ParticleDamper
 from workflows import formatting
 from workflows.formatting import whole
-from workflows.io.files import as_json, finite, write_study
+from workflows.io.files import finite
 from workflows.report import page, plots
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
@@ -160,6 +159,10 @@ class DesignResult:
         return None if self.response is None else max(row.mean for row in rows(self.response))
 
 
+NAME = "design"
+document = DesignResult.document
+
+
 def verdict(space: Space, optimum: Optimum) -> str:
     """The answer in a line."""
     return " ".join(_phrased("verdict", optimum.evaluation, space.goal))
@@ -262,19 +265,9 @@ def _in_mm(name: str, value: Any) -> Any:
     return 1e3 * np.asarray(value, dtype=float) * (2 if name == "damper.radius" else 1)
 
 
-def write(result: DesignResult, out: Path) -> None:
-    """Write all of it into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
-    contents = {"design.json": dumps(result) + "\n", "report.html": render(result)}
-    write_study(out, contents | ({"best.toml": result.toml} if result.toml else {}))
-
-
-def dumps(result: DesignResult) -> str:
-    """The machine-readable result."""
-    return as_json(result.document())
+def files(result: DesignResult) -> dict[str, str | bytes]:
+    """The files beside `design.json`."""
+    return {"report.html": render(result), **({"best.toml": result.toml} if result.toml else {})}
 
 
 def text(result: DesignResult) -> str:

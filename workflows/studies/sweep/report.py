@@ -430,11 +430,6 @@ def text(data: xr.Dataset) -> str:
     return "\n".join(_phrased("text", entries, _best_keys(data, entries), _spread(data)))
 
 
-def dumps(data: xr.Dataset) -> str:
-    """The machine-readable result."""
-    return as_json(document(data))
-
-
 _FIGURES = (
     ("best_damping_ratio", "damping ratio, %", 100.0),
     ("best_amplitude", "at an amplitude of, mm", 1e3),
@@ -453,7 +448,7 @@ def write(data: xr.Dataset, out: Path) -> None:
     Raises:
         BadInput: they cannot be written.
     """
-    contents = {"sweep.json": f"{dumps(data)}\n", "report.html": render(data)}
+    contents = {"sweep.json": as_json(document(data)) + "\n", "report.html": render(data)}
     with store.writing(out):
         for name, content in contents.items():
             with whole_file(out / name) as fresh:

@@ -8,7 +8,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
@@ -16,7 +15,7 @@ from workflows.effects import selection
 from workflows.effects.selection import EFFECTS
 from workflows.errors import SpindampError
 from workflows.formatting import whole
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.page import from_template
@@ -177,6 +176,10 @@ class EffectStudy:
         }
 
 
+NAME = "effects"
+document = EffectStudy.document
+
+
 def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy:
     """Run a scene with each effect the other way, on one mesh.
 
@@ -325,24 +328,18 @@ def _unseen(row: EffectChange, least: float) -> str:
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
 
 
-def write(switches: EffectStudy, out: Path) -> None:
-    """Write `effects.json`, `effects.csv`, `effects.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(switches: EffectStudy) -> dict[str, str | bytes]:
+    """The files beside `effects.json`."""
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
     columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
-    contents = {
-        "effects.json": dumps(switches) + "\n",
+    return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
         "report.html": from_template("effects.html.j2", result=switches, figure=figure, **constant),
     }
-    write_study(out, contents)
 
 
 def text(switches: EffectStudy) -> str:
@@ -372,8 +369,3 @@ def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
-
-
-def dumps(switches: EffectStudy) -> str:
-    """The machine-readable result."""
-    return as_json(switches.document())

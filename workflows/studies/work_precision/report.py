@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.report.page import sentences as from_sentences
@@ -14,6 +13,9 @@ from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Se
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+NAME = "accuracy"
+document = WorkPrecision.document
 
 _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
@@ -59,12 +61,8 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
     axes.invert_xaxis()
 
 
-def write(work_precision: WorkPrecision, out: Path) -> None:
-    """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(work_precision: WorkPrecision) -> dict[str, str | bytes]:
+    """The files beside `accuracy.json`."""
     target = work_precision.asked["frequency"]
     figures = [
         study_plot(study, f"ladder{number}", _asked(work_precision, study))
@@ -83,13 +81,11 @@ def write(work_precision: WorkPrecision, out: Path) -> None:
         verdict=verdict(work_precision),
         not_drawn=not_drawn,
     )
-    contents = {
-        "accuracy.json": dumps(work_precision) + "\n",
+    return {
         "accuracy.svg": plots.standalone(overview(first, target)),
         "accuracy.csv": as_table(columns, rows),
         "report.html": page,
     }
-    write_study(out, contents)
 
 
 def text(work_precision: WorkPrecision) -> str:
@@ -161,8 +157,3 @@ def _milliseconds(row: Setting) -> str:
 
 def _exponent(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
-
-
-def dumps(work_precision: WorkPrecision) -> str:
-    """The machine-readable result."""
-    return as_json(work_precision.document())
