@@ -20,7 +20,7 @@ import psutil
 
 import damper.motion
 from workflows.progress import Stages
-from workflows.studies.sweep import evaluate, executor, plan, study
+from workflows.studies.sweep import evaluate, executor, study
 from workflows.studies.sweep.evaluate import PlateCache
 
 
@@ -32,7 +32,7 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
         "rotor.speeds": f"3500 rpm:17500 rpm:{speeds}",
     }
     asked = study.of_scene("paper", vary, quick=True)
-    points = plan.size(asked.plan)
+    points = asked.plan.size
     each = events_of_a_point(asked)
     print(f"{points} points in {len(asked.regions())} blocks, {each:.0f} events each")
     seconds = []

@@ -8,6 +8,7 @@ import math
 import os
 import re
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,14 +95,15 @@ def from_template(template: str, css: str = "", **values: Any) -> str:
 
 def sentences(template: str, macro: str, *values: Any) -> list[str]:
     """Sentences that a macro of a text template makes of some values: its paragraphs, each on one line."""
-    environment = _environment(autoescape=False)
-    environment.globals |= {"AIR": limits.AIR, "inf": math.inf, "remarks": remarks}
-    paragraphs = re.split(r"\n\s*\n", getattr(environment.get_template(template).module, macro)(*values))
+    module = _environment(autoescape=False).get_template(template).module
+    paragraphs = re.split(r"\n\s*\n", getattr(module, macro)(*values))
     lines = [re.sub(r" *\n *([,;.]?)", lambda gap: gap[1] or " ", each.strip()) for each in paragraphs]
     return [line for line in lines if line]
 
 
+@cache
 def _environment(*, autoescape: bool) -> Environment:
+    """Templates, each compiled once, with the filters that turn values into words."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -112,6 +114,7 @@ def _environment(*, autoescape: bool) -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
+    environment.globals |= {"AIR": limits.AIR, "inf": math.inf, "remarks": remarks}
     return environment
 
 
