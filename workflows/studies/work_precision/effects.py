@@ -161,7 +161,7 @@ class EffectStudy:
     """All effects of a scene, and the relative error in frequency that the scene asks for."""
 
     title: str
-    asked: float
+    target: float
     rows: tuple[EffectChange, ...]
 
     def document(self) -> dict[str, Any]:
@@ -169,7 +169,7 @@ class EffectStudy:
         return {
             "schema_version": 1,
             "title": self.title,
-            "asked": self.asked,
+            "asked": self.target,
             "machine": machine(),
             "noise": POLICY_OF_DIFFERENCES,
             "rows": [entry(row) | {"within_noise": row.within_noise} for row in self.rows],
@@ -280,8 +280,8 @@ _NOTE: dict[str, Any] = {
 def draw(switches: EffectStudy) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
     figure, (left, right) = plots.canvas(0.9 + 0.34 * len(switches.rows), 2)
-    rows, least = switches.rows[::-1], float(10.0 ** math.floor(math.log10(_UNSEEN * switches.asked)))
-    labels, whole, sizes = [], [], [1.0, switches.asked]
+    rows, least = switches.rows[::-1], float(10.0 ** math.floor(math.log10(_UNSEEN * switches.target)))
+    labels, whole, sizes = [], [], [1.0, switches.target]
     for place, row in enumerate(rows):
         colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
         name, (quantity, change) = row.effect.replace("_", " "), row.largest or ("", 0.0)
@@ -312,9 +312,9 @@ def draw(switches: EffectStudy) -> str:
         xscale="log",
         xlim=(least, 10 * max(sizes)),
         title="largest relative change of any quantity",
-        xlabel=f"dashed: the scene's own accuracy, {switches.asked:g}",
+        xlabel=f"dashed: the scene's own accuracy, {switches.target:g}",
     )
-    left.axvline(switches.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    left.axvline(switches.target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     right.set(title="share of the run's time with it, %")
     return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 

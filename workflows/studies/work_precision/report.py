@@ -63,9 +63,9 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
 
 def files(work_precision: WorkPrecision) -> dict[str, str | bytes]:
     """The files beside `accuracy.json`."""
-    target = work_precision.asked["frequency"]
+    target = work_precision.targets["frequency"]
     figures = [
-        study_plot(study, f"ladder{number}", _asked(work_precision, study))
+        study_plot(study, f"ladder{number}", _target_of(work_precision, study))
         for number, study in enumerate(work_precision.studies)
     ]
     first = [study for study in work_precision.studies if study.stage in ("plate", "damper")]
@@ -113,7 +113,7 @@ def verdict(work_precision: WorkPrecision) -> list[str]:
         sentence
         for study in work_precision.studies
         if len({row.method for row in study.rows}) > 1
-        for sentence in from_sentences("accuracy.txt.j2", "verdict", _judged(study, _asked(work_precision, study)))
+        for sentence in from_sentences("accuracy.txt.j2", "verdict", _judged(study, _target_of(work_precision, study)))
     ]
 
 
@@ -147,8 +147,8 @@ def not_drawn(study: ConvergenceStudy) -> list[str]:
     return [f"{method}: {', '.join(settings)}" for method, settings in reasons.items()]
 
 
-def _asked(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
-    return work_precision.asked["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
+def _target_of(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
+    return work_precision.targets["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
 
 
 def _milliseconds(row: Setting) -> str:

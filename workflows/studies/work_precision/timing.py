@@ -122,7 +122,7 @@ class WorkPrecision:
     """All studies of a scene."""
 
     title: str
-    asked: dict[str, float]
+    targets: dict[str, float]
     studies: tuple[ConvergenceStudy, ...]
     chosen: dict[str, Choice]
 
@@ -131,7 +131,7 @@ class WorkPrecision:
         return {
             "schema_version": 1,
             "title": self.title,
-            "asked": self.asked,
+            "asked": self.targets,
             "machine": machine(),
             "noise": POLICY,
             "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in self.studies],
