@@ -17,6 +17,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.io import serialise
+from workflows.report.page import sentences
 from workflows.scene.load import SHIPPED, load
 from workflows.solve.results import Damping
 from workflows.studies.sweep import evaluate, report, sensitivity, study
@@ -374,6 +375,24 @@ def test_what_is_uncertain_has_a_verdict(here):
         said = report.render(found)
         assert says in said
         assert ">nan" not in said
+
+
+def test_the_text_has_a_line_for_each_statement():
+    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3}
+    reasons = [{"points": 1, "reason": "too wide"}, {"points": 1, "reason": "too heavy"}]
+    result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
+    result |= {"without_verdict": 1, "without_answer": 2}
+    spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
+    assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, spread) == [
+        "T: 4 points (4 a)",
+        "The ball does most at a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm",
+        "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), in the median 0.3 %; of its variance each has, with"
+        " all it acts together with: k 50 ± 10 %",
+        "1 point has no verdict: `spindamp run` of one says why",
+        "2 points have no answer:",
+        "1 × too wide",
+        "1 × too heavy",
+    ]
 
 
 def test_few_points_with_a_verdict(here):
