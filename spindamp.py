@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
 from workflows.laws import lawful
@@ -44,10 +44,10 @@ if TYPE_CHECKING:
     from fem.modal_model import ModalModel
     from workflows.solve.results import Results
     from workflows.studies.comparison import Comparison
-    from workflows.studies.design.report import Designed
+    from workflows.studies.design.report import DesignResult
     from workflows.studies.reproduction import Reproduction
     from workflows.studies.response import Response
-    from workflows.studies.work_precision.effects import Switches
+    from workflows.studies.work_precision.effects import EffectStudy
     from workflows.studies.work_precision.timing import WorkPrecision
 
 __all__ = [
@@ -163,11 +163,11 @@ def accuracy(scene: SceneLike = DEFAULT) -> WorkPrecision:
 
 
 @lawful()
-def effects(scene: SceneLike = DEFAULT) -> Switches:
-    """Change and cost of each effect. Takes and raises what :func:`run` does."""
-    from workflows.studies.work_precision.effects import switching
+def effects(scene: SceneLike = DEFAULT) -> EffectStudy:
+    """What each effect changes, and what it costs. Takes and raises what :func:`run` does."""
+    from workflows.studies.work_precision.effects import effect_study
 
-    return switching(as_scene_file(scene))
+    return effect_study(as_scene_file(scene))
 
 
 @lawful()
@@ -209,11 +209,13 @@ def sweep(
     """
     from pathlib import Path
 
+    from workflows.progress import Stages
     from workflows.studies.sweep import study
+    from workflows.studies.sweep.executor import workers_of
 
-    folder = None if out is None else Path(out)
-    who: dict[str, Any] = {"workers": workers, "dask": dask, "executor": executor}
-    return study.sweep(scene, vary, sample=sample, seed=seed, quick=quick, uncertain=uncertain, out=folder, **who)
+    points = study.of_scene(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    pool = workers_of(workers, dask, executor)
+    return study.solve(points, None if out is None else Path(out), pool, Stages())
 
 
 @lawful()
@@ -224,11 +226,11 @@ def design(
     workers: int | None = None,
     dask: str | None = None,
     executor: Executor | None = None,
-) -> Designed:
+) -> DesignResult:
     """The damper that damps best within what the table [design] of a scene allows; else as :func:`sweep`.
 
     Returns:
-        The best design: `optimum`, `holds`, `document()`, and its scene as `toml`.
+        The best design with all its results: `optimum`, `active_constraints`, `document()`, and its scene as `toml`.
 
     Raises:
         BadInput: the scene is wrong, or has no [design].
@@ -260,13 +262,17 @@ def dataset(results: Results) -> xarray.Dataset:
 
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
-    """Write a folder with all files of the command `run`, or `response`; see :func:`workflows.save`."""
+    """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
+    from pathlib import Path
+
     from workflows.studies.response import Response
 
     if isinstance(results, Response):
+        from workflows.io.files import write_study
         from workflows.studies import response_report
 
-        return response_report.write(results, folder)
+        write_study(response_report, results, Path(folder))
+        return Path(folder)
     from workflows.report import page
 
     return page.save(results, folder)

@@ -28,7 +28,6 @@ from workflows.io import serialise
 from workflows.report import verdict
 from workflows.solve.excitation import HELPS
 from workflows.studies import response_report as of_response
-from workflows.studies.design import report as of_design
 
 Table = dict[str, Any]
 
@@ -435,7 +434,7 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
     """All that is said of a scene, a command after the other."""
     scene = {"title": name} | scene
     if "structure" in scene:
-        document = json.loads(of_design.dumps(spindamp.design(scene, workers=1)))
+        document = spindamp.design(scene, workers=1).document()
         yield Line(name, "design", [f"{document['verdict']}.", *document["why"]], of_best(document))
         return
     plain = {key: value for key, value in scene.items() if key != "design"}
@@ -448,7 +447,7 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
     yield Line(name, "run", every, faults + of_speeds(every, document["speeds"]))
     try:
         found = spindamp.response(plain)
-        document = json.loads(of_response.dumps(found))
+        document = of_response.document(found)
         motion = said(document["headline"])
         faults = [fault for each in motion for fault in of_crossings(each, document)]
         faults += of_added(document["headline"], reductions) + disagreements(
@@ -458,7 +457,7 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
     except SpindampError as failed:
         yield Line(name, "response", [f"No answer: {failed}"], ["no answer"])
     if "design" in scene:
-        document = json.loads(of_design.dumps(spindamp.design(scene, workers=1)))
+        document = spindamp.design(scene, workers=1).document()
         yield Line(name, "design", [f"{document['verdict']}.", *document["why"]], of_best(document))
 
 

@@ -17,8 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from workflows.scene.load import load
-from workflows.studies.design import objectives, study
+from workflows.studies.design import space as spaces
+from workflows.studies.design import study
 from workflows.studies.sweep import executor
+from workflows.studies.sweep.plan import sobol
 
 NEAR = 0.97
 AT_ONCE = 64
@@ -26,24 +28,24 @@ AT_ONCE = 64
 
 def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
     """Print how many of COUNT designs are better; return that number."""
-    free = objectives.space(load(scene))
+    free = spaces.design_space(load(scene))
     sign = 1 if free.design.amplitude is not None else -1
     unit = 100.0 if sign > 0 else 1e3
     with executor.local() as workers:
-        known = _known(best) if best else study.design(scene).optimum.scored.value
+        known = _known(best) if best else study.design(scene).optimum.evaluation.value
         print(f"the search: {unit * known:.5f}", flush=True)
-        rows = study.sobol(len(free.axes), 1 << (count - 1).bit_length(), seed=12345)[:count]
+        rows = sobol(len(free.axes), 1 << (count - 1).bit_length(), seed=12345)[:count]
         began, worth, near = time.perf_counter(), [], []
         for begin in range(0, count, AT_ONCE):
             part = rows[begin : begin + AT_ONCE]
-            found = study.scored(workers, executor.digest(), free, part, quick=True)
+            found = study.evaluate_on_workers(workers, executor.digest(), free, part, quick=True)
             worth += [each for each in found if each.works]
             near += [
                 row for row, each in zip(part, found, strict=True) if each.works and _near(each.value, known, sign)
             ]
             if begin % (16 * AT_ONCE) == 0:
                 print(f"{begin + len(part)} designs, {len(worth)} work", flush=True)
-        again = study.scored(workers, executor.digest(), free, np.array(near), quick=False) if near else []
+        again = study.evaluate_on_workers(workers, executor.digest(), free, np.array(near), quick=False) if near else []
     better = [each.value for each in again if each.works and sign * (each.value - known) > 0]
     most = max((sign * each.value for each in worth), default=0.0)
     took = time.perf_counter() - began

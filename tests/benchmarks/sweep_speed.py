@@ -20,7 +20,7 @@ import psutil
 
 import damper.motion
 from workflows.progress import Stages
-from workflows.studies.sweep import evaluate, executor, plan, study
+from workflows.studies.sweep import evaluate, executor, study
 from workflows.studies.sweep.evaluate import PlateCache
 
 
@@ -31,8 +31,8 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
         "damper.clearance": f"log:0.1 mm:4 mm:{clearances}",
         "rotor.speeds": f"3500 rpm:17500 rpm:{speeds}",
     }
-    asked = study.asked("paper", vary, quick=True)
-    points = plan.size(asked.plan)
+    asked = study.of_scene("paper", vary, quick=True)
+    points = asked.plan.size
     each = events_of_a_point(asked)
     print(f"{points} points in {len(asked.regions())} blocks, {each:.0f} events each")
     seconds = []

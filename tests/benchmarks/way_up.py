@@ -190,7 +190,7 @@ def designs() -> None:
             print(f"  {diameter} mm in {clearance} mm: {100 * shown[diameter, clearance]:.4f} %", flush=True)
         chosen = round(2e3 * best.radius, 6), round(1e3 * (best.cavity[0] - 2 * best.radius), 6)
         print(
-            f"e {restitution}: chosen {chosen}, promised {100 * found.optimum.scored.value:.4f} %, shown"
+            f"e {restitution}: chosen {chosen}, promised {100 * found.optimum.evaluation.value:.4f} %, shown"
             f" {100 * shown[chosen]:.4f} %; best by brute force {max(shown, key=lambda each: shown[each])}",
             flush=True,
         )

@@ -106,7 +106,7 @@ def here() -> Iterator[ThreadPoolExecutor]:
 @pytest.fixture
 def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> None:
     """Commands that hire workers have a thread of this process in their place."""
-    monkeypatch.setattr(executor, "local", lambda *_: executor.given(here, 1))
+    monkeypatch.setattr(executor, "local", lambda *_: executor.external(here, 1))
 
 
 @pytest.fixture

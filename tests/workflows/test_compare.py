@@ -11,6 +11,7 @@ import pytest
 import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
+from workflows.io.files import write_study
 from workflows.scene.load import SHIPPED
 from workflows.studies import comparison as report
 
@@ -51,7 +52,7 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
 
 
 def test_files(found, tmp_path: Path):
-    report.write(found, tmp_path / "out")
+    write_study(report, found, tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"compare.json", "compare.csv", "compare.svg", "report.html"} <= names
     document = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))

@@ -26,7 +26,7 @@ from workflows.studies.sweep.evaluate import QUICK
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
-from workflows.studies.work_precision.effects import Switched, Switches, changes, switching
+from workflows.studies.work_precision.effects import EffectChange, EffectStudy, changes, effect_study
 from workflows.studies.work_precision.integration import integrate
 from workflows.studies.work_precision.study import study
 from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, measure
@@ -83,9 +83,9 @@ def test_what_fails_stays_in_the_table() -> None:
     def fails() -> int:
         raise ArithmeticError("the integrator gave up")
 
-    row = measure("a method", "a setting", fails, lambda _: (1, 0.0))
+    row, _ = measure("a method", "a setting", fails, lambda _: (1, 0.0))
     assert (row.failed, row.time_s, row.error) == ("the integrator gave up", None, None)
-    row = measure("a method", "a setting", lambda: 1, lambda _: (1, np.nan))
+    row, _ = measure("a method", "a setting", lambda: 1, lambda _: (1, np.nan))
     assert row.failed == "no number came out"
 
 
@@ -351,9 +351,9 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
-def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> timing.Compared[Any]:
+def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timing[Any], float, float]:
     """Work that is done once, as if it took 3 s and the other 2 s."""
-    return timing.Compared(work(), extra=1.0, low=0.5, high=2.0, seconds=3.0, others=2.0)
+    return timing.Timing(work(), 1.0, 0.5, 2.0), 3.0, 2.0
 
 
 @pytest.fixture
@@ -473,25 +473,25 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
         return work
 
     monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
-    found = timing.compared(job("with", 0.03), job("without", 0.02))
+    extra, seconds, others = timing.compared(job("with", 0.03), job("without", 0.02))
     assert calls == ["with"] + ["with", "without"] * 7
-    assert found.value == "with"
-    assert 0 < found.low < found.extra < found.high
-    assert found.seconds > found.others
+    assert extra.value == "with"
+    assert 0 < extra.low < extra.median < extra.high
+    assert seconds > others
 
 
 @pytest.mark.parametrize(("low", "high", "noise"), [(-0.01, 0.05, True), (0.002, 0.14, False), (-0.03, -0.01, False)])
 def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
-    row = Switched("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
+    row = EffectChange("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
     assert row.within_noise is noise
-    assert ("within noise" in effects_report.text(Switches("", 1e-3, (row,)))) is noise
-    assert ("within noise" in effects_report.draw(Switches("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.text(EffectStudy("", 1e-3, (row,)))) is noise
+    assert ("within noise" in effects_report.draw(EffectStudy("", 1e-3, (row,)))) is noise
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    rows = {row.effect: row for row in switching(load.load("structure"), QUIET).rows}
+    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
     on, off = rows["impact_friction"], rows["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
     assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)

@@ -19,7 +19,9 @@ from workflows.scene.load import SHIPPED, as_scene_file, load, parse
 from workflows.solve.excitation import is_well_held
 from workflows.studies import response
 from workflows.studies.design import objectives, report, study
-from workflows.studies.design.space import Obstacle, Optimum, Scored
+from workflows.studies.design import space as spaces
+from workflows.studies.design.objectives import Evaluation, Obstacle
+from workflows.studies.design.space import Optimum
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
@@ -47,7 +49,7 @@ def few_speeds(monkeypatch):
 
 
 def space_of(scene, **design):
-    return objectives.space(as_scene_file(scene | {"design": scene["design"] | design}))
+    return spaces.design_space(as_scene_file(scene | {"design": scene["design"] | design}))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
@@ -101,7 +103,7 @@ def test_the_least_damping_of_a_known_curve():
 
 def score_of(space):
     plates = PlateCache()
-    return lambda shares, quick=True: objectives.scored(space, np.asarray(shares), plates, quick=quick)
+    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), plates, quick=quick)
 
 
 def test_limits_bound_and_cutoff(slow):
@@ -121,9 +123,9 @@ def test_limits_bound_and_cutoff(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = objectives.space(load("design"))
+    space = spaces.design_space(load("design"))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = objectives.scored(space, np.array([shares]), PlateCache(), quick=True)
+    (found,) = spaces.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
     assert found.value == 0.0
     assert any(what in report.obstacle(found) for what in ("cavity", "thickness"))
 
@@ -143,38 +145,40 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
-    space = objectives.space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
-    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    space = spaces.design_space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
     assert why in report.obstacle(found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = objectives.scored(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
+    (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
     said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
 
 def test_the_printed_equations_have_no_design(slow):
-    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the equations as printed do not conserve energy"):
+    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the printed equations do not conserve energy"):
         space_of(changed(slow, damper__formulation="printed"))
 
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
-    space = objectives.space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"])))
-    (found,) = objectives.scored(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    space = spaces.design_space(
+        as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"]))
+    )
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith("a blade, where the structure endures it: up to 9.1 mm")
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    space = objectives.space(load("design"))
+    space = spaces.design_space(load("design"))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Optimum(shares, objectives.scored(space, shares[None], PlateCache(), quick=True)[0], 1)
-    for each in report.of(space, found, space.goal):
+    found = Optimum(shares, spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
+    for each in report.damping_curves(space, found, space.goal):
         assert (
             objectives.cutoff_of(each.damper)
             == each.damping_curve.cutoff
@@ -193,12 +197,12 @@ def test_the_search_finds_a_known_optimum(slow):
     def score(shares, _):
         away = np.asarray(shares) - top
         away[:, 0] = np.floor(3 * np.asarray(shares)[:, 0]) - 1
-        return [Scored(v, v) for v in np.exp(-(away**2).sum(axis=1))]
+        return [Evaluation(v, v) for v in np.exp(-(away**2).sum(axis=1))]
 
-    found = study.search(space, score, seed=1, progress=lambda _: None)
-    assert found.scored.value == pytest.approx(1.0, abs=1e-4)
+    found = study.search(space, study.Designs(space, score), seed=1)
+    assert found.evaluation.value == pytest.approx(1.0, abs=1e-4)
     assert np.allclose(found.shares[1:], top[1:], atol=0.01)
-    again = study.search(space, score, seed=1, progress=lambda _: None)
+    again = study.search(space, study.Designs(space, score), seed=1)
     assert np.array_equal(found.shares, again.shares)
 
 
@@ -209,10 +213,10 @@ def test_few_designs_are_all_looked_at(slow):
     def sloped(shares, quick):
         tried.extend((quick, *row) for row in np.asarray(shares).tolist())
         values = [row[0] if row.sum() <= 1.1 else -row.sum() for row in np.asarray(shares)]
-        return [Scored(v + 0.5 * row[1], v + 0.5 * row[1]) for v, row in zip(values, shares, strict=True)]
+        return [Evaluation(v + 0.5 * row[1], v + 0.5 * row[1]) for v, row in zip(values, shares, strict=True)]
 
-    found = study.search(space, sloped, seed=1, progress=lambda _: None)
-    assert found.scored.value == pytest.approx(1.0 + 0.05, abs=5e-3)
+    found = study.search(space, study.Designs(space, sloped), seed=1)
+    assert found.evaluation.value == pytest.approx(1.0 + 0.05, abs=5e-3)
     assert len(tried) == len(set(tried)) < 12 * 12 + 100
     space = space_of(slow, ball_diameter=[f"{n} mm" for n in (2, 2.5, 3, 3.5, 4, 5, 6, 7, 8)])
 
@@ -221,9 +225,9 @@ def test_few_designs_are_all_looked_at(slow):
             float([space.values(row)["damper.radius"], row[0] < 0.3, row[2] > 0.7] == [2.5e-3, 1, 1])
             for row in np.asarray(shares)
         ]
-        return [Scored(v, v) for v in values]
+        return [Evaluation(v, v) for v in values]
 
-    assert study.search(space, peaked, seed=1, progress=lambda _: None).scored.value == 1.0
+    assert study.search(space, study.Designs(space, peaked), seed=1).evaluation.value == 1.0
 
 
 def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
@@ -238,10 +242,12 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
         if len(tried) > most:
             raise KeyboardInterrupt
         tried.extend((quick, *row) for row in np.asarray(shares).tolist())
-        return [Scored(v, v, used=(("mass", v),), why=Obstacle("held", rpm=v)) for v in np.sin(7 * shares).sum(axis=1)]
+        return [
+            Evaluation(v, v, used=(("mass", v),), why=Obstacle("held", rpm=v)) for v in np.sin(7 * shares).sum(axis=1)
+        ]
 
     def searched(seed=1):
-        return study.search(space, score, seed, lambda _: None, study.Kept(path, space.source, seed))
+        return study.search(space, study.Designs(space, score, path=path, seed=seed), seed)
 
     with pytest.raises(KeyboardInterrupt):
         searched()
@@ -254,8 +260,8 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
     count = len(tried)
     again = searched()
     assert len(tried) == count, "all designs are known"
-    assert (again.scored.score, *again.shares, again.evaluations) == (
-        found.scored.score,
+    assert (again.evaluation.score, *again.shares, again.evaluations) == (
+        found.evaluation.score,
         *found.shares,
         found.evaluations,
     )
@@ -269,9 +275,9 @@ def test_nothing_better_among_all_designs(slow, here):
     roughly = np.array([each.value for each in score_of(found.space)(shares)])  # to about a percent
     every = score_of(found.space)(shares[roughly > 0.9 * roughly.max()], quick=False)
     best = max(every, key=lambda each: each.value)
-    assert found.optimum.scored.value == best.value > 0
+    assert found.optimum.evaluation.value == best.value > 0
     assert found.document()["value"] == best.value
-    assert best.value < found.optimum.scored.bound
+    assert best.value < found.optimum.evaluation.bound
     scene = parse(tomllib.loads(found.toml))
     assert scene.design is None
     assert scene.damper.radius == found.space.values(found.optimum.shares)["damper.radius"]
@@ -286,13 +292,13 @@ def test_why_none_works(slow, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
     scene = slow | {"design": FREE | {"amplitude": ["0.1 mm", "1 mm"]}}
     found = spindamp.design(scene, executor=here)
-    assert found.optimum.scored.value == 0.0
+    assert found.optimum.evaluation.value == 0.0
     said = " ".join(found.document()["why"])
     assert "the load holds every ball at rest below" in said
-    needed = 1e-4 * 1e-4 / found.optimum.scored.cutoff
+    needed = 1e-4 * 1e-4 / found.optimum.evaluation.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = objectives.scored(other, found.optimum.shares[None], PlateCache(), quick=True)
+        (again,) = spaces.evaluate_designs(other, found.optimum.shares[None], PlateCache(), quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert not found.toml
@@ -364,24 +370,24 @@ def shaken(structure):
 
 def at_the_crossing(scene, share=0.0):
     """A design of one free key at the first crossing, and its space."""
-    space = objectives.space(as_scene_file(scene))
+    space = spaces.design_space(as_scene_file(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
-    met = space.goal.met[0]
+    met = space.goal.crossings[0]
     return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends), space
 
 
 def placed_of(space, shares):
     rows = evaluate.empty(len(space.goal.speeds))
     plan = space.plan(np.array([shares]))
-    return list(evaluate.all_placed(space.solved_as, plan, 0, PlateCache(), rows, []))
+    return list(evaluate.damper_cases(space.solved_as, plan, 0, PlateCache(), rows, []))
 
 
 def test_one_of_amplitudes_and_excitation(slow, shaken):
     with pytest.raises(BadInput, match=r"\[design\] amplitude: missing.*or give \[excitation\]"):
         parse(changed(slow, design__amplitude=None))
     both = changed(shaken, design__amplitude=["1 mm", "2 mm"])
-    assert space_of(both).goal.said.startswith("least damping ratio")
-    assert space_of(shaken).goal.said == "greatest amplitude at the crossings"
+    assert space_of(both).goal.objective.startswith("least damping ratio")
+    assert space_of(shaken).goal.objective == "greatest amplitude at the crossings"
 
 
 @pytest.mark.parametrize(
@@ -395,7 +401,7 @@ def test_one_of_amplitudes_and_excitation(slow, shaken):
 )
 def test_what_a_design_by_amplitude_needs(shaken, changes, says):
     with pytest.raises(BadInput) as found:
-        objectives.space(as_scene_file(changed(shaken, **changes)))
+        spaces.design_space(as_scene_file(changed(shaken, **changes)))
     assert says in str(found.value)
 
 
@@ -417,7 +423,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         excitation__force="0.2 N",
         design={"floor_radius": floors},
     )
-    tried, score = {}, objectives.scored
+    tried, score = {}, spaces.evaluate_designs
 
     def kept(space, shares, plates, *, quick):
         found = score(space, shares, plates, quick=quick)
@@ -425,9 +431,9 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         tried.update({(radius, quick): each for radius, each in zip(radii, found, strict=True)})
         return found
 
-    monkeypatch.setattr(objectives, "scored", kept)
+    monkeypatch.setattr(spaces, "evaluate_designs", kept)
     found = spindamp.design(scene, executor=here)
-    best = found.optimum.scored
+    best = found.optimum.evaluation
     score_of(found.space)(np.array([[5 / 6]]), quick=False)
     ball = 7850 * 4 / 3 * math.pi * 3e-3**3
     stiffness = (0.05 + ball) * (2 * math.pi * 200) ** 2
@@ -441,10 +447,10 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
         assert each.value == pytest.approx(exact, rel=2e-2 if quick else 5e-3, abs=1e-9), floor
         assert floor == tuned or not each.works or each.value > 0.1 * each.without
     assert best.value == tried[tuned, False].value < 1e-4 * best.without
-    (through,) = found.response.passed
-    settled = through.states.regime != "not settled"  # undamped bowls forget a start slowly
+    (passage,) = found.response.passages
+    settled = passage.states.regime != "not settled"  # undamped bowls forget a start slowly
     assert settled.mean() > 0.9
-    assert through.states.mean[settled].max() < 1e-4 * best.without
+    assert passage.states.mean[settled].max() < 1e-4 * best.without
     assert found.confirmed < 0.01 * best.without
 
 
@@ -467,7 +473,7 @@ def test_nothing_falls_below_the_bound(shaken):
     for rolling, force in product((0.0, 2e-5, 1e-4), (0.3, 1.0, 3.0)):
         found, _ = at_the_crossing(changed(shaken, damper__rolling_friction=rolling, excitation__force=force), 0.6)
         lines = objectives.linear(found)
-        assert objectives.followed(found, lines, quick=True) > lines.least, (rolling, force)
+        assert objectives.followed(found, quick=True) > lines.least, (rolling, force)
 
 
 def test_the_balance_is_that_of_the_motion(shaken):
@@ -479,7 +485,7 @@ def test_the_balance_is_that_of_the_motion(shaken):
         scene = changed(shaken, excitation__force=force, design__clearance=[clearance])
         found, _ = at_the_crossing(scene, 0.75)
         lines = objectives.linear(found)
-        true = objectives.followed(found, lines, quick=False)
+        true = objectives.followed(found, quick=False)
         assert is_well_held(found.system)
         assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
@@ -518,8 +524,8 @@ clearance = ["0.01 mm", "1 mm"]
 
 def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities():
     """Cavities of other sizes move it by seven times its half width; its height is F / (2 zeta K) for all of them."""
-    space = objectives.space(as_scene_file(tomllib.loads(BLADE)))
-    (met,) = space.goal.met
+    space = spaces.design_space(as_scene_file(tomllib.loads(BLADE)))
+    (met,) = space.goal.crossings
     for share in (0.0, 1.0):
         (each,) = placed_of(space, [share, share])
         found = objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
@@ -534,12 +540,12 @@ def test_the_greatest_of_all_crossings(shaken):
     """A crossing that is left out, for it cannot have more than another, is not the greatest."""
     scene = changed(shaken, rotor__speeds=["2800 rpm", "4200 rpm"], excitation__orders=[3, 4])
     for rolling, share in product((0.0, 5e-5), (0.0, 0.9)):
-        space = objectives.space(as_scene_file(changed(scene, damper__rolling_friction=rolling)))
+        space = spaces.design_space(as_scene_file(changed(scene, damper__rolling_friction=rolling)))
         placed = placed_of(space, [0.0, share])
         found = space.goal.worth(placed, quick=True)
         here = [
             objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
-            for each, met in zip(placed, sorted(space.goal.met, key=lambda met: met.omega), strict=True)
+            for each, met in zip(placed, sorted(space.goal.crossings, key=lambda met: met.omega), strict=True)
         ]
         every = [objectives._reached(each, objectives.linear(each), quick=True) for each in here]
         assert len(every) == 2
@@ -555,14 +561,14 @@ def test_nothing_better_at_the_crossings(shaken, here):
     shares = [[(a + 0.5) / 2, (b + 0.5) / 3] for a, b in product(range(2), range(3))]
     every = score_of(found.space)(shares, quick=False)
     best = min(every, key=lambda each: each.value)
-    assert found.optimum.scored.value == best.value
+    assert found.optimum.evaluation.value == best.value
     assert best.works
     assert best.bound < best.value < best.without
     document = found.document()
     assert document["value"] == best.value
     assert document["confirmed"] == pytest.approx(best.value, rel=0.01)
     assert {1.0, 8.0} < {entry["force"] for entry in document["crossings"]}
-    assert study.design(shaken, pool=executor.given(here, 3)).document() == document, "the same seed, other workers"
+    assert study.design(shaken, pool=executor.external(here, 3)).document() == document, "the same seed, other workers"
     scene = parse(tomllib.loads(found.toml))
     assert (scene.design, scene.excitation.levels) == (None, (1.0, 8.0))
     text = report.render(found)
@@ -574,12 +580,12 @@ def test_why_none_helps(shaken, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
     scene = changed(shaken, excitation__force="0.05 N")
     found = spindamp.design(scene, executor=here)
-    scored = found.optimum.scored
-    assert not scored.works
+    evaluation = found.optimum.evaluation
+    assert not evaluation.works
     said = " ".join(found.document()["why"])
     assert "the load holds every ball at rest" in said
     assert "rolling friction" in said
     for factor, moves in ((0.999, True), (1.001, False)):
-        other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / scored.grows)
-        (again,) = score_of(objectives.space(as_scene_file(other)))(found.optimum.shares[None])
+        other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / evaluation.grows)
+        (again,) = score_of(spaces.design_space(as_scene_file(other)))(found.optimum.shares[None])
         assert (again.grows < 1) is moves

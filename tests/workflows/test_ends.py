@@ -482,7 +482,7 @@ def test_a_users_own_file_is_seen_before_the_work(
     for work in (
         "pipeline.structure",
         "studies.work_precision.study.study",
-        "studies.work_precision.effects.switching",
+        "studies.work_precision.effects.effect_study",
         "studies.reproduction.reproduce",
     ):
         monkeypatch.setattr(f"workflows.{work}", begun)

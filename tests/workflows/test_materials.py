@@ -290,15 +290,15 @@ def test_designs_keep_to_what_the_floor_carries(
     scene["damper"]["cavity"] = ["5 mm", "5 mm"]
     if not diameter:
         with pytest.raises(BadInput, match="the floor carries none of these balls"):
-            design(scene, pool=executor.given(here, 1))
+            design(scene, pool=executor.external(here, 1))
         return
-    found = design(scene, pool=executor.given(here, 1))
+    found = design(scene, pool=executor.external(here, 1))
     best = found.scene.scene.damper
     assert (best.ball_material, 2e3 * best.radius) == ("hardened steel", pytest.approx(diameter))
-    assert all(share <= 1 for _, share in found.optimum.scored.used)
+    assert all(share <= 1 for _, share in found.optimum.evaluation.used)
     told = " ".join(report.sentences(found))
     assert "Ball and floor carry the load at all speeds" in told
-    assert (limit in dict(found.optimum.scored.used)) is ("allowed by yield_ratio" in told) is bool(limit)
+    assert (limit in dict(found.optimum.evaluation.used)) is ("allowed by yield_ratio" in told) is bool(limit)
 
 
 def system(**changes: Any) -> damper.ParticleDamper:

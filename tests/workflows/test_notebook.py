@@ -268,7 +268,7 @@ def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatc
     for scene in _blocks(page, "toml")[:1]:
         (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executor, "local", lambda *_: executor.given(ThreadPoolExecutor(1), 1))
+    monkeypatch.setattr(executor, "local", lambda *_: executor.external(ThreadPoolExecutor(1), 1))
     monkeypatch.setattr(response, "SPEEDS", 21)
     for number, text in enumerate(_blocks(page, "python") if page.name not in OTHERWISE else []):
         exec(compile(text, f"{page.name}, snippet {number + 1}", "exec"), {"__name__": "__main__"})

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 import workflows
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, measured_quickly, write
+from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
 from workflows.report.page import Drawings, draw, render
@@ -26,7 +27,7 @@ from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report
-from workflows.studies.work_precision.effects import Switched, Switches
+from workflows.studies.work_precision.effects import EffectChange, EffectStudy
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -127,17 +128,17 @@ LADDER = ConvergenceStudy(
 SHORT = replace(LADDER, rows=tuple(replace(row, time_s=2.0 + n) for n, row in enumerate(LADDER.rows[:6])))
 """Within a decade, where each tick of a logarithmic axis has a label."""
 
-EFFECTS = Switches(
+EFFECTS = EffectStudy(
     90 * "T",
     1e-3,
     (
-        Switched("stress_stiffening", True, "", True, {"frequency_1": 0.4}, time_s=0.1, time_share=0.2),
-        Switched("spin_softening", True, "", True, {"frequency_1": -2e-4}, time_s=0.1, time_share=0.1),
-        Switched("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
-        Switched("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
-        Switched("large_deflection", False, "", False, failed=40 * "no plate, "),
-        Switched("ball_slip", False, "", False, remarks=("cut-off exists only with it",) * 9, time_share=0.3),
-        Switched("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
+        EffectChange("stress_stiffening", True, "", True, {"frequency_1": 0.4}, time_s=0.1, time_share=0.2),
+        EffectChange("spin_softening", True, "", True, {"frequency_1": -2e-4}, time_s=0.1, time_share=0.1),
+        EffectChange("coriolis", False, "", False, {"frequency_1": 3e-6}, time_s=0.1, time_share=0.9),
+        EffectChange("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, time_s=0.1, time_share=0.9),
+        EffectChange("large_deflection", False, "", False, failed=40 * "no plate, "),
+        EffectChange("ball_slip", False, "", False, remarks=("cut-off exists only with it",) * 9, time_share=0.3),
+        EffectChange("impact_friction", True, "", True, {"impacts": 5e3}, time_s=0.1, time_spread_s=(-1, 1)),
     ),
 )
 
@@ -356,8 +357,8 @@ def study() -> WorkPrecision:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    report.write(study(), folder / "accuracy")
-    effects_report.write(EFFECTS, folder / "effects")
+    write_study(report, study(), folder / "accuracy")
+    write_study(effects_report, EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 

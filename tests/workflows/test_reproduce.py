@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import findings, needs_chromium
+from workflows.io.files import write_study
 from workflows.studies import reproduction_report as report
 from workflows.studies.reproduction import (
     FORMULATIONS,
     RELEASE,
     SHOWN,
     Claim,
+    PaperRun,
     Reproduction,
-    Simulated,
     Verdict,
     of_figures,
     of_table_two,
@@ -130,7 +131,7 @@ def test_the_bound_of_the_closure_is_that_of_both_axes(found: Reproduction) -> N
     assert damped.work_bound == pytest.approx(leading * growth, rel=4e-2)
 
 
-def _another(study: Simulated, **changes: object) -> Simulated:
+def _another(study: PaperRun, **changes: object) -> PaperRun:
     """The study as it would be if every ring-down had come out otherwise."""
     points = {
         formulation: tuple(replace(p, damper=replace(p.damper, **changes)) for p in points if p.damper is not None)
@@ -200,7 +201,7 @@ def test_slips_are_numbers(found: Reproduction) -> None:
 @pytest.fixture(scope="module")
 def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction") / "out"
-    report.write(found, folder)
+    write_study(report, found, folder)
     return folder
 
 

@@ -1,7 +1,6 @@
 """Forced response of scenes: crossings, figures, files, and what is refused."""
 
 import dataclasses
-import json
 import math
 import re
 import tomllib
@@ -16,6 +15,7 @@ from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, r
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import KNOWN, changed
 from workflows.errors import BadInput
+from workflows.io.files import write_study
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.scene.load import SHIPPED, as_scene_file
@@ -54,20 +54,20 @@ def known():
 
 def test_a_known_structure(known):
     """The crossing is where three turns a period are 200 Hz without the ball; locked, the textbook's amplitude."""
-    (through,) = known.passed
+    (passage,) = known.passages
     hertz = 200 * math.sqrt(1.01)
-    assert through.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
-    assert through.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
+    assert passage.crossing.frequency_hz == pytest.approx(hertz, rel=1e-12)
+    assert passage.crossing.rpm == pytest.approx(20 * hertz, rel=1e-12)
     weak, strong, best = study.rows(known)
-    assert (weak.force, strong.force) == known.asked == (2.0, 20.0)
+    assert (weak.force, strong.force) == known.requested_levels == (2.0, 20.0)
     assert best.ratio < 0.95 * strong.ratio, "followed besides, where the ball does most"
     omega = 2 * math.pi * hertz
     assert weak.without == pytest.approx(2.0 / (2 * 0.01 * omega**2), rel=2e-3)
     assert weak.stress_without is None
-    assert through.states.residual == pytest.approx(0.0, abs=1e-9 * np.abs(through.states.power_in).max())
+    assert passage.states.residual == pytest.approx(0.0, abs=1e-9 * np.abs(passage.states.power_in).max())
     least = 0.01 * 0.2 / (2 * math.pi * 200) ** 2  # a_r / Omega² = 0.01 R, over omega1²
     per_newton = weak.without / 2.0
-    assert through.least_force == pytest.approx(least * through.crossing.omega**2 / per_newton, rel=2e-2)
+    assert passage.least_force == pytest.approx(least * passage.crossing.omega**2 / per_newton, rel=2e-2)
 
 
 def test_the_short_way_stands_beside(known):
@@ -95,7 +95,7 @@ def test_the_range_holds_at_the_levels_followed(known, estimated, followed, usef
 
 
 def test_document(known):
-    found = json.loads(report.dumps(known))
+    found = report.document(known)
     for entry in found["crossings"]:
         assert {"order", "mode", "rpm", "frequency_hz", "force", "amplitude_without", "amplitude", "regime"} <= set(
             entry
@@ -117,11 +117,11 @@ def written(known, tmp_path_factory):
 
 def test_an_interpolation_whose_error_is_not_known(known):
     """As of modes that two files give: null in JSON."""
-    (through,) = known.passed
+    (passage,) = known.passages
     unknown = dataclasses.replace(
-        known, passed=(dataclasses.replace(through, crossing=dataclasses.replace(through.crossing, basis=math.nan)),)
+        known, passages=(dataclasses.replace(passage, crossing=dataclasses.replace(passage.crossing, basis=math.nan)),)
     )
-    assert [each["basis_error"] for each in json.loads(report.dumps(unknown))["crossings"]] == [None] * 3
+    assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -132,13 +132,13 @@ def test_files(known, written):
         assert data["mean"].dims == ("crossing", "speed", "force", "start")
         assert data["mean"].attrs["units"] == "m"
         assert list(data["start"].values) == ["up", "down", "random"]
-        (through,) = known.passed
-        np.testing.assert_array_equal(data["mean"].values[0], through.shaped(through.states.mean))
+        (passage,) = known.passages
+        np.testing.assert_array_equal(data["mean"].values[0], passage.shaped(passage.states.mean))
         assert dict(data.sizes) == {"crossing": 1, "speed": 60, "force": 3, "start": 3}
         assert set(data["regime"].values.flat) <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
-    report.write(known, written)  # into its own folder again
+    write_study(report, known, written)  # into its own folder again
 
 
 @pytest.mark.usefixtures("few_speeds")
@@ -234,7 +234,7 @@ def test_crossings_between_few_speeds_are_exact():
 
 
 def test_speeds_through_a_crossing():
-    omega = study.gathered(100.0, 98.0, 101.0, 21)
+    omega = study.resonance_speeds(100.0, 98.0, 101.0, 21)
     assert (omega[0], omega[10], omega[-1]) == pytest.approx((98.0, 100.0, 101.0))
     steps = np.diff(omega)
     assert (steps > 0).all()
@@ -290,11 +290,11 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
     """At the crossing the ball at rest leaves Q F / (2 zeta omega²) at the tip, F the modal force of a cantilever."""
     scene = changed(blade({"orders": [3], kind: level}, rolling_friction="0.1 mm"), damper__count=None)
     found = respond(as_scene_file(scene))
-    (through,) = found.passed
-    assert through.crossing.family == "flap"
-    assert len(through.omega) in (21, FEW_SPEEDS)
+    (passage,) = found.passages
+    assert passage.crossing.family == "flap"
+    assert len(passage.omega) in (21, FEW_SPEEDS)
     (row,) = study.rows(found)
-    omega = 2 * math.pi * through.crossing.frequency_hz
+    omega = 2 * math.pi * passage.crossing.frequency_hz
     # the rotating beam's first mode, hardly changed: integral of w over L is 0.3915 of the tip's, of w² a quarter
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
     tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)
@@ -310,7 +310,7 @@ def test_a_floor_tuned_to_the_order():
     found = respond(as_scene_file(changed(STRUCTURE, **tuned)))
     row = study.rows(found)[0]
     assert row.ratio < 0.3
-    assert (found.passed[0].states.hits_per_cycle < 0.5).mean() > 0.9
+    assert (found.passages[0].states.hits_per_cycle < 0.5).mean() > 0.9
     said = report.sentences(found)[0]
     assert said.startswith(
         f"At engine order 3 (4012 rpm, flap mode): up to {100 * (1 - row.ratio):.2g} % less vibration"
@@ -326,7 +326,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
         f"At engine order 3 (4020 rpm, flap mode): up to {100 * (1 - best.ratio):.2g} % less vibration"
     )
     at_rest = 2 * math.pi * 200 * math.sqrt(1.01)  # rad/s without the ball, 200 Hz with it
-    moves = 0.01 * (known.passed[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
+    moves = 0.01 * (known.passages[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
     force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
     said_force = re.search(r"At 2 N the load holds the ball at rest; it moves from ([0-9.]+) N on\.$", said)
     assert float(said_force[1]) == pytest.approx(force, rel=0.03)
@@ -360,11 +360,11 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     monkeypatch.setattr(study, "SPEEDS", 9)
     found = respond(as_scene_file(blade({"orders": [3, 50], "force": "20 N"}, count=20, damping_ratio=0.001)))
     best, strong = study.rows(found)
-    assert found.asked == (strong.force,) == (20.0,)
+    assert found.requested_levels == (strong.force,) == (20.0,)
     assert study.is_beyond(found, strong)
     assert not study.is_beyond(found, best)
     first, nowhere, added = report.sentences(found)
-    rpm, less = found.passed[0].crossing.rpm, 100 * (1 - best.ratio)
+    rpm, less = found.passages[0].crossing.rpm, 100 * (1 - best.ratio)
     assert first.startswith(f"At engine order 3 ({rpm:.0f} rpm, flap mode): up to {less:.2g} % less vibration")
     assert first.endswith("Not useful at 20 N: such levels overstress the root.")
     assert nowhere.startswith("Engine order 50 meets no mode between 1200 and 2600 rpm; it would meet the first near")

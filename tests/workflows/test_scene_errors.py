@@ -266,7 +266,7 @@ def test_other_angles_are_no_slopes(text):
 @pytest.mark.parametrize("typed", ["0.1 mm:4 mm", "log:100 um:4e-1 cm"])
 def test_a_range_is_quoted_as_it_was_typed(typed):
     with pytest.raises(BadInput, match="needs its COUNT") as found:
-        study.asked("structure", [f"damper.clearance={typed}"])
+        study.of_scene("structure", [f"damper.clearance={typed}"])
     assert f"damper.clearance = '{typed}'" in str(found.value)
 
 

@@ -17,6 +17,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.io import serialise
+from workflows.report.page import sentences
 from workflows.scene.load import SHIPPED, load, parse
 from workflows.solve.results import Damping
 from workflows.studies.sweep import evaluate, report, sensitivity, study
@@ -104,10 +105,10 @@ def test_what_says_the_same_is_varied_once(pair):
 
 def test_the_key_that_another_takes_the_place_of():
     scene = load("paper").scene
-    replaced = {name: axes.find(name, "--vary").displaced(scene) for name in ("damper.mass", "damper.ball_material")}
+    replaced = {name: axes.find(name, "--vary").replaced(scene) for name in ("damper.mass", "damper.ball_material")}
     assert set(replaced.values()) == {"damper.mass_ratio"}
     for name in ("damper.mass_ratio", "damper.radius", "rotor.speeds", "material.density"):
-        assert axes.find(name, "--vary").displaced(scene) is None
+        assert axes.find(name, "--vary").replaced(scene) is None
 
 
 @pytest.mark.usefixtures("no_workers")
@@ -153,7 +154,7 @@ def test_what_is_not_varied_stays():
 def test_a_sample_is_the_sobol_sequence():
     given = axes.read(["damper.friction=0:1", "damper.radius=log:0.1 mm:1 mm"], G)
     plan = sample(given, (100.0, 200.0), 64, seed=7)
-    shares = {axis.name: k for k, axis in enumerate(plan.drawn)}
+    shares = {axis.name: k for k, axis in enumerate(plan.axes)}
     expected = qmc.Sobol(2, scramble=True, rng=7).random(64)
     every = plan.columns(0, 128)
     assert np.array_equal(every["damper.friction"][::2], expected[:, shares["damper.friction"]])
@@ -227,7 +228,7 @@ def test_speeds_without_a_picture_are_named(here):
     varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
     found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
-    said = report.in_words(found, report._best(found), "damper.restitution", "damper.friction")
+    said = report.map_caption(found, report.HEADLINE, "damper.restitution", "damper.friction")
     assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
 
 
@@ -250,13 +251,13 @@ def test_a_sample_has_its_keys_as_coordinates(here):
 
 def test_nothing_to_vary():
     with pytest.raises(BadInput, match="nothing is varied"):
-        study.asked("structure", {})
+        study.of_scene("structure", {})
     with pytest.raises(BadInput, match="needs its COUNT"):
-        study.asked("structure", ["damper.friction=0:1"])
+        study.of_scene("structure", ["damper.friction=0:1"])
     with pytest.raises(BadInput, match=r"no \[plate\]"):
-        study.asked("structure", ["plate.thickness=5 mm,6 mm"])
+        study.of_scene("structure", ["plate.thickness=5 mm,6 mm"])
     with pytest.raises(BadInput, match="sweep needs a damper"):
-        study.asked("campbell", ["rotor.modes=4,5"])
+        study.of_scene("campbell", ["rotor.modes=4,5"])
 
 
 @pytest.mark.usefixtures("no_workers")
@@ -295,12 +296,12 @@ def test_a_sweep_in_which_no_point_has_an_answer(spindamp, tmp_path):
 def test_lengths_without_a_unit_that_are_nearer_in_millimetres_are_questioned(varied):
     given = [varied] if isinstance(varied, str) else varied
     with pytest.raises(BadInput, match=r"a length without a unit is in m, and the scene has .* mm' meant"):
-        study.asked("structure", given)
+        study.of_scene("structure", given)
 
 
 @pytest.mark.parametrize("varied", ["damper.clearance=1 m:4 m:5", "damper.clearance=0.0001:1:5", "damper.mass=1:4:5"])
 def test_lengths_that_may_be_meant_are_taken(varied):
-    assert study.asked("structure", [varied]).plan.axes[0].values
+    assert study.of_scene("structure", [varied]).plan.axes[0].values
 
 
 A, B = 7.0, 0.1
@@ -328,8 +329,8 @@ def angles():
 
 def test_indices_of_ishigami():
     plan = sensitivity.plan(angles(), (1.0,), 4096, seed=3)
-    columns = plan.columns(0, plan.count)
-    values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
+    columns = plan.columns(0, plan.size)
+    values = ishigami(np.array([columns[axis.name] for axis in angles()]))
     found = sensitivity.indices(values, 3, seed=3)
     first, total = known_indices()
     assert np.allclose(first, [0.3139, 0.4424, 0.0], atol=1e-4)
@@ -342,13 +343,21 @@ def test_indices_of_ishigami():
 
 def test_points_without_answer_take_their_base_point_along():
     plan = sensitivity.plan(angles(), (1.0,), 512, seed=3)
-    columns = plan.columns(0, plan.count)
-    values = ishigami(np.array([columns[axis.name] for axis in plan.drawn]))
+    columns = plan.columns(0, plan.size)
+    values = ishigami(np.array([columns[axis.name] for axis in angles()]))
     values[::37] = np.nan
     found = sensitivity.indices(values, 3, seed=3)
     assert np.all(np.abs(found["ST"] - known_indices()[1]) <= 2 * found["ST_conf"])
     assert np.isnan(sensitivity.indices(np.full_like(values, np.nan), 3, seed=3)["S1"]).all()
     assert not sensitivity.indices(np.full_like(values, 2.0), 3, seed=3)["S1"].any()
+
+
+def test_confidence_is_resampled_alike():
+    """By the same seed, also by 0, which SALib takes for none."""
+    values = np.sin(np.arange(8 * 5))
+    for seed in (0, 3):
+        first, again = (sensitivity.indices(values, 3, seed)["ST_conf"] for _ in range(2))
+        assert np.array_equal(first, again)
 
 
 def test_what_is_uncertain_has_a_verdict(here):
@@ -366,6 +375,24 @@ def test_what_is_uncertain_has_a_verdict(here):
         said = report.render(found)
         assert says in said
         assert ">nan" not in said
+
+
+def test_the_text_has_a_line_for_each_statement():
+    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3}
+    reasons = [{"points": 1, "reason": "too wide"}, {"points": 1, "reason": "too heavy"}]
+    result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
+    result |= {"without_verdict": 1, "without_answer": 2}
+    spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
+    assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, spread) == [
+        "T: 4 points (4 a)",
+        "The ball does most at a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm",
+        "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), in the median 0.3 %; of its variance each has,"
+        " with all it acts together with: k 50 ± 10 %",
+        "1 point has no verdict: `spindamp run` of one says why",
+        "2 points have no answer:",
+        "1 × too wide",
+        "1 × too heavy",
+    ]
 
 
 def test_few_points_with_a_verdict(here):

@@ -72,7 +72,7 @@ def _small_blocks(monkeypatch):
 
 @pytest.fixture(scope="module")
 def asked():
-    return study.asked("structure", VARY, quick=True)
+    return study.of_scene("structure", VARY, quick=True)
 
 
 def complete(asked, out, executor=None, size=2):
@@ -94,7 +94,7 @@ def whole(tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "LEAST", 3)
-        complete(study.asked("structure", VARY, quick=True), out)
+        complete(study.of_scene("structure", VARY, quick=True), out)
     return out
 
 
@@ -219,7 +219,7 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
 
 def test_two_writers_are_refused(asked, tmp_path):
     with (
-        store.opened(tmp_path / "out", asked.plan, asked.size, asked.attributes),
+        store.open_folder(tmp_path / "out", asked.plan, asked.size, asked.attributes),
         pytest.raises(BadInput, match="another sweep is writing into it"),
     ):
         complete(asked, tmp_path / "out")
@@ -228,9 +228,9 @@ def test_two_writers_are_refused(asked, tmp_path):
 def test_another_study_is_refused(asked, out):
     before = contents(out)
     for other, what in (
-        (study.asked("structure", VARY), "quick"),
-        (study.asked("structure", {"damper.friction": [0.1]}, quick=True), "points"),
-        (study.asked("paper", VARY, quick=True), "scene"),
+        (study.of_scene("structure", VARY), "quick"),
+        (study.of_scene("structure", {"damper.friction": [0.1]}, quick=True), "points"),
+        (study.of_scene("paper", VARY, quick=True), "scene"),
     ):
         with pytest.raises(BadInput, match=what):
             complete(other, out)
@@ -240,7 +240,7 @@ def test_another_study_is_refused(asked, out):
 def test_other_code_is_refused(asked, out, monkeypatch):
     monkeypatch.setattr("workflows.studies.sweep.executor.digest", lambda: "other")
     with pytest.raises(BadInput, match="differs in its code and versions"):
-        complete(study.asked("structure", VARY, quick=True), out)
+        complete(study.of_scene("structure", VARY, quick=True), out)
     with pytest.raises(BadInput, match="a worker has other code"):
         study.compute(asked, asked.regions()[0])
 

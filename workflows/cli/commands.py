@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -19,6 +19,7 @@ from workflows.progress import LOG, Stages
 from workflows.versions import versions
 
 if TYPE_CHECKING:
+    from workflows.io.files import StudyReport
     from workflows.scene.load import SceneFile
 
 Scene = Annotated[
@@ -60,20 +61,6 @@ Uncertain = Annotated[
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
 Result = TypeVar("Result")
-Reported = TypeVar("Reported", contravariant=True)
-
-
-class StudyReport(Protocol[Reported]):
-    """What the report of a study offers: three ways to show it."""
-
-    def write(self, result: Reported, out: Path, /) -> object:
-        """Write the whole into a folder, or nothing."""
-
-    def text(self, result: Reported, /) -> str:
-        """What a person reads."""
-
-    def dumps(self, result: Reported, /) -> str:
-        """The machine-readable result."""
 
 
 @_commands.command()
@@ -159,7 +146,7 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
     """
     from workflows.studies.work_precision import effects as study
 
-    _of_a_scene(_load(scene), study.switching, study, out, json)
+    _of_a_scene(_load(scene), study.effect_study, study, out, json)
 
 
 @_commands.command()
@@ -182,26 +169,25 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
-    from workflows.studies.sweep import executor, report, sensitivity, store, study
+    from workflows.io.files import as_json
+    from workflows.studies.sweep import executor, report, store, study
 
-    plan = study.asked(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
+    plan = study.of_scene(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
     out = _folder(out, json, "spindamp-sweep", plan.source)
     if out is not None:
-        store.checked(out)
+        store.check_target(out)
     if not json:
         for axis in plan.plan.axes:
-            if instead := axis.key.displaced(plan.source.scene):
+            if instead := axis.key.replaced(plan.source.scene):
                 typer.echo(f"{axis.name} takes the place of the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
     with Stages(lines=True) as stages:
-        data = study.in_memory(plan, pool, stages) if out is None else study.complete(plan, out, pool, stages)
-        if uncertain:
-            data = sensitivity.analysed(data, seed)
+        data = study.solve(plan, out, pool, stages)
         if out is not None:
             with stages("report"):
                 report.write(data, out)
-    _show(report.dumps(data) if json else report.text(data), out, json)
+    _show(as_json(report.document(data)) if json else report.text(data), out, json)
     if problem := report.no_answer(data):
         raise NoAnswer(f"{plan.source.name}: {problem}")
 
@@ -225,7 +211,7 @@ def design(
     from workflows.studies.design import report, study
     from workflows.studies.sweep.executor import workers_of
 
-    def solve(source: SceneFile, stages: Stages) -> report.Designed:
+    def solve(source: SceneFile, stages: Stages) -> report.DesignResult:
         return study.design(
             source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=partial_results
         )
@@ -236,7 +222,7 @@ def design(
     best = _of_a_scene(source, solve, report, out, json)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
-    if not best.optimum.scored.works:
+    if not best.optimum.evaluation.works:
         raise NoAnswer(f"{source.name}: {report.in_short(best)}")
 
 
@@ -419,8 +405,8 @@ def _study(
         result = solve(stages)
         if out is not None:
             with stages("report"):
-                report.write(result, out)
-    _show(report.dumps(result) if json else report.text(result), out, json)
+                files.write_study(report, result, out)
+    _show(files.as_json(report.document(result)) if json else report.text(result), out, json)
     return result
 
 

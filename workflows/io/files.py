@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedP
 if TYPE_CHECKING:
     import xarray as xr
 
+
+Reported = TypeVar("Reported", contravariant=True)
 
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
@@ -298,12 +300,32 @@ def as_table(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> str:
     return text.getvalue()
 
 
-def write_study(out: Path, contents: Mapping[str, str | bytes]) -> None:
-    """Write a study's files, by their names, into `out`, or nothing.
+class StudyReport(Protocol[Reported]):
+    """What the report of a study offers.
+
+    Attributes:
+        NAME: of its command.
+    """
+
+    NAME: str
+
+    def document(self, result: Reported, /) -> Mapping[str, Any]:
+        """The machine-readable result."""
+
+    def text(self, result: Reported, /) -> str:
+        """What a person reads on the terminal."""
+
+    def files(self, result: Reported, /) -> Mapping[str, str | bytes]:
+        """The files beside the document, by their names, the page among them."""
+
+
+def write_study(report: StudyReport[Reported], result: Reported, out: Path) -> None:
+    """Write `<name>.json` and the other files of a study into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
+    contents = {f"{report.NAME}.json": as_json(report.document(result)) + "\n", **report.files(result)}
     with replacing(out) as folder:
         for name, content in contents.items():
             (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)

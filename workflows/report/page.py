@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import os
+import re
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +27,9 @@ from workflows.scene import paper
 from workflows.solve import limits
 from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, middle_speed, require_results
 from workflows.versions import versions
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 _WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
 """Kinds of event that are told; the release and the rubbing that belongs to a hit are not."""
@@ -83,18 +89,33 @@ def from_template(template: str, css: str = "", **values: Any) -> str:
         css: style beside that of every page.
         values: what it shows.
     """
+    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
+    return _environment(autoescape=True).get_template(template).render(css=style, **values)
+
+
+def sentences(template: str, macro: str, *values: Any) -> list[str]:
+    """Sentences that a macro of a text template makes of some values: its paragraphs, each on one line."""
+    module = _environment(autoescape=False).get_template(template).module
+    paragraphs = re.split(r"\n\s*\n", getattr(module, macro)(*values))
+    lines = [re.sub(r" *\n *([,;.]?)", lambda gap: gap[1] or " ", each.strip()) for each in paragraphs]
+    return [line for line in lines if line]
+
+
+@cache
+def _environment(*, autoescape: bool) -> Environment:
+    """Templates, each compiled once, with the filters that turn values into words."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
+        autoescape=autoescape,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
-    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return environment.get_template(template).render(css=style, **values)
+    environment.globals |= {"AIR": limits.AIR, "inf": math.inf, "remarks": remarks}
+    return environment
 
 
 def script(name: str) -> str:

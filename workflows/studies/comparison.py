@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from workflows import formatting
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed, significant, whole
 from workflows.io import provenance, serialise
-from workflows.io.files import as_json, as_table, campbell, finite, write_study
+from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.page import from_template
@@ -29,7 +29,7 @@ class Comparison:
     """Runs side by side.
 
     Attributes:
-        names: what each is called, no two alike.
+        names: of each, all different.
         results: of each.
     """
 
@@ -66,26 +66,24 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    known = [each if isinstance(each, Results) or _is_folder(each) else as_scene_file(each) for each in runs]  # before any run
-    results = [_of(each, stages) for each in known]
-    titles = [_name(run, each) for run, each in zip(runs, results, strict=True)]
+    for each in runs:
+        if not isinstance(each, Results) and not _is_folder(each):
+            as_scene_file(each)  # a mistake in a later scene is found before the first is run
+    titles, results = zip(*(_of(each, stages) for each in runs), strict=True)
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
-    return Comparison(tuple(names), tuple(results))
-
-
-def _of(run: SceneLike | Results, stages: Stages | None) -> Results:
-    if isinstance(run, Results):
-        return run
-    return serialise.read(run) if isinstance(run, str | PathLike) and _is_folder(run) else solved(run, stages)
+    return Comparison(tuple(names), results)
 
 
 def _is_folder(run: SceneLike) -> bool:
     return isinstance(run, str | PathLike) and Path(run).is_dir()
 
 
-def _name(run: SceneLike | Results, results: Results) -> str:
-    """What a run is called: a folder or file by its name, anything else by its title."""
-    return Path(fspath(run)).stem if isinstance(run, str | PathLike) else results.scene.title
+def _of(run: SceneLike | Results, stages: Stages | None) -> tuple[str, Results]:
+    """A run by the name of its folder or file, anything else by its title."""
+    if isinstance(run, str | PathLike):
+        return Path(run).stem, serialise.read(run) if Path(run).is_dir() else solved(run, stages)
+    results = run if isinstance(run, Results) else solved(run, stages)
+    return results.scene.title, results
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -104,6 +102,8 @@ _QUANTITIES = {
     "at_amplitude_mm": "at mm",
 }
 """What is put side by side at each speed: its key, and the head of its column."""
+
+_HEADS = ("rpm", "run", *_QUANTITIES.values())
 
 
 def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | None]:
@@ -136,13 +136,11 @@ def headline(results: Results) -> str:
 
 def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
-    lines = []
-    for name, results in zip(comparison.names, comparison.results, strict=True):
-        lines += [f"{name}: {headline(results)}", ""]
-    differences = [(key, *(_value(value) for value in values)) for key, values in comparison.differences.items()]
+    runs = zip(comparison.names, comparison.results, strict=True)
+    lines = [line for name, results in runs for line in (f"{name}: {headline(results)}", "")]
+    differences = [(key, *map(_value, values)) for key, values in comparison.differences.items()]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
-    heads = ("rpm", "run", *_QUANTITIES.values())
-    return "\n".join([*lines, "", *aligned([heads, *map(_cells, rows(comparison))])])
+    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))])])
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -165,6 +163,9 @@ def _value(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
+NAME = "compare"
+
+
 def document(comparison: Comparison) -> dict[str, Any]:
     """The machine-readable result."""
     return {
@@ -176,11 +177,6 @@ def document(comparison: Comparison) -> dict[str, Any]:
         "differences": {key: list(values) for key, values in comparison.differences.items()},
         "rows": rows(comparison),
     }
-
-
-def dumps(comparison: Comparison) -> str:
-    """The machine-readable result."""
-    return as_json(document(comparison))
 
 
 @plots.style()
@@ -202,32 +198,26 @@ def draw(comparison: Comparison) -> str:
     return plots.svg(figure, "compare", "Natural frequencies and damping ratios of the runs over speed")
 
 
-def write(comparison: Comparison, out: Path) -> None:
-    """Write `compare.json`, `compare.csv`, `compare.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(comparison: Comparison) -> dict[str, str | bytes]:
+    """The files beside `compare.json`."""
     figure = draw(comparison)
     runs = [
         {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
         for name, results in zip(comparison.names, comparison.results, strict=True)
     ]
-    differences = [(key, [_value(value) for value in values]) for key, values in comparison.differences.items()]
+    differences = [(key, [*map(_value, values)]) for key, values in comparison.differences.items()]
     page = from_template(
         "compare.html.j2",
         result=comparison,
         runs=runs,
         differences=differences,
-        heads=("rpm", "run", *_QUANTITIES.values()),
+        heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],
         figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )
-    contents = {
-        "compare.json": dumps(comparison) + "\n",
+    return {
         "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(comparison)),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }
-    write_study(out, contents)

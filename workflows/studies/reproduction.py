@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,6 @@ from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene import load as scene_file
 from workflows.scene import plate_mesh
-from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
@@ -42,15 +42,14 @@ RELEASE = (20e-3, 5e-3)
 TEXTS: dict[str, Any] = tomllib.loads(
     (Path(__file__).parents[1] / "templates" / "paper.toml").read_text(encoding="utf-8")
 )
-"""Statements, slips and assumptions in words."""
+"""Statements, errors and assumptions of the paper in words."""
 
 
 @dataclass(frozen=True, eq=False)
-class DampingCurve:
+class CapacityCurve:
     """One curve of a figure: a value per vibration cycle, from the release to rest.
 
-    `amplitude_g` is the paper's Gamma, `ball` the capacity beyond the structure's own, `sdc` all of it,
-    `clearance_g` the paper's dimensionless clearance Delta_x.
+    `amplitude_g` is the paper's Gamma, `ball` the capacity beyond the structure's own, `sdc` all of it.
     """
 
     label: str
@@ -58,11 +57,10 @@ class DampingCurve:
     sdc: Floats
     ball: Floats
     cutoff_g: float | None
-    clearance_g: float
 
 
 @dataclass(frozen=True, eq=False)
-class Simulated:
+class PaperRun:
     """The paper's scene, its structure at the seven speeds, and the ring-downs there in both formulations."""
 
     scene: Scene
@@ -90,16 +88,15 @@ class Simulated:
             changes["ball_mass"] = mass_ratio * point.reduced.M2
         return replace(particle_damper(scene, self.effects, point), **changes)
 
-    def curve(self, label: str, system: damper.ParticleDamper, release: tuple[float, float] = RELEASE) -> DampingCurve:
+    def curve(self, label: str, system: damper.ParticleDamper, release: tuple[float, float] = RELEASE) -> CapacityCurve:
         """Ring a damper down to rest, cycle by cycle."""
         cycles = damper.capacity(damper.ringdown(system, release, max_cycles=20_000))
-        clearance = system.stuck_frequency**2 * 2 * system.half_gap[0] / self.gravity
         cutoff = None if cycles.cutoff is None else cycles.cutoff / self.gravity
         ball = cycles.sdc - cycles.intrinsic_sdc
-        return DampingCurve(label, cycles.amplitude / self.gravity, cycles.sdc, ball, cutoff, clearance)
+        return CapacityCurve(label, cycles.amplitude / self.gravity, cycles.sdc, ball, cutoff)
 
 
-def study(stages: Stages) -> Simulated:
+def study(stages: Stages) -> PaperRun:
     """Solve the paper's plate once and ring both formulations down at every speed."""
     source = scene_file.load("paper")
     structure = pipeline.structure(source, stages, shapes=False)
@@ -107,12 +104,9 @@ def study(stages: Stages) -> Simulated:
     for formulation in FORMULATIONS:
         scene = _with(source.scene, formulation=formulation)
         points[formulation] = simulate(scene, structure.effects, structure.points, stages, SHOWN)
-    rest = pipeline.structure(_at_rest(source), stages, shapes=False).points[0].modes[0].frequency_hz
-    return Simulated(source.scene, structure.effects, points, rest)
-
-
-def _at_rest(source: SceneFile) -> SceneFile:
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (0.0,)}), damper=None, release=None)
+    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0,)})
+    at_rest = pipeline.structure(source.changed(rotor=rotor, damper=None, release=None), stages, shapes=False)
+    return PaperRun(source.scene, structure.effects, points, at_rest.points[0].modes[0].frequency_hz)
 
 
 def _with(scene: Scene, **changes: object) -> Scene:
@@ -120,7 +114,7 @@ def _with(scene: Scene, **changes: object) -> Scene:
     return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
 
 
-def moving(curve: DampingCurve) -> DampingCurve:
+def moving(curve: CapacityCurve) -> CapacityCurve:
     """The part of a curve in which the ball moved, the first cycle and the one of the cut-off left out."""
     level = curve.cutoff_g or 0.0
     keep = curve.amplitude_g > level * (1 + 1e-9)
@@ -128,13 +122,13 @@ def moving(curve: DampingCurve) -> DampingCurve:
     return replace(curve, amplitude_g=curve.amplitude_g[keep], sdc=curve.sdc[keep], ball=curve.ball[keep])
 
 
-def level(curve: DampingCurve) -> float:
+def level(curve: CapacityCurve) -> float:
     """Average of the ball's part while it moved [-]."""
     part = moving(curve).ball
     return float(part.mean()) if len(part) else math.nan
 
 
-Family = dict[str, list[DampingCurve]]
+Family = dict[str, list[CapacityCurve]]
 """Curves by formulation."""
 
 MASS_RATIOS = (0.003, 0.006, 0.009, 0.012)
@@ -154,36 +148,33 @@ class Sweeps:
     radius: Family
 
 
-def sweeps(study: Simulated) -> Sweeps:
+def sweeps(study: PaperRun) -> Sweeps:
     """Compute every curve."""
 
-    def family(curves: Callable[[str], Iterator[DampingCurve]]) -> Family:
-        return {formulation: list(curves(formulation)) for formulation in FORMULATIONS}
-
     def varied(label: str, values: tuple[float, ...], changes: Callable[[float], dict[str, Any]]) -> Family:
-        """A curve at 10000 rpm for each value; the label shows it scaled."""
-        return family(
-            lambda formulation: (
-                study.curve(label.format(1e3 * value, 100 * value), study.system(formulation, **changes(value)))
-                for value in values
-            )
-        )
+        """A curve at 10000 rpm for each value, from its own release; the label shows it scaled."""
+        family: Family = {formulation: [] for formulation in FORMULATIONS}
+        for formulation, curves in family.items():
+            for value in values:
+                changed = changes(value)
+                release = changed.pop("release", RELEASE)
+                system = study.system(formulation, **changed)
+                curves.append(study.curve(label.format(1e3 * value, 100 * value), system, release))
+        return family
 
-    def load(formulation: str) -> Iterator[DampingCurve]:
-        for point in study.points[formulation]:
-            d = point.damper
-            if d is not None:
-                part = d.sdc - d.intrinsic_sdc
-                yield DampingCurve(f"{point.load_g:.0f} g", d.amplitude_g, d.sdc, part, d.cutoff_g, 0.0)
-
-    def release(formulation: str) -> Iterator[DampingCurve]:
-        return (study.curve(f"{1e3 * x:g} mm", study.system(formulation), (x, x / 4)) for x in RELEASES)
-
+    load = {
+        formulation: [
+            CapacityCurve(f"{p.load_g:.0f} g", d.amplitude_g, d.sdc, d.sdc - d.intrinsic_sdc, d.cutoff_g)
+            for p in points
+            if (d := p.damper) is not None
+        ]
+        for formulation, points in study.points.items()
+    }
     return Sweeps(
-        load=family(load),
+        load=load,
         mass=varied("{1:.1f} %", MASS_RATIOS, lambda ratio: {"mass_ratio": ratio}),
         cavity=varied("{0:g} mm", CLEARANCES, lambda gap: {"mass_ratio": 0.012, "cavity": (2e-3 + gap, 2e-3 + gap)}),
-        release=family(release),
+        release=varied("{0:g} mm", RELEASES, lambda x: {"release": (x, x / 4)}),
         radius=varied("{0:g} mm", RADII, lambda radius: {"mass_ratio": 0.01, "ball_radius": radius}),
     )
 
@@ -242,10 +233,11 @@ def _claim(name: str, values: Iterable[Value], verdict: Verdict, **numbers: floa
     return Claim(name, words["source"], words["claim"], paper, printed, consistent, verdict, why)
 
 
-def of_table_two(study: Simulated) -> Iterator[Claim]:
+def of_table_two(study: PaperRun) -> Iterator[Claim]:
     """Table II: loads, frequencies, cut-offs, ratios."""
     points, n2 = study.plate, [(point.rpm / 60) ** 2 for point in study.plate]
-    loads, frequencies = [point.load_g for point in points], [_first(point) for point in points]
+    loads = [point.load_g for point in points]
+    frequencies = [next(mode.frequency_hz for mode in point.modes if mode.family == "flap") for point in points]
     exact = all(round(load) == row.load for load, row in zip(loads, TABLE_II, strict=True))
     yield _claim("T2-loads", (loads, loads), judge(exact))
     worst = 100 * max(abs(f / row.frequency - 1) for f, row in zip(frequencies, TABLE_II, strict=True))
@@ -258,14 +250,22 @@ def of_table_two(study: Simulated) -> Iterator[Claim]:
     verdict = judge(abs(own / 198 - 1) < 1e-3, partly=abs(own / 198 - 1) < 1e-2)
     yield _claim("T2-rest", (own, own), verdict, printed=sum(back) / len(back), own=own)
     yield from _cutoffs(study, loads)
-    yield _with_tilt(study)
+    # The blade itself, whose floor tilts as it bends.
+    known = [None if p.damping_curve is None else p.damping_curve.tilted_cutoff_ratio for p in points]
+    ratios = [math.nan if ratio is None else ratio for ratio in known]
+    tilted, flat = ([_in_a_cycle(p.damping_curve) for p in points], [_in_a_cycle(p.level) for p in points])
+    shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
+    shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
+    percents = {name: significant(100 * share, 2) for name, share in shares.items()}
+    yield _claim("T2-tilt", (None, ratios), judge(all(map(_near_a_tenth, ratios))), **percents)
 
 
-def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
-    printed, consistent = ([_cutoff(point) for point in study.points[f]] for f in FORMULATIONS)
-    ratios = [[c / load for c, load in zip(cut, loads, strict=True)] for cut in (printed, consistent)]
-    damping = study.plate[0].damper
-    decay = 1 / math.sqrt(1 - damping.intrinsic_sdc) if damping else 1.0
+def _cutoffs(study: PaperRun, loads: list[float]) -> Iterator[Claim]:
+    dampings = [[point.damper for point in study.points[f] if point.damper is not None] for f in FORMULATIONS]
+    cutoffs = [[math.nan if d.cutoff_g is None else d.cutoff_g for d in each] for each in dampings]
+    ratios = [[cutoff / load for cutoff, load in zip(each, loads, strict=True)] for each in cutoffs]
+    printed, consistent = cutoffs
+    decay = 1 / math.sqrt(1 - dampings[1][0].intrinsic_sdc)
     # As close to the table's as two cycles resolve.
     resolved = [abs(math.log(c / r.cutoff)) <= 2 * math.log(decay) for c, r in zip(consistent, TABLE_II, strict=True)]
     yield _claim("T2-cutoff-high", (printed[2:], consistent[2:]), judge(all(resolved[2:])), decay=decay, both=decay**2)
@@ -274,22 +274,12 @@ def _cutoffs(study: Simulated, loads: list[float]) -> Iterator[Claim]:
     yield _claim("T2-ratio", high, judge(all(map(_near_a_tenth, high[0] + high[1]))))
     rises = judge(sorted(consistent) == consistent and sorted(printed) == printed)
     yield _claim("T2-cutoff-rises", (printed[-1] / printed[0], consistent[-1] / consistent[0]), rises)
-    taken, moves = [_taken(point) for point in study.plate], all(map(_near_a_tenth, ratios[1]))
-    verdict = judge(moves and min(taken) >= SDC_RANGE[0], partly=moves)
-    most, effective = 100 * max(taken), 100 * SDC_RANGE[0]
-    yield _claim("A-effective", (min(ratios[0]), min(ratios[1])), verdict, most=most, effective=effective)
-
-
-def _with_tilt(study: Simulated) -> Claim:
-    """The cut-offs of the blade itself, whose floor tilts as it bends."""
-    points = study.plate
-    known = [None if p.damping_curve is None else p.damping_curve.tilted_cutoff_ratio for p in points]
-    ratios = [math.nan if ratio is None else ratio for ratio in known]
-    tilted, flat = ([_in_a_cycle(p.damping_curve) for p in points], [_in_a_cycle(p.level) for p in points])
-    shares = {"least": points[0].tilt_share, "most": points[-1].tilt_share}
-    shares |= {"level_low": flat[0], "level_high": flat[-1], "tilted_low": tilted[0], "tilted_high": tilted[-1]}
-    percents = {name: significant(100 * share, 2) for name, share in shares.items()}
-    return _claim("T2-tilt", (None, ratios), judge(all(map(_near_a_tenth, ratios))), **percents)
+    # Most that a cycle loses beyond what the structure's own damping takes.
+    most = [0.0 if d.peak_sdc is None else d.peak_sdc - d.intrinsic_sdc for d in dampings[1]]
+    moves = all(map(_near_a_tenth, ratios[1]))
+    verdict = judge(moves and min(most) >= SDC_RANGE[0], partly=moves)
+    percents = {"most": 100 * max(most), "effective": 100 * SDC_RANGE[0]}
+    yield _claim("A-effective", (min(ratios[0]), min(ratios[1])), verdict, **percents)
 
 
 def _in_a_cycle(figures: Figures | None) -> float:
@@ -297,28 +287,11 @@ def _in_a_cycle(figures: Figures | None) -> float:
     return 0.0 if figures is None else -math.expm1(-4 * math.pi * figures.peak)
 
 
-def _first(point: SpeedPoint) -> float:
-    return next(mode.frequency_hz for mode in point.modes if mode.family == "flap")
-
-
 def _near_a_tenth(ratio: float) -> bool:
     return 0.09 <= ratio <= 0.112
 
 
-def _taken(point: SpeedPoint) -> float:
-    """Most that a cycle loses beyond what the structure's own damping takes [-]."""
-    if point.damper is None or point.damper.peak_sdc is None:
-        return 0.0
-    return point.damper.peak_sdc - point.damper.intrinsic_sdc
-
-
-def _cutoff(point: SpeedPoint) -> float:
-    if point.damper is None or point.damper.cutoff_g is None:
-        return math.nan
-    return point.damper.cutoff_g
-
-
-def of_equations(study: Simulated) -> Iterator[Claim]:
+def of_equations(study: PaperRun) -> Iterator[Claim]:
     """Sections I and II: rolling and sliding, impacts, sticking, time steps, the measure of damping."""
     demands = [[p.damper.largest_rolling_demand or 0.0 for p in study.points[f] if p.damper] for f in FORMULATIONS]
     friction = study.scene.damper.friction if study.scene.damper else 0.0
@@ -338,18 +311,17 @@ def of_equations(study: Simulated) -> Iterator[Claim]:
     gains = [100 * gain(study.system(formulation, damping_ratio=0.0)) for formulation in FORMULATIONS]
     yield _claim("S2-energy", gains, judge(max(gains) < 0, partly=gains[1] < 0))
     base = study.system("consistent", damping_ratio=0.0)
-    change = gain(replace(base, floor_friction=base.friction), loss=True) / gain(base, loss=True) - 1
+    change = gain(replace(base, floor_friction=base.friction)) / gain(base) - 1
     yield _claim("S2-rotation", (None, change), judge(abs(change) <= 0.01))
 
 
-def gain(system: damper.ParticleDamper, *, loss: bool = False) -> float:
-    """Energy after 20 cycles over that at the release, less one; or the loss, one less it."""
+def gain(system: damper.ParticleDamper) -> float:
+    """Energy after 20 cycles over that at the release, less one."""
     energy = damper.ringdown(system, RELEASE, _CYCLES).energy
-    ratio = energy.final / energy.initial
-    return 1 - ratio if loss else ratio - 1
+    return energy.final / energy.initial - 1
 
 
-def _threshold(study: Simulated, formulation: str) -> float:
+def _threshold(study: PaperRun, formulation: str) -> float:
     """Acceleration at which the ball sets off over the load; NaN where it does not, or sets off below."""
     system = study.system(formulation, damping_ratio=0.0)
     square = system.stuck_frequency**2
@@ -359,7 +331,7 @@ def _threshold(study: Simulated, formulation: str) -> float:
     return amplitude * square / system.centrifugal_acceleration if still and moves else math.nan
 
 
-def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]:
+def _hits(study: PaperRun, formulation: str) -> tuple[float, float, float, int]:
     """Over single oblique hits: worst momentum, restitution farthest from e, least loss, hits at the cap."""
     base = study.system(formulation, centrifugal_acceleration=0.0, damping_ratio=0.0, stiffness=(1e-9, 1e-9))
     m2, ball, gap = base.modal_mass, base.ball_mass, base.half_gap[0]
@@ -382,7 +354,7 @@ def _hits(study: Simulated, formulation: str) -> tuple[float, float, float, int]
     return worst, farthest, least, capped
 
 
-def _sticking(study: Simulated) -> Claim:
+def _sticking(study: PaperRun) -> Claim:
     changes, fewer = [], []
     for formulation in FORMULATIONS:
         systems = [study.system(formulation, sticking_ratio=epsilon) for epsilon in (1e-2, 1e-6)]
@@ -395,7 +367,7 @@ def _sticking(study: Simulated) -> Claim:
     return _claim("S2-epsilon", changes, verdict, saved=100 * fewer[1])
 
 
-def _steps(study: Simulated) -> Claim:
+def _steps(study: PaperRun) -> Claim:
     systems = [study.system(formulation, damping_ratio=0.0) for formulation in FORMULATIONS]
     exact = [float(damper.capacity(damper.ringdown(system, RELEASE, _CYCLES)).sdc.mean()) for system in systems]
     stepped = [float(damper.stepped_ringdown(system, RELEASE, _CYCLES, 40).sdc.mean()) for system in systems]
@@ -404,57 +376,44 @@ def _steps(study: Simulated) -> Claim:
     return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
 
 
-def of_figures(study: Simulated, sweeps: Sweeps) -> Iterator[Claim]:
+def of_figures(study: PaperRun, sweeps: Sweeps) -> Iterator[Claim]:
     """Section III, figures 2 to 7: the ball over load, mass, cavity, release and radius."""
-    yield _decay(study)
-    yield from _over_load(sweeps.load)
+    dampings = [study.points[f][SHOWN].damper for f in FORMULATIONS]
+    ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
+    peaks = np.zeros(1) if dampings[1] is None else dampings[1].peak_velocity
+    decays = bool((peaks[:100] < peaks[0] / math.e).any())
+    yield _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
+
+    tops, levels = _peaks(sweeps.load), _levels(sweeps.load)
+    curve = sweeps.load["consistent"][0]
+    own = 100 * float(curve.sdc[-1] - curve.ball[-1])
+    yield _claim("F3-level", tops, judge(min(tops[1]) >= 14), own=own)
+    drop = [values[0] - values[-1] for values in levels]
+    falls = all(a > b for a, b in pairwise(levels[1]))
+    yield _claim("F3-trend", drop, judge(falls and drop[1] > 1, partly=falls))
+    after = [max(abs(float(c.ball[-1])) for c in sweeps.load[f]) for f in FORMULATIONS]
+    yield _claim("F3-stops", after, judge(max(after) < 1e-9))
+
     levels = _levels(sweeps.mass)
-    fits = [_linearity(MASS_RATIOS, values) for values in levels]
+    fits = [float(np.corrcoef(MASS_RATIOS, values)[0, 1]) ** 2 for values in levels]  # R² of the best line
     yield _claim("F4-linear", fits, judge(fits[1] > 0.99, partly=fits[1] > 0.9))
     growth = [values[-1] / values[0] for values in levels]
     yield _claim("F4-rises", growth, judge(growth[1] > 1))
-    yield from _over_cavity(sweeps.cavity)
-    spread, own = _overlaps(sweeps.release, total=True), _overlaps(sweeps.release, total=False)
-    yield _claim("F6-weak", (100 * spread[0], 100 * spread[1]), judge(0 < spread[1] < 0.05), own=100 * own[1])
-    ratios = [values[-1] / values[0] for values in _levels(sweeps.radius)]
-    yield _claim("F7-radius", ratios, judge(0.8 < ratios[1] < 1.25))
-    yield _claim("A-experiments", (None, None), Verdict.UNTESTABLE)
 
-
-def _decay(study: Simulated) -> Claim:
-    dampings = [study.points[f][SHOWN].damper for f in FORMULATIONS]
-    ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
-    decays = dampings[1] is not None and _cycles_to_decay(dampings[1].peak_velocity) < 100
-    return _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
-
-
-def _over_load(family: Family) -> Iterator[Claim]:
-    peaks, levels = _peaks(family), _levels(family)
-    curve = family["consistent"][0]
-    own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    yield _claim("F3-level", peaks, judge(min(peaks[1]) >= 14), own=own)
-    drop = [values[0] - values[-1] for values in levels]
-    falls = all(a > b for a, b in zip(levels[1], levels[1][1:], strict=False))
-    yield _claim("F3-trend", drop, judge(falls and drop[1] > 1, partly=falls))
-    after = [max(abs(float(c.ball[-1])) for c in family[f]) for f in FORMULATIONS]
-    yield _claim("F3-stops", after, judge(max(after) < 1e-9))
-
-
-def _over_cavity(family: Family) -> Iterator[Claim]:
-    levels = _levels(family)
-    changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(family)))
+    levels = _levels(sweeps.cavity)
+    changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(sweeps.cavity)))
     verdict = judge(abs(changes[1]) <= 5, partly=abs(totals[1]) <= 5)
     yield _claim("F5-weak", changes, verdict, total=totals[1])
     yield _claim("F5-sense", (v[0] / v[-1] for v in levels), judge(levels[1][0] >= levels[1][-1]))
-    spread = _overlaps(family, total=True)
+    spread = _overlaps(sweeps.cavity, total=True)
     verdict = judge(spread[1] < 0.02, partly=spread[1] < 0.1)
     yield _claim("F5-overlap", (100 * spread[0], 100 * spread[1]), verdict)
 
-
-def _cycles_to_decay(peaks: Floats) -> float:
-    """After how many cycles the velocity has fallen to 1/e; infinite where the run ends before."""
-    fallen = np.flatnonzero(peaks < peaks[0] / math.e)
-    return float(fallen[0]) if len(fallen) else math.inf
+    spread, ball = _overlaps(sweeps.release, total=True), _overlaps(sweeps.release, total=False)
+    yield _claim("F6-weak", (100 * spread[0], 100 * spread[1]), judge(0 < spread[1] < 0.05), own=100 * ball[1])
+    ratios = [values[-1] / values[0] for values in _levels(sweeps.radius)]
+    yield _claim("F7-radius", ratios, judge(0.8 < ratios[1] < 1.25))
+    yield _claim("A-experiments", (None, None), Verdict.UNTESTABLE)
 
 
 def _peaks(family: Family) -> list[list[float]]:
@@ -465,28 +424,21 @@ def _levels(family: Family) -> list[list[float]]:
     return [[100 * level(c) for c in family[f]] for f in FORMULATIONS]
 
 
-def _linearity(x: tuple[float, ...], y: list[float]) -> float:
-    """R² of the best line."""
-    r = np.corrcoef(x, y)[0, 1]
-    return float(r * r)
-
-
 def _overlaps(family: Family, *, total: bool) -> list[float]:
-    return [_overlap(family[formulation], total=total) for formulation in FORMULATIONS]
-
-
-def _overlap(curves: list[DampingCurve], *, total: bool) -> float:
     """Mean over amplitudes that all curves reach of their spread over their mean, interpolated."""
-    parts = [moving(curve) for curve in curves]
-    low = max(float(part.amplitude_g.min()) for part in parts)
-    high = min(float(part.amplitude_g.max()) for part in parts)
-    amplitudes = np.linspace(low, high, 50)
-    values = np.array([np.interp(amplitudes, p.amplitude_g[::-1], (p.sdc if total else p.ball)[::-1]) for p in parts])
-    return float(np.mean(np.ptp(values, axis=0) / np.abs(values.mean(axis=0))))
+    overlaps = []
+    for formulation in FORMULATIONS:
+        parts = [moving(curve) for curve in family[formulation]]
+        low = max(float(part.amplitude_g.min()) for part in parts)
+        high = min(float(part.amplitude_g.max()) for part in parts)
+        at = np.linspace(low, high, 50)
+        values = np.array([np.interp(at, p.amplitude_g[::-1], (p.sdc if total else p.ball)[::-1]) for p in parts])
+        overlaps.append(float(np.mean(np.ptp(values, axis=0) / np.abs(values.mean(axis=0)))))
+    return overlaps
 
 
 @dataclass(frozen=True)
-class Slip:
+class PaperError:
     """What is wrong, the number that shows it, and what that number is."""
 
     where: str
@@ -496,8 +448,8 @@ class Slip:
     meaning: str
 
 
-def slips(study: Simulated) -> tuple[Slip, ...]:
-    """The slips, in the order of the paper."""
+def paper_errors(study: PaperRun) -> tuple[PaperError, ...]:
+    """Errors in the paper, in its order."""
     printed, consistent = study.system("printed"), study.system("consistent")
     undamped = study.system("printed", damping_ratio=0.0)
     lossless = replace(undamped, rolling_friction=0.0, friction=0.0, restitution=1.0, sticking_ratio=0.0)
@@ -512,7 +464,7 @@ def slips(study: Simulated) -> tuple[Slip, ...]:
         damper.ball_density(consistent, 1) / OSMIUM,
         100 * shown.tilt_share,
     )
-    return tuple(Slip(value=value, **words) for value, words in zip(values, TEXTS["slips"], strict=True))
+    return tuple(PaperError(value=value, **words) for value, words in zip(values, TEXTS["slips"], strict=True))
 
 
 _STEPS = 40
@@ -526,12 +478,9 @@ class Assumption:
     text: str
 
 
-ZETA, MASS, STEPS, SIGN, AMPLITUDE = (Assumption(name, text) for name, text in TEXTS["closure"].items())
-
-
 @dataclass(frozen=True)
 class Closure:
-    """A line of the table: damping by everything in % of the energy a cycle, or None where it cannot be had."""
+    """A line of the table: damping by everything in % of the energy a cycle, or None where it is not defined."""
 
     assumptions: tuple[Assumption, ...]
     printed: float
@@ -539,48 +488,32 @@ class Closure:
     work_bound: float
 
 
-CASES: tuple[tuple[Assumption, ...], ...] = (
-    (),
-    (ZETA,),
-    (MASS,),
-    (STEPS,),
-    (STEPS, SIGN),
-    (AMPLITUDE,),
-    (MASS, STEPS),
-    (MASS, STEPS, SIGN),
-    (ZETA, STEPS),
-    (ZETA, MASS),
-    (ZETA, MASS, STEPS),
-    (ZETA, MASS, STEPS, SIGN, AMPLITUDE),
-)
-
-
-def closure(study: Simulated) -> tuple[Closure, ...]:
+def closure(study: PaperRun) -> tuple[Closure, ...]:
     """Damping at 21932 g and 20 mm, averaged over 20 cycles or those before rest, for every case."""
     table = []
-    for case in CASES:
-        printed, consistent = (_velocity(_system(study, formulation, case), case) for formulation in FORMULATIONS)
-        bound = _bound(_system(study, "consistent", case), consistent)
-        table.append(Closure(case, _damping(printed, case), _damping(consistent, case), bound))
+    for case in TEXTS["cases"]["closure"]:
+        systems = [_system(study, formulation, case) for formulation in FORMULATIONS]
+        printed, consistent = (_velocity(system, case) for system in systems)
+        speeds = _speeds(consistent)[:-1] / systems[1].stuck_frequency
+        bound = 100 * float(np.mean([damper.work_bound(systems[1], amplitude) for amplitude in speeds]))
+        assumptions = tuple(Assumption(name, TEXTS["closure"][name]) for name in case)
+        table.append(Closure(assumptions, _damping(printed, case), _damping(consistent, case), bound))
     return tuple(table)
 
 
-def _system(study: Simulated, formulation: str, case: tuple[Assumption, ...]) -> damper.ParticleDamper:
-    system = study.system(formulation, damping_ratio=0.01 if ZETA in case else 0.0)
-    if MASS in case:
-        scene, m2 = study.scene, system.modal_mass
-        plate, material = scene.plate, scene.material
-        assert plate is not None
-        assert material is not None
+def _system(study: PaperRun, formulation: str, case: list[str]) -> damper.ParticleDamper:
+    system = study.system(formulation, damping_ratio=0.01 if "ζ" in case else 0.0)
+    plate, material = study.scene.plate, study.scene.material
+    if "mass" in case and plate is not None and material is not None:
         whole = material.density * plate_mesh.volume(plate)[0]
-        system = replace(system, ball_mass=system.ball_mass * whole / m2)
+        system = replace(system, ball_mass=system.ball_mass * whole / system.modal_mass)
     return system
 
 
-def _velocity(system: damper.ParticleDamper, case: tuple[Assumption, ...]) -> Floats:
+def _velocity(system: damper.ParticleDamper, case: list[str]) -> Floats:
     """The structure's velocity along both axes, shape (cycles, times, 2) [m/s]."""
-    if STEPS in case:
-        run = damper.stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure=SIGN in case)
+    if "steps" in case:
+        run = damper.stepped_ringdown(system, RELEASE, _CYCLES, _STEPS, friction_opposes_structure="sign" in case)
         return run.velocity[1:].reshape(_CYCLES, _STEPS, 2)
     exact = damper.ringdown(system, RELEASE, _CYCLES, keep_events=True)
     fine = 100 * _STEPS
@@ -588,32 +521,24 @@ def _velocity(system: damper.ParticleDamper, case: tuple[Assumption, ...]) -> Fl
     return damper.sample(exact, times).velocity.reshape(_CYCLES, fine, 2)
 
 
-def _damping(velocity: Floats, case: tuple[Assumption, ...]) -> float:
+def _damping(velocity: Floats, case: list[str]) -> float:
     """Mean over the cycles of 1 - (V next / V)^2, in %."""
-    peaks = np.abs(velocity[:, :, 0]).max(axis=1) if AMPLITUDE in case else _speeds(velocity)
+    peaks = np.abs(velocity[:, :, 0]).max(axis=1) if "component" in case else _speeds(velocity)
     return 100 * float(np.mean(1 - (peaks[1:] / peaks[:-1]) ** 2))
-
-
-def _bound(system: damper.ParticleDamper, velocity: Floats) -> float:
-    """Mean over the same cycles of the most that the ball can take, in %."""
-    return 100 * float(np.mean([damper.work_bound(system, v / system.stuck_frequency) for v in _speeds(velocity)[:-1]]))
 
 
 def _speeds(velocity: Floats) -> Floats:
     return np.asarray(np.hypot(velocity[:, :, 0], velocity[:, :, 1]).max(axis=1))
 
 
-_PUBLISHED = ("claims", "slips", "closure")
-
-
 @dataclass(frozen=True, eq=False)
 class Reproduction:
     """Everything the report shows."""
 
-    study: Simulated
+    study: PaperRun
     sweeps: Sweeps
     claims: tuple[Claim, ...]
-    slips: tuple[Slip, ...]
+    slips: tuple[PaperError, ...]
     closure: tuple[Closure, ...]
 
     @property
@@ -627,7 +552,7 @@ class Reproduction:
         return {
             "schema_version": 1,
             "versions": versions(),
-            **json.loads(to_json({name: getattr(self, name) for name in _PUBLISHED}, inf_nan_mode="null")),
+            **json.loads(to_json({n: getattr(self, n) for n in ("claims", "slips", "closure")}, inf_nan_mode="null")),
             "assumptions": TEXTS["assumptions"],
         }
 
@@ -639,4 +564,4 @@ def reproduce(stages: Stages | None = None) -> Reproduction:
     with stages("damper"):
         curves = sweeps(simulated)
         claims = (*of_table_two(simulated), *of_equations(simulated), *of_figures(simulated, curves))
-        return Reproduction(simulated, curves, claims, slips(simulated), closure(simulated))
+        return Reproduction(simulated, curves, claims, paper_errors(simulated), closure(simulated))

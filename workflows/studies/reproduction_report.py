@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterable
 
 from workflows import formatting
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
@@ -15,27 +14,18 @@ from workflows.studies.reproduction import (
     FORMULATIONS,
     SHOWN,
     TEXTS,
-    DampingCurve,
     Family,
     Reproduction,
     Value,
 )
+from workflows.studies.sweep.report import Picture
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the page: the paper's number, what it shows, and the picture as SVG."""
-
-    number: int
-    caption: str
-    svg: str
+NAME = "reproduce"
+document = Reproduction.document
 
 
 @plots.style()
-def draw(reproduction: Reproduction) -> list[Figure]:
+def draw(reproduction: Reproduction) -> list[Picture]:
     """All six."""
     families = reproduction.sweeps
     capacity = {
@@ -45,10 +35,9 @@ def draw(reproduction: Reproduction) -> list[Figure]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    velocity = Figure(2, "Velocity over time at 10000 rpm.", _velocity(reproduction))
-    return [velocity] + [
-        Figure(number, caption, _capacity(family, number)) for number, (caption, family) in capacity.items()
-    ]
+    drawn = {2: ("Velocity over time at 10000 rpm.", _velocity(reproduction))}
+    drawn |= {number: (caption, _capacity(family, number)) for number, (caption, family) in capacity.items()}
+    return [Picture(svg, f"As Fig. {number} of the paper. {caption}") for number, (caption, svg) in drawn.items()]
 
 
 def _velocity(reproduction: Reproduction) -> str:
@@ -79,7 +68,10 @@ def _capacity(family: Family, number: int) -> str:
     for axes, formulation in zip(panels, FORMULATIONS, strict=True):
         for curve, colour in zip(family[formulation], plots.shades(len(family[formulation])), strict=True):
             axes.plot(curve.amplitude_g, 100 * curve.sdc, color=colour, marker="o", ms=2.2, lw=1.1, label=curve.label)
-        _guides(axes, family[formulation][0], number)
+        curve = family[formulation][0]
+        axes.axhline(100 * float(curve.sdc[-1] - curve.ball[-1]), color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+        if number == 3:
+            axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
         axes.set(title=formulation, ylim=(low - margin, high + margin), xlabel="amplitude Γ, g")
         if number == 3:
             axes.set_xscale("log")
@@ -88,40 +80,25 @@ def _capacity(family: Family, number: int) -> str:
     return plots.svg(figure, f"fig{number}", f"Specific damping capacity over amplitude, as in Fig. {number}")
 
 
-def _guides(axes: Axes, curve: DampingCurve, number: int) -> None:
-    own = 100 * float(curve.sdc[-1] - curve.ball[-1])
-    axes.axhline(own, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
-    if number == 3:
-        axes.axhspan(100 * SDC_RANGE[0], 100 * SDC_RANGE[1], color=plots.RULE, lw=0)
-
-
-def write(reproduction: Reproduction, out: Path) -> None:
-    """Write `reproduce.json`, `reproduce.csv`, `closure.csv` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(reproduction: Reproduction) -> dict[str, str | bytes]:
+    """The files beside `reproduce.json`."""
     document = reproduction.document()
     claims = document["claims"]
-    lines = [line | {"assumptions": _names(line["assumptions"])} for line in document["closure"]]
-    contents = {
-        "reproduce.json": dumps(reproduction) + "\n",
+    lines = [
+        line | {"assumptions": _joined(each["name"] for each in line["assumptions"])} for line in document["closure"]
+    ]
+    return {
         "reproduce.csv": as_table(claims[0], claims),
         "closure.csv": as_table(lines[0], lines),
         "report.html": render(reproduction),
     }
-    write_study(out, contents)
 
 
 def text(reproduction: Reproduction) -> str:
     """The verdicts, a line each, and how many there are of which."""
     lines = [f"{claim.verdict:<15} {claim.id:<16} {claim.claim}" for claim in reproduction.claims]
-    return "\n".join([*lines, "", ", ".join(f"{count} {verdict}" for verdict, count in reproduction.count.items())])
-
-
-def dumps(reproduction: Reproduction) -> str:
-    """The machine-readable result."""
-    return as_json(reproduction.document())
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in reproduction.count.items())
+    return "\n".join([*lines, "", counts])
 
 
 def render(reproduction: Reproduction) -> str:
@@ -132,7 +109,7 @@ def render(reproduction: Reproduction) -> str:
         value=value,
         result=reproduction,
         figures=draw(reproduction),
-        closure=[(_names([vars(a) for a in line.assumptions], "text"), line) for line in reproduction.closure],
+        closure=[(_joined(each.text for each in line.assumptions), line) for line in reproduction.closure],
         assumptions=TEXTS["assumptions"],
         low=14.0,
     )
@@ -148,16 +125,11 @@ def value(number: Value) -> str:
         return ", ".join(value(item) for item in number)
     size = abs(number)
     if size >= 1000:
-        return _unbroken(formatting.fixed(number))
+        return re.sub(r"[ \N{THIN SPACE}]", "\N{NARROW NO-BREAK SPACE}", formatting.fixed(number))
     if size >= 100:
         return formatting.fixed(number, 1)
     return f"{number:.1e}" if 0 < size < 1e-3 else formatting.significant(number)
 
 
-def _unbroken(text: str) -> str:
-    """Keep the groups of a number on one line."""
-    return text.replace(" ", "\N{NARROW NO-BREAK SPACE}").replace("\N{THIN SPACE}", "\N{NARROW NO-BREAK SPACE}")
-
-
-def _names(assumptions: list[dict[str, Any]], key: str = "name") -> str:
-    return " + ".join(str(item[key]) for item in assumptions) or "none"
+def _joined(assumptions: Iterable[str]) -> str:
+    return " + ".join(assumptions) or "none"

@@ -25,14 +25,14 @@ from workflows.solve.structure import StructureSolver
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Through:
+class Passage:
     """Steady states through a crossing: s speeds, f forces, from each start.
 
     Attributes:
         crossing: where; axis: along which of the damper's axes the amplitude is.
         omega: (s,) [rad/s]; forces: (f,).
         states: of the damper, s * f points, the speeds one after the other.
-        short: amplitude by the short way that is nearest to the mean, (s, f, starts) [m]; nan where it is not.
+        estimate: amplitude by free vibration, the one nearest to the mean, (s, f, starts) [m]; nan where it is not.
         least_force: from which on the ball cannot stay at rest, in the unit of the forces.
         figures: the damper's own, at the crossing.
     """
@@ -42,7 +42,7 @@ class Through:
     omega: Floats
     forces: tuple[float, ...]
     states: damper.Forced
-    short: Floats
+    estimate: Floats
     least_force: float
     figures: damper.DampingCurve
 
@@ -56,21 +56,21 @@ class Response:
     """All that a forced response found.
 
     Attributes:
-        results: the structure over the whole range of speeds, as of a run, with the short way's answer.
-        passed: crossings that were followed; idle: the others, each with the reason.
-        asked: levels that the scene names; the others are where the ball does most, by the short way.
+        results: the structure over the whole range of speeds, as of a run, with the estimates by free vibration.
+        passages: crossings that were followed; not_followed: the others, each with the reason.
+        requested_levels: those of the scene; the others are where the ball does most, by free vibration.
     """
 
     results: Results
     excitation: Excitation
-    passed: tuple[Through, ...]
-    idle: tuple[tuple[Crossing, str], ...]
-    asked: tuple[float, ...]
+    passages: tuple[Passage, ...]
+    not_followed: tuple[tuple[Crossing, str], ...]
+    requested_levels: tuple[float, ...]
 
 
-def peak(through: Through, force: int) -> tuple[int, int]:
+def peak(passage: Passage, force: int) -> tuple[int, int]:
     """Speed and start at which the mean amplitude under a force is largest, whatever the start."""
-    means = np.nan_to_num(through.shaped(through.states.mean)[:, force])  # nan where a ball has no end of hits
+    means = np.nan_to_num(passage.shaped(passage.states.mean)[:, force])  # nan where a ball has no end of hits
     speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
     return int(speed), int(start)
 
@@ -84,10 +84,10 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
         stress_without, stress_with: at the root [Pa], None where it is not known.
-        short, difference: amplitude by the short way, and over the mean less 1; None where it does not speak of this.
+        estimate, difference: amplitude by free vibration, and over the mean less 1; None where that does not apply.
     """
 
-    through: Through
+    passage: Passage
     force: float
     rpm: float
     frequency: float
@@ -102,7 +102,7 @@ class Row:
     hits_per_cycle: float
     power_in: float
     power_lost: float
-    short: float | None
+    estimate: float | None
     stress_without: float | None
     stress_with: float | None
 
@@ -113,39 +113,40 @@ class Row:
 
     @property
     def difference(self) -> float | None:
-        """The short way's amplitude over the true one, less 1."""
-        return None if self.short is None else self.short / self.mean - 1
+        """The estimated amplitude over the true one, less 1."""
+        return None if self.estimate is None else self.estimate / self.mean - 1
 
 
-def rows(result: Response, only: Through | None = None) -> list[Row]:
+def rows(result: Response, only: Passage | None = None) -> list[Row]:
     """All crossings under all forces, or one of them."""
-    passed = result.passed if only is None else (only,)
-    return [_row(result, through, k) for through in passed for k in range(len(through.forces))]
+    passages = result.passages if only is None else (only,)
+    return [_row(result, passage, k) for passage in passages for k in range(len(passage.forces))]
 
 
-def _row(result: Response, through: Through, force: int) -> Row:
-    speed, start = peak(through, force)
-    states = through.states
+_OF_A_ROW = ("least", "mean", "rms", "greatest", "error", "hits_per_cycle", "power_in", "power_lost")
+"""Fields of a row that steady states have by the same names."""
+
+
+def _row(result: Response, passage: Passage, force: int) -> Row:
+    speed, start = peak(passage, force)
+    states = passage.states
 
     def at(name: str) -> float:
-        return float(through.shaped(getattr(states, name))[speed, force, start])
+        return float(passage.shaped(getattr(states, name))[speed, force, start])
 
-    without = float(np.abs(through.shaped(states.without))[:, force].max())
-    short = float(through.short[speed, force, start])
-    stress = excitation.root_stress(result.results, through.crossing)
+    without = float(np.abs(passage.shaped(states.without))[:, force].max())
+    estimate = float(passage.estimate[speed, force, start])
+    stress = excitation.root_stress(result.results, passage.crossing)
     return Row(
-        through=through,
-        force=through.forces[force],
-        rpm=in_rpm(float(through.omega[speed])),
-        frequency=through.crossing.order * float(through.omega[speed]) / (2 * np.pi),
+        passage=passage,
+        force=passage.forces[force],
+        rpm=in_rpm(float(passage.omega[speed])),
+        frequency=passage.crossing.order * float(passage.omega[speed]) / (2 * np.pi),
         without=without,
-        **{name: at(name) for name in ("least", "mean", "rms", "greatest", "error")},
-        smallest=float(through.shaped(states.mean)[speed, force].min()),
-        regime=str(through.shaped(states.regime)[speed, force, start]),
-        hits_per_cycle=at("hits_per_cycle"),
-        power_in=at("power_in"),
-        power_lost=at("power_lost"),
-        short=short if np.isfinite(short) else None,
+        **{name: at(name) for name in _OF_A_ROW},
+        smallest=float(passage.shaped(states.mean)[speed, force].min()),
+        regime=str(passage.shaped(states.regime)[speed, force, start]),
+        estimate=estimate if np.isfinite(estimate) else None,
         stress_without=None if stress is None else stress * without,
         stress_with=None if stress is None else stress * at("greatest"),
     )
@@ -153,8 +154,8 @@ def _row(result: Response, through: Through, force: int) -> Row:
 
 def is_beyond(result: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
-    limit = excitation.endured(result.results, row.through.crossing)
-    torn = (limits.root_stress(result.results, row.through.crossing.omega) or 0.0) > limits.STRONGEST
+    limit = excitation.endured(result.results, row.passage.crossing)
+    torn = (limits.root_stress(result.results, row.passage.crossing.omega) or 0.0) > limits.STRONGEST
     return torn or (limit is not None and row.greatest > limit)
 
 
@@ -179,7 +180,7 @@ def band(crossing: Crossing, zeta: float, shift: float, speeds: tuple[float, flo
     return max(crossing.omega - half, low), min(crossing.omega + half, high)
 
 
-def gathered(middle: float, low: float, high: float, count: int) -> Floats:
+def resonance_speeds(middle: float, low: float, high: float, count: int) -> Floats:
     """Speeds through a band [rad/s], closer to each other towards its middle."""
     x = np.linspace(-1.0, 1.0, count)
     bent = np.sinh(_BENT * x) / math.sinh(_BENT)
@@ -222,18 +223,18 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         with during(_where(crossing)):
             reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, forcing))
     followed = with_best_levels(forcing, reductions)
-    passed, idle = [], []
+    passages, not_followed = [], []
     for crossing in met:
         with during(_where(crossing)):
-            passage = _through(solver, at[crossing.omega], crossing, followed)
+            passage = _passage(solver, at[crossing.omega], crossing, followed)
         if isinstance(passage, str):
-            idle.append((crossing, passage))
+            not_followed.append((crossing, passage))
         else:
-            passed.append(passage)
-    if not passed:
+            passages.append(passage)
+    if not passages:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
-    return Response(results, followed, tuple(passed), tuple(idle), forcing.levels)
+    return Response(results, followed, tuple(passages), tuple(not_followed), forcing.levels)
 
 
 def _where(crossing: Crossing) -> str:
@@ -254,25 +255,25 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
     return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
 
 
-def _through(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation) -> Through | str:
+def _passage(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
     _, axis, leads = excitation.modes_at_crossing(at, crossing)
     omega = _speeds(solver, crossing, at)
-    dampers, harmonics = _driven(solver, crossing, forcing, omega)
-    states = _followed(solver, crossing, dampers, harmonics, axis)
+    dampers, harmonics = _excited_dampers(solver, crossing, forcing, omega)
+    states = _steady_states(solver, crossing, dampers, harmonics, axis)
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        short = _short(system, dampers, harmonics, states, speaks=leads)
-        return Through(
+        estimate = _estimated_amplitudes(system, dampers, harmonics, states, speaks=leads)
+        return Passage(
             crossing=crossing,
             axis=axis,
             omega=omega,
             forces=forcing.levels,
             states=states,
-            short=short.reshape(len(omega), len(forcing.levels), -1),
+            estimate=estimate.reshape(len(omega), len(forcing.levels), -1),
             least_force=float((levels * states.moves_from).min()),
             figures=damper_stage.figures(system),
         )
@@ -284,10 +285,10 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floa
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
-    return gathered(crossing.omega, *ends, FEW_SPEEDS if solver.solves_each_speed else SPEEDS)
+    return resonance_speeds(crossing.omega, *ends, FEW_SPEEDS if solver.solves_each_speed else SPEEDS)
 
 
-def _driven(
+def _excited_dampers(
     solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
     """Dampers and what drives them, each speed with all forces after the other."""
@@ -303,7 +304,7 @@ def _driven(
     return dampers, harmonics
 
 
-def _followed(
+def _steady_states(
     solver: StructureSolver,
     crossing: Crossing,
     dampers: list[damper.ParticleDamper],
@@ -326,7 +327,7 @@ def _followed(
         )
 
 
-def _short(
+def _estimated_amplitudes(
     middle: damper.ParticleDamper,
     dampers: list[damper.ParticleDamper],
     harmonics: list[damper.Harmonic],
@@ -334,14 +335,14 @@ def _short(
     *,
     speaks: bool,
 ) -> Floats:
-    """Amplitudes by the short way, nearest to the means; nan where it does not speak of the mode that is crossed.
+    """Amplitudes by free vibration, nearest to the means; nan where that does not tell of the mode that is crossed.
 
     That is so where another yields more along x. One measurement at the crossing serves all of it: frequencies scale
     with the structure's own, forces with its stiffness.
     """
-    short = np.full(states.mean.shape, np.nan)
+    estimate = np.full(states.mean.shape, np.nan)
     if not speaks:
-        return short
+        return estimate
     vibration = excitation.free_vibration(middle)
     for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
         force = excitation.force_at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
@@ -349,5 +350,5 @@ def _short(
         amplitudes = np.array([amplitude for amplitude, _ in vibration.answers(force, nu)])
         if amplitudes.size:
             off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
-            short[n] = amplitudes[np.argmin(off, axis=0)]
-    return short
+            estimate[n] = amplitudes[np.argmin(off, axis=0)]
+    return estimate

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows.formatting import aligned, significant, whole
-from workflows.io import files, provenance
-from workflows.io.files import as_json, finite, write_study
-from workflows.report import figures, plots, remarks, verdict
-from workflows.report.page import from_template
+from workflows.formatting import DASH, aligned, significant, whole
+from workflows.io import provenance
+from workflows.io.files import finite, global_attributes
+from workflows.report import figures, page, plots, remarks, verdict
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response import Response, Row, Through, is_beyond, peak, rows
+from workflows.studies.response import Passage, Response, Row, is_beyond, peak, rows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
     import xarray as xr
 
+
+NAME = "response"
 
 _OF_STATES = {
     "least": ("m", "least amplitude of a cycle"),
@@ -46,9 +45,9 @@ _OF_STATES = {
 }
 
 
-def tag(through: Through) -> str:
+def tag(passage: Passage) -> str:
     """A crossing as part of a file name."""
-    c = through.crossing
+    c = passage.crossing
     return f"order_{c.order}_mode_{c.branch + 1}_{c.rpm:.0f}rpm"
 
 
@@ -57,28 +56,28 @@ def dataset(result: Response) -> xr.Dataset:
     import xarray as xr
 
     dims = ("crossing", "speed", "force", "start")
-    passed, data = result.passed, xr.Dataset(attrs=files.global_attributes(result.results))
+    passages, data = result.passages, xr.Dataset(attrs=global_attributes(result.results))
     heights = {
         "units": result.excitation.unit.replace("²", "2"),
         "long_name": f"height of the {result.excitation.kind}",
     }
     data = data.assign_coords(
-        order=("crossing", [through.crossing.order for through in passed]),
-        mode=("crossing", [through.crossing.branch + 1 for through in passed]),
+        order=("crossing", [passage.crossing.order for passage in passages]),
+        mode=("crossing", [passage.crossing.branch + 1 for passage in passages]),
         force=("force", list(result.excitation.levels), heights),
-        start=("start", [str(start) for start in passed[0].states.starts]),
-        rpm=(dims[:2], in_rpm(np.array([t.omega for t in passed])), {"units": "rpm"}),
+        start=("start", [str(start) for start in passages[0].states.starts]),
+        rpm=(dims[:2], in_rpm(np.array([t.omega for t in passages])), {"units": "rpm"}),
     )
     for name, (unit, description) in _OF_STATES.items():
-        values = np.array([through.shaped(getattr(through.states, name)) for through in passed], dtype=float)
+        values = np.array([passage.shaped(getattr(passage.states, name)) for passage in passages], dtype=float)
         data[name] = (dims, values, {"units": unit, "long_name": description})
-    regimes = np.array([[str(r) for r in t.states.regime.ravel()] for t in passed], dtype=object)
+    regimes = np.array([[str(r) for r in t.states.regime.ravel()] for t in passages], dtype=object)
     data["regime"] = (dims, regimes.reshape(data["mean"].shape), {"long_name": "what the steady state is"})
     for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
-        values = np.abs([through.shaped(getattr(through.states, name)) for through in passed])
+        values = np.abs([passage.shaped(getattr(passage.states, name)) for passage in passages])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
-    short = np.array([through.short for through in passed])
-    data["shortcut"] = (dims, short, {"units": "m", "long_name": "amplitude estimated from free vibration"})
+    estimate = np.array([passage.estimate for passage in passages])
+    data["shortcut"] = (dims, estimate, {"units": "m", "long_name": "amplitude estimated from free vibration"})
     return data
 
 
@@ -93,27 +92,27 @@ def campbell_plot(result: Response) -> str:
     if figure is None:
         return ""
     (axes,), named = figure.axes, set[str]()
-    for through in result.passed:
-        for kind in dict.fromkeys(row.regime for row in rows(result, through)):
+    for passage in result.passages:
+        for kind in dict.fromkeys(row.regime for row in rows(result, passage)):
             look: dict[str, Any] = {"color": plots.INK, "mfc": "none", "mew": 0.8, "ls": "", "zorder": 4}
             label, size = None if kind in named else kind, 5 + 2 * list(_MARKS).index(kind)
-            axes.plot(through.crossing.rpm, through.crossing.frequency_hz, _MARKS[kind], ms=size, label=label, **look)
+            axes.plot(passage.crossing.rpm, passage.crossing.frequency_hz, _MARKS[kind], ms=size, label=label, **look)
             named.add(kind)
-    for crossing, _ in result.idle:
+    for crossing, _ in result.not_followed:
         axes.plot(crossing.rpm, crossing.frequency_hz, "+", color=plots.MUTED, ms=6)
     plots.legend(figure, axes)
     return plots.svg(figure, "crossings", "Campbell diagram with what happens at the crossings")
 
 
 @plots.style()
-def response(result: Response, through: Through, name: str, shades: Sequence[str]) -> str:
+def response(result: Response, passage: Passage, name: str, shades: Sequence[str]) -> str:
     """Amplitude over speed for each force: without the ball, and with it from the least cycle to the greatest."""
     figure, (axes,) = plots.canvas(3.3)
-    rpm = in_rpm(through.omega)
-    states = through.states
-    least, mean, greatest = (through.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
-    without = np.abs(through.shaped(states.without))
-    for k, (force, colour) in enumerate(zip(through.forces, shades, strict=True)):
+    rpm = in_rpm(passage.omega)
+    states = passage.states
+    least, mean, greatest = (passage.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
+    without = np.abs(passage.shaped(states.without))
+    for k, (force, colour) in enumerate(zip(passage.forces, shades, strict=True)):
         axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
         low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
         axes.fill_between(rpm, low, high, color=colour, alpha=0.25, lw=0)
@@ -128,12 +127,12 @@ def response(result: Response, through: Through, name: str, shades: Sequence[str
 @plots.style()
 def damping(result: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
-    shown = [through for through in result.passed if through.figures.amplitude.size]
+    shown = [passage for passage in result.passages if passage.figures.amplitude.size]
     if not shown:
         return ""
     figure, (axes,) = plots.canvas(3.0)
-    for through, colour in zip(shown, plots.shades(len(shown)), strict=True):
-        figures, c = through.figures, through.crossing
+    for passage, colour in zip(shown, plots.shades(len(shown)), strict=True):
+        figures, c = passage.figures, passage.crossing
         some = figures.damping_ratio > 0
         label = f"order {c.order}, {whole(c.rpm)} rpm"
         axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
@@ -142,7 +141,7 @@ def damping(result: Response) -> str:
             axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
     air = [100 * ratio for ratio in AIR]
     axes.axhspan(*air, color=plots.RULE, lw=0)
-    least = 100 * min(through.figures.peak for through in shown) / 30
+    least = 100 * min(passage.figures.peak for passage in shown) / 30
     axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
     axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     plots.legend(figure, axes, ncols=1)
@@ -153,23 +152,23 @@ def sentences(result: Response) -> list[str]:
     """What the ball does at each order asked for, in plain sentences, where it does most first."""
     if (dense := remarks.too_dense(result.results)) is not None:
         return [f"No verdict: {dense[0]}.", dense[1]]
-    reductions = [*(confirmed(result, through) for through in result.passed), *_idle(result)]
-    answer = verdict.of_orders(replace(result.results, reductions=tuple(reductions)))
-    unit = result.excitation.unit
-    added = [level for level in result.excitation.levels if level not in result.asked]
+    passages = [passage.crossing for passage in result.passages]
+    not_followed = [
+        each for each in result.results.reductions if not any(_is_of(each, crossing) for crossing in passages)
+    ]
+    reductions = *(confirmed(result, passage) for passage in result.passages), *not_followed
+    answer = verdict.of_orders(replace(result.results, reductions=reductions))
+    added = [level for level in result.excitation.levels if level not in result.requested_levels]
     if added:
-        levels = f"{verdict.listed(added)} {unit} {'is' if len(added) == 1 else 'are'}"
+        levels = f"{verdict.listed(added)} {result.excitation.unit} {'is' if len(added) == 1 else 'are'}"
         answer.append(f"{levels} evaluated too, near the largest reduction that free vibration predicts.")
-    ends = [through for through in result.passed if _at_the_end(through)]
-    for through in ends:
-        answer.append(f"{place(through.crossing)}, at the end of the scene's speeds: the peak may lie outside them.")
+    for passage in result.passages:
+        speeds = [peak(passage, force)[0] for force in range(len(passage.forces))]
+        if 0 in speeds or len(passage.omega) - 1 in speeds:
+            answer.append(
+                f"{place(passage.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
+            )
     return answer
-
-
-def _idle(result: Response) -> list[VibrationReduction]:
-    """What is known of the crossings that were not followed."""
-    passed = [through.crossing for through in result.passed]
-    return [each for each in result.results.reductions if not any(_is_of(each, crossing) for crossing in passed)]
 
 
 def _is_of(reduction: VibrationReduction, crossing: Crossing) -> bool:
@@ -180,24 +179,24 @@ _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
 """Why free vibration does not tell what the motion does."""
 
 
-def confirmed(result: Response, through: Through) -> VibrationReduction:
+def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     """What the ball does at a crossing by the motion followed, between levels by free vibration."""
-    short = next(each for each in result.results.reductions if _is_of(each, through.crossing))
-    mine = rows(result, through)
-    if short.reason and short.reason not in _OF_MOTION:
-        return short
+    estimate = next(each for each in result.results.reductions if _is_of(each, passage.crossing))
+    mine = rows(result, passage)
+    if estimate.reason and estimate.reason not in _OF_MOTION:
+        return estimate
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
     useful = [each.endured and each.ratio <= enough for each in levels]
     return replace(
-        short,
+        estimate,
         ratio=best.ratio,
         level=best.level,
-        range=_range(short, levels, useful, best.level),
-        moves_from=through.least_force,
-        levels=tuple(each for each in levels if each.level in result.asked),
+        range=_range(estimate, levels, useful, best.level),
+        moves_from=passage.least_force,
+        levels=tuple(each for each in levels if each.level in result.requested_levels),
         reason=Reason.NONE,
         detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {result.excitation.unit}",
     )
@@ -208,7 +207,7 @@ _NEAR = 1.25
 
 
 def _range(
-    short: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
+    estimate: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
 ) -> tuple[float, float]:
     """Levels around the best with at least half of its reduction: the estimated ones, as far as those followed agree.
 
@@ -217,17 +216,11 @@ def _range(
     if not any(useful):
         return math.nan, math.nan
     followed = np.array([each.level for each in levels])
-    low, high = short.range
+    low, high = estimate.range
     agree = all(use for level, use in zip(followed, useful, strict=True) if low <= level <= high)
     if agree and low / _NEAR <= best <= high * _NEAR:  # false where nothing is estimated
         return min(low, best), max(high, best)
     return neighbours(followed, np.flatnonzero(useful), int(np.argmin(np.abs(followed - best))))
-
-
-def _at_the_end(through: Through) -> bool:
-    """Whether the largest amplitude is at the first speed followed or the last."""
-    speeds = [peak(through, force)[0] for force in range(len(through.forces))]
-    return any(speed in (0, len(through.omega) - 1) for speed in speeds)
 
 
 def place(c: Crossing) -> str:
@@ -237,28 +230,16 @@ def place(c: Crossing) -> str:
 
 def text(result: Response) -> str:
     """What a person reads on the terminal."""
-    lines = [result.results.scene.title, *sentences(result), ""]
-    force = f"{result.excitation.kind}, {result.excitation.unit}"
-    heads = ("order", "mode", "largest at, rpm", force, "without, mm", "with, mm", "ratio", "regime", "hits")
-    lines += aligned([(*heads, "estimate off"), *(_cells(result, row) for row in rows(result))])
-    if any(is_beyond(result, row) for row in rows(result)):
-        lines.append(f"{remarks.BEYOND_MEANS}.")
-    low, high = (significant(100 * ratio, 2) for ratio in AIR)
-    for through in result.passed:
-        figures, c = through.figures, through.crossing
-        if figures.peak > 0:
-            ends = " to ".join(significant(1e3 * end) for end in figures.range)
-            lines.append(
-                f"order {c.order}: the ball adds a damping ratio of up to {significant(100 * figures.peak, 2)} %, at"
-                f" {significant(1e3 * figures.peak_amplitude)} mm, and at least half of that from {ends} mm; air alone"
-                f" gives blades {low} to {high} %"
-            )
-    return "\n".join(lines)
+    every, unit = rows(result), f"{result.excitation.kind}, {result.excitation.unit}"
+    heads = ("order", "mode", "largest at, rpm", unit, "without, mm", "with, mm", "ratio", "regime", "hits")
+    table = aligned([(*heads, "estimate off"), *(_cells(result, row) for row in every)])
+    marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
+    dampers = page.sentences("response.txt.j2", "dampers", result.passages)
+    return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *dampers])
 
 
 def _cells(result: Response, row: Row) -> tuple[str, ...]:
-    c = row.through.crossing
-    off = "–" if row.difference is None else f"{significant(100 * row.difference, 2)} %"
+    c = row.passage.crossing
     return (
         str(c.order),
         f"{c.family} {c.branch + 1}",
@@ -269,7 +250,7 @@ def _cells(result: Response, row: Row) -> tuple[str, ...]:
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
-        off,
+        DASH if row.difference is None else f"{significant(100 * row.difference, 2)} %",
     )
 
 
@@ -288,8 +269,8 @@ def document(result: Response) -> dict[str, Any]:
         "excitation": {"kind": result.excitation.kind, "unit": result.excitation.unit},
         "aerodynamic_damping_ratio": list(AIR),
         "crossings": entries(result),
-        "dampers": [_damper(result, through) for through in result.passed],
-        "not_followed": [_crossing(c) | {"why": why} for c, why in result.idle],
+        "dampers": [_damper(result, passage) for passage in result.passages],
+        "not_followed": [_crossing(c) | {"why": why} for c, why in result.not_followed],
     }
 
 
@@ -304,11 +285,9 @@ def _crossing(c: Crossing) -> dict[str, Any]:
 
 
 def _entry(result: Response, row: Row) -> dict[str, Any]:
-    c = row.through.crossing
-    target = result.results.scene.accuracy.damping
-    short = None
-    if row.short is not None and row.difference is not None:
-        short = {"amplitude": row.short, "difference": row.difference, "suffices": abs(row.difference) <= target}
+    c, target, estimate = row.passage.crossing, result.results.scene.accuracy.damping, None
+    if row.estimate is not None and row.difference is not None:
+        estimate = {"amplitude": row.estimate, "difference": row.difference, "suffices": abs(row.difference) <= target}
     return _crossing(c) | {
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
@@ -316,70 +295,60 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "peak_rpm": row.rpm,
         "peak_frequency_hz": row.frequency,
         "amplitude_without": row.without,
-        "amplitude": {"least": row.least, "mean": row.mean, "rms": row.rms, "greatest": row.greatest},
+        "amplitude": {name: getattr(row, name) for name in ("least", "mean", "rms", "greatest")},
         "amplitude_error": row.error,
         "smallest_answer": row.smallest,
-        "ratio": row.ratio,
-        "stress_without": row.stress_without,
-        "stress_with": row.stress_with,
-        "regime": row.regime,
-        "hits_per_cycle": row.hits_per_cycle,
+        **{name: getattr(row, name) for name in ("ratio", "stress_without", "stress_with", "regime", "hits_per_cycle")},
         "power_in": finite(row.power_in),
         "power_lost": finite(row.power_lost),
-        "shortcut": short,
+        "shortcut": estimate,
     }
 
 
-def _damper(result: Response, through: Through) -> dict[str, Any]:
+def _damper(result: Response, passage: Passage) -> dict[str, Any]:
     """The damper's own figures at a crossing, and the force from which it moves."""
-    c, figures = through.crossing, through.figures
+    c, figures, spec = passage.crossing, passage.figures, result.results.scene.damper
     return {
         "order": c.order,
         "mode": c.branch + 1,
-        "least_force": finite(through.least_force),
-        "structure_damping_ratio": result.results.scene.damper.damping_ratio if result.results.scene.damper else None,
+        "least_force": finite(passage.least_force),
+        "structure_damping_ratio": None if spec is None else spec.damping_ratio,
         "damping_ratio_peak": figures.peak,
         "at_amplitude": finite(figures.peak_amplitude),
         "range": [finite(end) for end in figures.range],
         "cutoff": finite(figures.cutoff),
-        "endured_amplitude": endured(result.results, through.crossing),
+        "endured_amplitude": endured(result.results, c),
         "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
     }
 
 
-def dumps(result: Response) -> str:
-    """The machine-readable result."""
-    return as_json(document(result))
-
-
-def write(result: Response, out: str | os.PathLike[str]) -> Path:
-    """Write `response.json`, `response.nc`, pictures and `report.html` into `out`, or nothing; returns `out`.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(result: Response) -> dict[str, str | bytes]:
+    """The files beside `response.json`."""
     shades = plots.shades(len(result.excitation.levels))
     contents: dict[str, str | bytes] = {
-        "response.json": dumps(result) + "\n",
         "response.nc": bytes(dataset(result).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
         "report.html": render(result),
     }
     if drawn := campbell_plot(result):
         contents["campbell.svg"] = plots.standalone(drawn)
-    for number, through in enumerate(result.passed):
-        drawn = response(result, through, str(number), shades)
-        contents[f"response_{tag(through)}.svg"] = plots.standalone(drawn, len(shades))
-    write_study(Path(out), contents)
-    return Path(out)
+    for number, passage in enumerate(result.passages):
+        drawn = response(result, passage, str(number), shades)
+        contents[f"response_{tag(passage)}.svg"] = plots.standalone(drawn, len(shades))
+    return contents
 
 
 def render(result: Response) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    shades = plots.shades(len(result.excitation.levels))
-    sections = [_section(result, number, through, shades) for number, through in enumerate(result.passed)]
-    return from_template(
+    shades, sections = plots.shades(len(result.excitation.levels)), []
+    for number, passage in enumerate(result.passages):
+        mine = rows(result, passage)
+        section = {"passage": passage, "crossing": passage.crossing, "rows": mine}
+        section |= {"endured": endured(result.results, passage.crossing)}
+        section |= {"beyond": any(is_beyond(result, row) for row in mine)}
+        sections.append(section | {"response": response(result, passage, str(number), shades)})
+    return page.from_template(
         "response.html.j2",
-        plots.shades_css(max(len(result.excitation.levels), len(result.passed), 1)),
+        plots.shades_css(max(len(result.excitation.levels), len(result.passages), 1)),
         result=result,
         unit=result.excitation.unit,
         sentences=sentences(result),
@@ -391,16 +360,3 @@ def render(result: Response) -> str:
         mark=remarks.BEYOND,
         marked=remarks.BEYOND_MEANS,
     )
-
-
-def _section(result: Response, number: int, through: Through, shades: list[str]) -> dict[str, Any]:
-    """What the page has of a crossing."""
-    mine = rows(result, through)
-    return {
-        "through": through,
-        "crossing": through.crossing,
-        "rows": mine,
-        "response": response(result, through, str(number), shades),
-        "endured": endured(result.results, through.crossing),
-        "beyond": any(is_beyond(result, row) for row in mine),
-    }

@@ -8,28 +8,97 @@ the least amplitude. :class:`LeastAmplitude`: the greatest amplitude at the cros
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import Backbone, DampingCurve, Forced, Harmonic, Mode, ParticleDamper, Start, forced, work_bound
+from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
 from damper.starts import Motions, motions_of
+from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import FLAT, Excitation, Scene
-from workflows.solve import coupling, engine_orders, excitation, limits
+from workflows.scene.scene import Excitation, Scene
+from workflows.solve import coupling, engine_orders, excitation
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
-from workflows.studies.design import space as spaces
-from workflows.studies.design.space import BEYOND, NAMES, NONE, Obstacle, Scored, Space
-from workflows.studies.sweep import evaluate
-from workflows.studies.sweep.evaluate import QUICK, DamperCase, PlateCache, measured
-from workflows.studies.sweep.plan import Axis, Spread, find, size
+from workflows.studies.sweep.evaluate import QUICK, DamperCase, damper_curve
+
+BEYOND, NONE = 100.0, 200.0
+"""What a design loses that exceeds a limit, and one that makes no sense."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Why a design is worth nothing.
+
+    Attributes:
+        kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
+            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
+        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
+        text: of what was refused, or the name of the limit.
+    """
+
+    kind: str
+    rpm: float = math.nan
+    value: float = math.nan
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a design is worth.
+
+    Attributes:
+        value: what the goal is about: the least damping ratio, or the greatest amplitude [m]; 0 where there is none.
+        score: what is searched for the most of.
+        bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
+            where there is no such figure.
+        speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
+        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
+        without: amplitude without any ball that the value stands beside [m]; nan where there is none.
+        grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
+        mass: of all balls [kg].
+        used: shares of the limits.
+        endured: amplitude that the plate endures [m]; inf where it is not known.
+        falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
+        why: why it is worth nothing; None where it is worth something.
+    """
+
+    value: float
+    score: float
+    bound: float = math.nan
+    speed: float = math.nan
+    amplitude: float = math.nan
+    cutoff: float = math.nan
+    mass: float = math.nan
+    used: tuple[tuple[str, float], ...] = ()
+    why: Obstacle | None = None
+    order: int = 0
+    without: float = math.nan
+    grows: float = math.nan
+    endured: float = math.inf
+    falling: float = math.nan
+
+    @property
+    def rpm(self) -> float:
+        """The speed at which the value is taken [rev/min]."""
+        return round(in_rpm(self.speed), 9)
+
+    @property
+    def impossible(self) -> bool:
+        """Whether it exceeds a limit, or makes no sense."""
+        return self.score <= -BEYOND
+
+    @property
+    def works(self) -> bool:
+        """Whether it is worth anything."""
+        return self.why is None
+
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
@@ -45,25 +114,26 @@ class LeastDamping:
     low: float
     high: float
     speeds: tuple[float, ...]
-    said: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
+    objective: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
+    of_damping: ClassVar[bool] = True
 
-    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that is placed on its structure at every speed."""
         low, high = self.low, self.high
-        dampers = [(each, each.judged) for each in cases]
+        dampers = [(each, each.verdict_damper) for each in cases]
         cutoff, worst = max((cutoff_of(damper), each.point.omega) for each, damper in dampers)
         bound = min(bound_of(damper, high) for _, damper in dampers)
         if cutoff >= low:
             lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
-            return Scored(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
+            return Evaluation(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
         values, falling = [], []
         for each, damper in dampers:
-            figures = measured(damper, {}, reach=high, **(QUICK if quick else {}))
+            figures = damper_curve(damper, {}, reach=high, **(QUICK if quick else {}))
             values.append((*least(figures, low, high), each.point.omega))
             falling.append(least(figures.descending, low, high)[0])
         value, amplitude, speed = min(values)
         why = None if value > 0 else Obstacle("lossless")
-        return Scored(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
+        return Evaluation(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
 
 
 def least(figures: DampingCurve, low: float, high: float) -> tuple[float, float]:
@@ -107,7 +177,7 @@ _TRIES = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Crossed:
+class CrossedDamper:
     """A damper at a crossing, under the greatest of the levels.
 
     Attributes:
@@ -164,35 +234,27 @@ class Crossed:
         """Free vibration at the crossing."""
         return excitation.free_vibration(self.system, threads=1)
 
+    @cached_property
+    def _mode(self) -> tuple[float, float]:
+        """The mode that is crossed: its frequency [rad/s], and the cavity in it at a modal mass of 1 kg [1/kg^0.5]."""
+        system, modes = self.system, self.system.modes
+        if modes is None:
+            return math.sqrt(system.stiffness[self.axis] / system.modal_mass), 1 / math.sqrt(system.modal_mass)
+        square = (self.crossing.order * self.crossing.omega) ** 2
+        mode = min(modes, key=lambda mode: abs(mode.stiffness / mode.mass - square))
+        return math.sqrt(mode.stiffness / mode.mass), float(abs(mode.shape[self.axis])) / math.sqrt(mode.mass)
+
     @property
-    def own(self) -> float:
+    def without_ball(self) -> float:
         """Frequency of the mode without the ball, at the crossing's speed, of this very plate and cavity [rad/s]."""
-        mode = self._mode
-        if mode is None:
-            return math.sqrt(self.system.stiffness[self.axis] / self.system.modal_mass)
-        return math.sqrt(mode.stiffness / mode.mass)
+        return self._mode[0]
 
     @property
-    def stuck(self) -> float:
+    def with_ball(self) -> float:
         """Frequency of the mode with the ball at rest in it [rad/s]."""
-        return self.own / math.sqrt(1 + self.system.ball_mass * self._shape**2)
+        return self.without_ball / math.sqrt(1 + self.system.ball_mass * self._mode[1] ** 2)
 
-    @property
-    def _mode(self) -> Mode | None:
-        """The mode that is crossed; None of a structure of one mode along each axis."""
-        met = (self.crossing.order * self.crossing.omega) ** 2
-        modes = self.system.modes
-        return None if modes is None else min(modes, key=lambda mode: abs(mode.stiffness / mode.mass - met))
-
-    @property
-    def _shape(self) -> float:
-        """Displacement of the cavity in the mode of modal mass 1 kg [1/kg^0.5]."""
-        mode = self._mode
-        if mode is None:
-            return 1 / math.sqrt(self.system.modal_mass)
-        return float(abs(mode.shape[self.axis])) / math.sqrt(mode.mass)
-
-    def swinging(self) -> list[float]:
+    def pendulum_resonances(self) -> list[float]:
         """Speeds at which the structure and a ball that swings in a hollow floor are in resonance [rad/s].
 
         (K - nu² (M + m)) (w² - nu²) = beta nu⁴ m (1 - tau)², of the mode at the cavity along its axis, w the ball's own
@@ -204,8 +266,8 @@ class Crossed:
         scan = np.linspace(*self.speeds, 2000)
         square = (scan / self.crossing.omega) ** 2
         nu = order * scan
-        mass = self._shape**-2
-        stiffness = mass * self.own**2 * (1 + self._turns * (square - 1))
+        mass = self._mode[1] ** -2
+        stiffness = mass * self.without_ball**2 * (1 + self._turns * (square - 1))
         pendulum = coupling.pendulum(system, self.crossing.omega)
         own = 0.0 if pendulum is None else 2 * math.pi * pendulum.frequency_hz[self.axis]
         share = system.inertia_ratio * system.ball_mass * (1 - system.tilt_share[self.axis]) ** 2
@@ -214,16 +276,10 @@ class Crossed:
         part = both[crossed] / (both[crossed] - both[crossed + 1])
         return [float(omega) for omega in scan[crossed] + part * (scan[crossed + 1] - scan[crossed])]
 
-    def follow(self, speeds: Sequence[float], starts: Sequence[Start], most: int) -> Forced:
-        """Steady states at some speeds, of at most so many cycles."""
-        pairs = [self.at(omega) for omega in speeds]
-        dampers, harmonics = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
-        return forced(dampers, harmonics, starts, probe=self.axis, accuracy=_ACCURACY, max_cycles=most, threads=1)
-
 
 def crossing_objective(
     scene: Scene, effects: dict[str, Effect], point: SpeedPoint, crossing: Crossing, low: float, high: float
-) -> Crossed | None:
+) -> CrossedDamper | None:
     """The damper of a scene at a crossing, on the structure there.
 
     None where nothing drives the mode or the cavity does not move in it. `low`, `high`: speeds looked at [rad/s].
@@ -235,7 +291,7 @@ def crossing_objective(
     followed = None if modes is None else excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
-    return Crossed(crossing, system, axis, harmonic, leads, (low, high))
+    return CrossedDamper(crossing, system, axis, harmonic, leads, (low, high))
 
 
 @dataclass(frozen=True)
@@ -254,7 +310,7 @@ class Linear:
     least: float
 
 
-def linear(crossed: Crossed) -> Linear:
+def linear(crossed: CrossedDamper) -> Linear:
     """Linear answers, and the least amplitude that is conceivable.
 
     Whatever the ball does, the structure's answer at the frequency nu of the force is that with the ball at rest, and
@@ -262,8 +318,8 @@ def linear(crossed: Crossed) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    _, _, alone, most = _largest(crossed, crossed.own, "without")
-    omega, harmonics, answers, k = _largest(crossed, crossed.stuck, "linear")
+    _, _, alone, most = _largest(crossed, crossed.without_ball, "without")
+    omega, harmonics, answers, k = _largest(crossed, crossed.with_ball, "linear")
     resting, nu, axis = float(np.abs(answers.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
     receptance = float(np.abs(_answers(crossed, omega, [unit]).linear[0]))
@@ -273,14 +329,23 @@ def linear(crossed: Crossed) -> Linear:
     return Linear(without, resting, float(answers.moves_from[k]), max(resting - receptance * threshold, 0.0))
 
 
-def _largest(crossed: Crossed, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
+def _largest(crossed: CrossedDamper, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
     """Linear answers about a resonance, and which of them is the largest: not the first nor the last where possible.
+
+    Where no speed meets the resonance, the one that comes nearest is taken.
 
     Returns:
         Speed of the structure [rad/s], what drives it, the answers, and the number of the largest.
     """
+    low, high = crossed.speeds
+    around = _WIDTHS * max(crossed.system.damping_ratio, 1e-4) * np.linspace(-1.0, 1.0, _ABOUT)
     for _ in range(_TRIES):
-        omega, harmonics = _about(crossed, resonance)
+        omega = crossed.speed_of(resonance)
+        if not low < omega < high:
+            harmonics = [crossed.at(omega)[1]]
+        else:
+            omega = crossed.crossing.omega
+            harmonics = [replace(crossed.harmonic, frequency=float(resonance * (1 + x))) for x in around]
         answers = _answers(crossed, omega, harmonics)
         k = int(np.argmax(np.abs(getattr(answers, answer))))
         if len(harmonics) == 1 or 0 < k < len(harmonics) - 1:
@@ -289,21 +354,7 @@ def _largest(crossed: Crossed, resonance: float, answer: str) -> tuple[float, li
     return omega, harmonics, answers, k
 
 
-def _about(crossed: Crossed, resonance: float) -> tuple[float, list[Harmonic]]:
-    """The speed of the structure [rad/s] and what drives it, at frequencies about a resonance.
-
-    Where no speed looked at meets it, the one that comes nearest does.
-    """
-    low, high = crossed.speeds
-    met = crossed.speed_of(resonance)
-    if not low < met < high:
-        return met, [crossed.at(met)[1]]
-    wide = _WIDTHS * max(crossed.system.damping_ratio, 1e-4)
-    frequencies = resonance * (1 + wide * np.linspace(-1.0, 1.0, _ABOUT))
-    return crossed.crossing.omega, [replace(crossed.harmonic, frequency=float(nu)) for nu in frequencies]
-
-
-def _answers(crossed: Crossed, omega: float, harmonics: list[Harmonic]) -> Motions:
+def _answers(crossed: CrossedDamper, omega: float, harmonics: list[Harmonic]) -> Motions:
     return motions_of(crossed.at(omega)[0], harmonics, (Start.UP,), crossed.axis, 0, 256)
 
 
@@ -311,10 +362,10 @@ _SCAN = 2000
 """Amplitudes looked through."""
 
 
-def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
+def amplitude(here: CrossedDamper, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
     own = here.force / (2 * resting * here.system.stiffness[0])
-    figures = measured(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    figures = damper_curve(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
     if resting <= figures.cutoff:
         return resting
     return max(hitting(figures.descending, own, resting), rolling(here.system, own, resting))
@@ -322,7 +373,7 @@ def amplitude(here: Crossed, resting: float, *, quick: bool) -> float:
 
 def hitting(figures: DampingCurve, own: float, resting: float) -> float:
     """The greatest amplitude with a ball that hits the walls [m]; `own`: damping ratio with the ball at rest."""
-    if not figures.amplitude.size or resting <= figures.cutoff:
+    if not figures.amplitude.size:
         return resting
     scan = np.geomspace(resting * own / (own + figures.peak), resting, _SCAN)
     ratio = np.interp(np.log(scan), np.log(figures.amplitude), figures.damping_ratio)
@@ -391,27 +442,34 @@ class LeastAmplitude:
 
     Attributes:
         excitation: what shakes the structure.
-        met: the crossings of its orders with modes that it drives.
+        crossings: of its orders with modes that it drives.
         ends: the lowest and the highest speed of the scene [rad/s].
         reference: greatest amplitude without a ball [m].
     """
 
     excitation: Excitation
-    met: tuple[Crossing, ...]
+    crossings: tuple[Crossing, ...]
     ends: tuple[float, float]
     reference: float
-    said: ClassVar[str] = "greatest amplitude at the crossings"
+    objective: ClassVar[str] = "greatest amplitude at the crossings"
+    of_damping: ClassVar[bool] = False
 
     @property
     def speeds(self) -> tuple[float, ...]:
         """Of the crossings [rad/s], each once."""
-        return tuple(sorted({crossing.omega for crossing in self.met}))
+        return tuple(sorted({crossing.omega for crossing in self.crossings}))
 
-    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
+    def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that is placed on its structure at every crossing."""
-        every = [(here, linear(here)) for each in cases for here in self._at(each)]
+        here = [
+            crossing_objective(each.scene, each.state.effects, each.point, crossing, *self.ends)
+            for each in cases
+            for crossing in self.crossings
+            if crossing.omega == each.point.omega
+        ]
+        every = [(each, linear(each)) for each in here if each is not None]
         if not every:
-            return Scored(0.0, -_NEVER, why=Obstacle("undriven"))
+            return Evaluation(0.0, -_NEVER, why=Obstacle("undriven"))
         value, (at, lines) = 0.0, every[0]
         for one, its in sorted(every, key=lambda pair: _at_most(*pair), reverse=True):
             if _at_most(one, its) <= value:
@@ -422,7 +480,7 @@ class LeastAmplitude:
         without = max(its.without for _, its in every)
         growth = min(math.log(max(lines.grows, 1.0)), _NEVER)
         obstacle = Obstacle("held" if lines.grows >= 1 else "useless")
-        return Scored(
+        return Evaluation(
             value,
             math.log(self.reference / value) - growth,
             bound=max(its.least for _, its in every),
@@ -435,20 +493,13 @@ class LeastAmplitude:
             grows=lines.grows,
         )
 
-    def _at(self, case: DamperCase) -> list[Crossed]:
-        """A damper at the crossings at its speed."""
-        scene, effects, point = case.scene, case.state.effects, case.point
-        here = [crossing for crossing in self.met if crossing.omega == point.omega]
-        crossed = [crossing_objective(scene, effects, point, crossing, *self.ends) for crossing in here]
-        return [each for each in crossed if each is not None]
 
-
-def _balanced(here: Crossed) -> bool:
+def _balanced(here: CrossedDamper) -> bool:
     """Whether the balance of free vibration answers for a damper."""
     return here.leads and excitation.is_well_held(here.system)
 
 
-def _at_most(here: Crossed, lines: Linear) -> float:
+def _at_most(here: CrossedDamper, lines: Linear) -> float:
     """What the amplitude at a crossing cannot exceed, so that it is not computed where another crossing has more [m].
 
     By the balance that is the amplitude with the ball at rest. Otherwise a force F at a frequency nu puts in pi F A in
@@ -458,33 +509,35 @@ def _at_most(here: Crossed, lines: Linear) -> float:
     if _balanced(here):
         return lines.resting
     slowest = min(_speeds(here, quick=False)) * here.crossing.order
-    return _BESIDE * lines.resting * max(here.stuck / slowest, 1.0)
+    return _BESIDE * lines.resting * max(here.with_ball / slowest, 1.0)
 
 
-def _reached(here: Crossed, lines: Linear, *, quick: bool) -> float:
+def _reached(here: CrossedDamper, lines: Linear, *, quick: bool) -> float:
     """The greatest amplitude at a crossing [m]."""
     if _balanced(here):
         return amplitude(here, lines.resting, quick=quick)
-    return followed(here, lines, quick=quick)
+    return followed(here, quick=quick)
 
 
-def followed(here: Crossed, lines: Linear, *, quick: bool) -> float:
+def followed(here: CrossedDamper, *, quick: bool) -> float:
     """The greatest mean amplitude of the steady states about a crossing [m]."""
+    dampers, harmonics = zip(*map(here.at, _speeds(here, quick=quick)), strict=True)
     starts = (Start.UP, Start.DOWN) if quick else tuple(Start)
-    states = here.follow(_speeds(here, quick=quick), starts, _FEW_CYCLES if quick else _CYCLES)
+    how: dict[str, Any] = {"probe": here.axis, "accuracy": _ACCURACY, "threads": 1}
+    states = forced(dampers, harmonics, starts, max_cycles=_FEW_CYCLES if quick else _CYCLES, **how)
     means = np.where(np.isnan(states.mean), np.abs(states.linear)[:, None], states.mean)
     return float(means.max())
 
 
-def _speeds(here: Crossed, *, quick: bool) -> list[float]:
+def _speeds(here: CrossedDamper, *, quick: bool) -> list[float]:
     """Speeds at which the steady states are looked at: the resonances of all that the ball may do."""
     zeta = max(here.system.damping_ratio, 1e-4)
     aside = _ASIDE[::2] if quick else _ASIDE
-    middles = here.swinging()
+    middles = here.pendulum_resonances()
     hollow = here.system.floor_radius is not None
     if here.leads and not (quick and hollow):
         middles += [here.speed_of(turns) for _, turns in here.backbone.answers(here.force)]
-    speeds = {here.speed_of(here.stuck), here.speed_of(here.own)}
+    speeds = {here.speed_of(here.with_ball), here.speed_of(here.without_ball)}
     speeds |= {middle * (1 + zeta * part) for middle in middles for part in aside}
     if hollow:
         speeds |= set(np.linspace(*here.speeds, _ACROSS // 2 if quick else _ACROSS).tolist())
@@ -498,8 +551,8 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     Raises:
         BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
     """
-    shaken, spec = source.scene.excitation, source.scene.damper
-    assert shaken is not None
+    forcing, spec = source.scene.excitation, source.scene.damper
+    assert forcing is not None
     assert spec is not None
     if spec.damping_ratio == 0:
         problem = "without damping the amplitude at resonance is unbounded: expected a value above 0, such as 0.001"
@@ -508,121 +561,14 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     points = excitation.over_speed_range(solver).points
     speeds = source.scene.rotor.speeds
     low, high = min(speeds), max(speeds)
-    met = engine_orders.of_points(points, shaken.orders)
-    if not met:
-        raise engine_orders.no_crossing(points, shaken.orders, source.name)
+    crossings = engine_orders.of_points(points, forcing.orders)
+    if not crossings:
+        raise engine_orders.no_crossing(points, forcing.orders, source.name)
     alone = []
-    for crossing in met:
+    for crossing in crossings:
         (point,) = solver.at([crossing.omega]).points
         here = crossing_objective(source.scene, solver.choice.effects, point, crossing, low, high)
         alone += [] if here is None else [linear(here).without]
     if not alone:
-        raise engine_orders.no_crossing(points, shaken.orders, source.name, driven=False)
-    return LeastAmplitude(shaken, tuple(met), (low, high), max(alone))
-
-
-_WIDE = 4.0
-"""Ratio of a range's ends from which on it is searched in its logarithm."""
-
-
-def space(source: SceneFile, stages: Stages | None = None) -> Space:
-    """The designs that a scene allows.
-
-    With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
-
-    Raises:
-        BadInput: it has no [design] or no damper to begin with, or one by the printed equations; see also
-            :func:`amplitude.of`.
-        NoAnswer: the plate has none.
-    """
-    scene = source.scene
-    for name in ("damper", "design"):
-        if getattr(scene, name) is None:
-            raise source.wrong("the table is missing: design needs it", f"[{name}]")
-    design = scene.design
-    if design is None or scene.damper is None:
-        raise ValueError("the scene has no [design]")
-    if scene.damper.formulation == "printed":
-        problem = (
-            "the printed equations do not conserve energy, so a design by them is meaningless: expected 'consistent'"
-        )
-        raise source.wrong(problem, "[damper] formulation", scene.damper.formulation)
-    if design.place is not None and scene.plate is None:
-        raise source.wrong("belongs to a plate", "[design] place")
-    dimensions = []
-    for name, table_name in NAMES.items():
-        table = getattr(design, table_name)
-        if table is not None:
-            dimensions.append(_axis(name, table))
-    axes = tuple(dimensions)
-    if design.amplitude is not None:
-        return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
-    excitation.excitation_of(source)
-    as_shaken = excitation.with_forced_effects(source)
-    return Space(source, design, axes, amplitude_objective(as_shaken, stages or Stages(visible=False)), as_shaken)
-
-
-def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
-    """A pair is a range, any other list a choice; a ball is drawn by its radius."""
-    key = find(name, "[design]")
-    values = [math.inf if value == FLAT else value for value in limits]
-    if name == "damper.radius":
-        values = [value / 2 for value in values]
-    numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in values)
-    if len(values) == 2 and numbers and values[0] < values[1]:
-        low, high = map(float, values)
-        return Axis(key, (), Spread(low, high, "log" if high > _WIDE * low and not key.whole else "even"))
-    return Axis(key, tuple(values))
-
-
-def scored(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Scored]:
-    """The designs at rows of shares; `quick` where a few percent do not count."""
-    plan = space.plan(shares)
-    speeds = len(space.goal.speeds)
-    rows, reasons = evaluate.empty(size(plan)), list[str]()
-    cases: list[list[DamperCase]] = [[] for _ in shares]
-    for each in evaluate.all_placed(space.solved_as, plan, 0, plates, rows, reasons):
-        cases[each.number // speeds].append(each)
-    scores = []
-    for number, mine in enumerate(cases):
-        missing = rows["reason"][number * speeds : (number + 1) * speeds]
-        if (missing >= 0).any():
-            scores.append(Scored(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
-        else:
-            scores.append(_one(space, mine, quick=quick))
-    return scores
-
-
-def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Scored:
-    """A design on its structure at every speed."""
-    scene = cases[0].scene
-    mass = max(each.damper.ball_mass for each in cases)
-    if (why := _no_verdict(space, cases)) is not None:
-        return Scored(0.0, -NONE, mass=mass, why=why)
-    fastest = max(cases, key=lambda each: each.point.omega)
-    shares = spaces.used(space.design, scene, mass, fastest.point)
-    used, over = tuple(shares.items()), spaces.misfit(shares)
-    if over is not None:
-        name, ratio = over
-        return Scored(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
-    endured = limits.endured(fastest.results)
-    endured = math.inf if endured is None else endured
-    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
-
-
-def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
-    """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
-    slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
-    if limits.weight_governs(slowest.point):
-        return Obstacle("weight", slowest.point.rpm)
-    if limits.is_torn(fastest.results, fastest.point):
-        return Obstacle(
-            "root_stress", fastest.point.rpm, limits.root_stress(fastest.results, fastest.point.omega) or 0.0
-        )
-    if not isinstance(space.goal, LeastDamping):
-        return None
-    endured = limits.endured(fastest.results)
-    if endured is not None and space.goal.low > endured:
-        return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
-    friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
-    return Obstacle("slip", slowest.point.rpm, friction) if friction > limits.DRY else None
+        raise engine_orders.no_crossing(points, forcing.orders, source.name, driven=False)
+    return LeastAmplitude(forcing, tuple(crossings), (low, high), max(alone))

@@ -1,89 +1,34 @@
-"""What is free and what limits it, and from a point of the unit cube to a damper."""
+"""What is free and what limits it: from a point of the unit cube to a damper, and to what it is worth."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from workflows.formatting import significant
+from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
-from workflows.solve import limits
+from workflows.solve import excitation, limits
 from workflows.solve.results import Floats, SpeedPoint
-from workflows.studies.sweep.evaluate import DamperCase
-from workflows.studies.sweep.plan import SPEEDS, Axis, Sample, Value, drawn, find
-
-BEYOND, NONE = 100.0, 200.0
-"""What a design loses that exceeds a limit, and one that makes no sense."""
-
-
-@dataclass(frozen=True)
-class Obstacle:
-    """Why a design is worth nothing.
-
-    Attributes:
-        kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
-            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
-        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
-        text: of what was refused, or the name of the limit.
-    """
-
-    kind: str
-    rpm: float = math.nan
-    value: float = math.nan
-    text: str = ""
-
-
-@dataclass(frozen=True)
-class Scored:
-    """What a design is worth.
-
-    Attributes:
-        value: what the goal is about: the least damping ratio, or the greatest amplitude [m]; 0 where there is none.
-        score: what is searched for the most of.
-        bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
-            where there is no such figure.
-        speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
-        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
-        without: amplitude without any ball that the value stands beside [m]; nan where there is none.
-        grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
-        mass: of all balls [kg].
-        used: shares of the limits.
-        endured: amplitude that the plate endures [m]; inf where it is not known.
-        falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
-        why: why it is worth nothing; None where it is worth something.
-    """
-
-    value: float
-    score: float
-    bound: float = math.nan
-    speed: float = math.nan
-    amplitude: float = math.nan
-    cutoff: float = math.nan
-    mass: float = math.nan
-    used: tuple[tuple[str, float], ...] = ()
-    why: Obstacle | None = None
-    order: int = 0
-    without: float = math.nan
-    grows: float = math.nan
-    endured: float = math.inf
-    falling: float = math.nan
-
-    @property
-    def impossible(self) -> bool:
-        """Whether it exceeds a limit, or makes no sense."""
-        return self.score <= -BEYOND
-
-    @property
-    def works(self) -> bool:
-        """Whether it is worth anything."""
-        return self.why is None
+from workflows.studies.design.objectives import (
+    BEYOND,
+    NONE,
+    Evaluation,
+    LeastAmplitude,
+    LeastDamping,
+    Obstacle,
+    amplitude_objective,
+)
+from workflows.studies.sweep import evaluate
+from workflows.studies.sweep.evaluate import DamperCase, PlateCache
+from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Spread, Value, at_shares, find
 
 
 @dataclass(frozen=True)
@@ -91,23 +36,8 @@ class Optimum:
     """The best design: its shares, its worth with full figures, and how many were tried."""
 
     shares: Floats
-    scored: Scored
+    evaluation: Evaluation
     evaluations: int
-
-
-class Goal(Protocol):
-    """What designs are compared by."""
-
-    @property
-    def said(self) -> str:
-        """What the value is, in words."""
-
-    @property
-    def speeds(self) -> tuple[float, ...]:
-        """At which a design is looked at, ascending [rad/s]."""
-
-    def worth(self, cases: list[DamperCase], *, quick: bool) -> Scored:
-        """What a damper is worth that is placed on its structure at these speeds; `quick`: to a few percent."""
 
 
 NAMES = {
@@ -130,13 +60,13 @@ class Space:
         design: its table.
         axes: what is free.
         goal: what designs are compared by.
-        solved_as: the scene with the effects that this takes.
+        solved_as: the scene with the effects that the goal requires.
     """
 
     source: SceneFile
     design: Design
     axes: tuple[Axis, ...]
-    goal: Goal
+    goal: LeastDamping | LeastAmplitude
     solved_as: SceneFile
 
     @property
@@ -144,51 +74,149 @@ class Space:
         """Numbers of the axes that are ranges."""
         return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
 
-    def plan(self, shares: Floats) -> Sample:
-        """Designs at rows of shares, at all speeds at which they are looked at."""
+    def plan(self, shares: Floats) -> Plan:
+        """Designs at rows of shares, at all speeds of the goal."""
         speeds = Axis(find(SPEEDS, "[design]"), self.goal.speeds)
-        return Sample((*self.axes, speeds), len(shares), 0, tiles=np.clip(shares, 0.0, 1.0))
+        return at_shares((*self.axes, speeds), np.clip(shares, 0.0, 1.0), {})
 
     def values(self, shares: Floats) -> dict[str, Value]:
         """The keys of a design by name."""
-        pairs = zip(self.axes, np.asarray(shares), strict=True)
-        return {axis.name: drawn(axis, np.array([share]))[0] for axis, share in pairs}
+        return {axis.name: axis.at(np.array([share]))[0] for axis, share in zip(self.axes, shares, strict=True)}
+
+    def summary(self, shares: Floats) -> str:
+        """A design in words, key by key."""
+        return ", ".join(formatted(name, value) for name, value in self.values(shares).items())
 
 
-def misfit(shares: Mapping[str, float]) -> tuple[str, float] | None:
+def formatted(name: str, value: Value) -> str:
+    """A key of a design as [design] has it: a diameter, a clearance in mm."""
+    label = NAMES[name].replace("_", " ")
+    if isinstance(value, str) or name == "damper.count":
+        return f"{label} {value}"
+    if not math.isfinite(value):
+        return f"{label} {FLAT}"
+    return f"{label} {significant(1e3 * float(value) * (2 if name == 'damper.radius' else 1), 4)} mm"
+
+
+def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:
     """The limit that a damper exceeds, and the ratio by which; None within all of them."""
     over = [(name, ratio) for name, ratio in shares.items() if ratio > 1 + 1e-9 or (name == "hardness" and ratio >= 1)]
     return max(over, key=lambda item: item[1], default=None)
 
 
-def used(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
+def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
-    keys = {}
-    if scene.damper is not None and scene.damper.ball_density is None:
-        keys["density"] = scene.damper.density(ball_mass) / OSMIUM
+    shares, damper, plate = {}, scene.damper, scene.plate
+    assert damper is not None
+    if damper.ball_density is None:
+        shares["density"] = damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
-        keys["mass"] = ball_mass / design.mass
-    damper, plate = scene.damper, scene.plate
-    if damper is not None and plate is not None and damper.housing is None and plate.length is not None:
-        thickness = plate_mesh.plate_thickness(
-            plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate
+        shares["mass"] = ball_mass / design.mass
+    if plate is not None and damper.housing is None and plate.length is not None:
+        thickness = plate_mesh.plate_thickness(plate, damper.on_plate or (plate.length, 0.0))
+        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
+    contact = limits.contact(scene, fastest)
+    if contact is not None and not math.isnan(contact.hardness_ratio):
+        shares["hardness"] = contact.hardness_ratio / design.hardness_ratio
+    if contact is not None and design.yield_ratio is not None and not math.isnan(contact.yield_ratio):
+        shares["first yield"] = contact.yield_ratio / design.yield_ratio
+    return shares
+
+
+_WIDE = 4.0
+"""Ratio of a range's ends from which on it is searched in its logarithm."""
+
+
+def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
+    """The designs that a scene allows.
+
+    With a range of amplitudes they are compared by the least damping over it, else by the amplitude at the crossings.
+
+    Raises:
+        BadInput: it has no [design] or no damper to begin with, or one by the printed equations; see also
+            :func:`amplitude_objective`.
+        NoAnswer: the plate has none.
+    """
+    scene, design, damper = source.scene, source.scene.design, source.scene.damper
+    if damper is None or design is None:
+        raise source.wrong("the table is missing: design needs it", "[damper]" if damper is None else "[design]")
+    if damper.formulation == "printed":
+        problem = (
+            "the printed equations do not conserve energy, so a design by them means nothing: expected 'consistent'"
         )
-        keys["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
-    pressed = limits.contact(scene, fastest)
-    if pressed is not None and not math.isnan(pressed.hardness_ratio):
-        keys["hardness"] = pressed.hardness_ratio / design.hardness_ratio
-    if pressed is not None and design.yield_ratio is not None and not math.isnan(pressed.yield_ratio):
-        keys["first yield"] = pressed.yield_ratio / design.yield_ratio
-    return keys
+        raise source.wrong(problem, "[damper] formulation", damper.formulation)
+    if design.place is not None and scene.plate is None:
+        raise source.wrong("belongs to a plate", "[design] place")
+    tables = {name: getattr(design, table) for name, table in NAMES.items()}
+    axes = tuple(_axis(name, table) for name, table in tables.items() if table is not None)
+    if design.amplitude is not None:
+        return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
+    excitation.excitation_of(source)
+    forced = excitation.with_forced_effects(source)
+    return Space(source, design, axes, amplitude_objective(forced, stages or Stages(visible=False)), forced)
 
 
-def in_words(name: str, value: Value) -> str:
-    """A key of a design as [design] has it: a diameter, a clearance in mm."""
-    called = NAMES[name].replace("_", " ")
-    if isinstance(value, str):
-        return f"{called} {value}"
-    if not math.isfinite(value):
-        return f"{called} {FLAT}"
-    if name == "damper.count":
-        return f"{called} {value}"
-    return f"{called} {significant(1e3 * float(value) * (2 if name == 'damper.radius' else 1), 4)} mm"
+def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
+    """A pair is a range, any other list a choice; a ball is drawn by its radius."""
+    key = find(name, "[design]")
+    values = [math.inf if value == FLAT else value for value in limits]
+    if name == "damper.radius":
+        values = [value / 2 for value in values]
+    numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in values)
+    if len(values) == 2 and numbers and values[0] < values[1]:
+        low, high = map(float, values)
+        return Axis(key, (), Spread(low, high, "log" if high > _WIDE * low and not key.whole else "even"))
+    return Axis(key, tuple(values))
+
+
+def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
+    """The designs at rows of shares; `quick` where a few percent do not count."""
+    plan = space.plan(shares)
+    speeds = len(space.goal.speeds)
+    rows, reasons = evaluate.empty(plan.size), list[str]()
+    cases: list[list[DamperCase]] = [[] for _ in shares]
+    for each in evaluate.damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
+        cases[each.number // speeds].append(each)
+    scores = []
+    for number, mine in enumerate(cases):
+        missing = rows["reason"][number * speeds : (number + 1) * speeds]
+        if (missing >= 0).any():
+            scores.append(Evaluation(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
+        else:
+            scores.append(_one(space, mine, quick=quick))
+    return scores
+
+
+def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
+    """A design on its structure at every speed."""
+    scene = cases[0].scene
+    mass = max(each.damper.ball_mass for each in cases)
+    if (why := _no_verdict(space, cases)) is not None:
+        return Evaluation(0.0, -NONE, mass=mass, why=why)
+    fastest = max(cases, key=lambda each: each.point.omega)
+    shares = limit_shares(space.design, scene, mass, fastest.point)
+    used, over = tuple(shares.items()), exceeded(shares)
+    if over is not None:
+        name, ratio = over
+        return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
+    endured = limits.endured(fastest.results)
+    endured = math.inf if endured is None else endured
+    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
+
+
+def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
+    """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
+    slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
+    if limits.weight_governs(slowest.point):
+        return Obstacle("weight", slowest.point.rpm)
+    if limits.is_torn(fastest.results, fastest.point):
+        return Obstacle(
+            "root_stress", fastest.point.rpm, limits.root_stress(fastest.results, fastest.point.omega) or 0.0
+        )
+    if not isinstance(space.goal, LeastDamping):
+        return None
+    endured = limits.endured(fastest.results)
+    if endured is not None and space.goal.low > endured:
+        return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
+    friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
+    return Obstacle("slip", slowest.point.rpm, friction) if friction > limits.DRY else None

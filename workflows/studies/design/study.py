@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
@@ -24,10 +24,11 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Floats
-from workflows.studies.design import objectives, report
-from workflows.studies.design.objectives import LeastAmplitude
-from workflows.studies.design.report import Designed, Grid
-from workflows.studies.design.space import Optimum, Scored, Space
+from workflows.studies.design import report
+from workflows.studies.design import space as spaces
+from workflows.studies.design.objectives import Evaluation
+from workflows.studies.design.report import DesignResult, Grid
+from workflows.studies.design.space import Optimum, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.evaluate import PlateCache
@@ -35,7 +36,7 @@ from workflows.studies.sweep.executor import Workers
 from workflows.studies.sweep.plan import Axis
 from workflows.versions import versions
 
-Score: TypeAlias = "Callable[[Floats, bool], list[Scored]]"
+Score: TypeAlias = "Callable[[Floats, bool], list[Evaluation]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""
 
 _POPULATION, _GENERATIONS, _STALE = 32, 40, 8
@@ -54,35 +55,78 @@ _NEAR, _NEAREST = 0.08, 2e-3
 """How far from the best its neighbours are at first, and when the search ends, in shares."""
 
 
-def search(
-    space: Space, score: Score, seed: int, progress: Callable[[str], None], checkpoint: Checkpoint | None = None
-) -> Optimum:
-    """The best design of a space; `checkpoint`: the designs that were scored before."""
-    return _searched(space, _Known(space, score, progress, checkpoint), seed)
+class Designs:
+    """Scores each design once, for of choices many shares mean the same.
+
+    Scores are kept in a file, a line each, by which a search that was stopped goes on. The file is of one scene, seed
+    and version of the program: another's is begun anew.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        score: Score,
+        progress: Callable[[str], None] = lambda _: None,
+        path: Path | None = None,
+        seed: int = 0,
+    ) -> None:
+        self._space, self._score, self._progress, self._path = space, score, progress, path
+        self._scores = dict[str, Evaluation]()
+        self._before = {} if path is None else self._read(path, seed)
+
+    def _read(self, path: Path, seed: int) -> dict[str, Evaluation]:
+        """Scores from before, without a last line that was cut off; the file is ready for further ones."""
+        source = self._space.source
+        origin = (executor.digest(), versions(), source.scene.model_dump_json(), source.mesh_sha256, seed)
+        digest, scores = hashlib.sha256(repr(origin).encode()).hexdigest(), dict[str, Evaluation]()
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        adapter = TypeAdapter(Evaluation)
+        with suppress(ValueError):
+            for key, values in map(json.loads, lines[1:] if lines[:1] == [digest] else []):
+                scores[key] = adapter.validate_python(values)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(f"{line}\n" for line in [digest, *lines[1 : len(scores) + 1]]), encoding="utf-8")
+        return scores
+
+    @property
+    def count(self) -> int:
+        """Designs that were scored."""
+        return len(self._scores)
+
+    def __call__(self, shares: Floats, quick: bool) -> list[Evaluation]:
+        """Scores at rows of shares; `quick` where a few percent do not count."""
+        keys = [repr((quick, *self._space.values(row).values())) for row in shares]
+        self._scores |= {key: self._before[key] for key in keys if key in self._before}
+        new = {key: row for key, row in zip(keys, shares, strict=True) if key not in self._scores}
+        if new:
+            scores = dict(zip(new, self._score(np.array(list(new.values())), quick), strict=True))
+            self._scores |= scores
+            if self._path is not None:
+                with self._path.open("a", encoding="utf-8") as file:
+                    file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
+            self._progress(f"{self.count} designs")
+        return [self._scores[key] for key in keys]
 
 
-def _searched(space: Space, known: _Known, seed: int) -> Optimum:
+def search(space: Space, designs: Designs, seed: int) -> Optimum:
+    """The best design of a space."""
     few = _few(space)
-    best, scored = _about(space, known, _everywhere(space, known, seed) if few is None else _best_of(known, few))
-    return Optimum(best, scored, known.tried)
+    start = _globally(space, designs, seed) if few is None else _best_of(designs, few)
+    return Optimum(*_locally(space, designs, start), designs.count)
 
 
 def _few(space: Space) -> Floats | None:
     """All choices and whole numbers, and values all over the ranges, where that makes few designs; else None."""
-    looks = [_looks(axis) for axis in space.axes]
-    if math.prod(map(len, looks)) > _FEW:
-        return None
-    return np.array(list(product(*looks)))
+    shares = [_all_shares(axis) for axis in space.axes]
+    return np.array(list(product(*shares))) if math.prod(map(len, shares)) <= _FEW else None
 
 
-def _looks(axis: Axis) -> Floats:
+def _all_shares(axis: Axis) -> Floats:
     """Shares of an axis: of each of its values, and all over its range."""
-    if axis.spread is None:
-        count = len(axis.values)
-    elif axis.key.whole:
-        count = math.floor(axis.spread.high) - math.ceil(axis.spread.low) + 1
-    else:
+    if axis.spread is not None and not axis.key.whole:
         return np.linspace(0.0, 1.0, _MAP)
+    spread = axis.spread
+    count = len(axis.values) if spread is None else math.floor(spread.high) - math.ceil(spread.low) + 1
     return (np.arange(count) + 0.5) / count
 
 
@@ -95,71 +139,12 @@ def _best_of(score: Score, shares: Floats) -> Floats:
     return best
 
 
-class Checkpoint:
-    """Scores in a file, a line each, by which a search that was stopped goes on.
-
-    The file is of one scene, seed and version of the program: another's is begun anew.
-    """
-
-    def __init__(self, path: Path, source: SceneFile, seed: int) -> None:
-        self._path, self.scores = path, dict[str, Scored]()
-        whose = (executor.digest(), versions(), source.scene.model_dump_json(), source.mesh_sha256, seed)
-        of = hashlib.sha256(repr(whose).encode()).hexdigest()
-        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        scored = TypeAdapter(Scored)
-        with suppress(ValueError):  # the last line may be cut off
-            for key, values in map(json.loads, lines[1:] if lines[:1] == [of] else []):
-                self.scores[key] = scored.validate_python(values)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("".join(f"{line}\n" for line in [of, *lines[1 : len(self.scores) + 1]]), encoding="utf-8")
-
-    def add(self, scores: Mapping[str, Scored]) -> None:
-        """Keep further ones."""
-        with self._path.open("a", encoding="utf-8") as file:
-            file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
-
-
-class _Known:
-    """Scores each design once: of choices, many shares mean the same."""
-
-    def __init__(
-        self, space: Space, score: Score, progress: Callable[[str], None], checkpoint: Checkpoint | None
-    ) -> None:
-        self._space, self._score, self._progress, self._kept = space, score, progress, checkpoint
-        self._scores: dict[str, Scored] = {}
-
-    @property
-    def tried(self) -> int:
-        """Designs that were scored."""
-        return len(self._scores)
-
-    def __call__(self, shares: Floats, quick: bool) -> list[Scored]:
-        keys = [repr((quick, *self._space.values(row).values())) for row in shares]
-        before = {} if self._kept is None else self._kept.scores
-        self._scores |= {key: before[key] for key in keys if key in before}
-        new = {key: row for key, row in zip(keys, shares, strict=True) if key not in self._scores}
-        if new:
-            scores = dict(zip(new, self._score(np.array(list(new.values())), quick), strict=True))
-            self._scores |= scores
-            if self._kept is not None:
-                self._kept.add(scores)
-            self._progress(f"{self.tried} designs")
-        return [self._scores[key] for key in keys]
-
-
-def sobol(dimensions: int, count: int, seed: int) -> Floats:
-    """So many points, a power of two, spread over the unit cube."""
-    from scipy.stats import qmc
-
-    shares: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
-    return shares
-
-
-def _everywhere(space: Space, score: Score, seed: int) -> Floats:
+def _globally(space: Space, score: Score, seed: int) -> Floats:
+    """Where quick scores are best, by differential evolution from a Sobol' sample."""
     from scipy.optimize import Bounds, differential_evolution
 
     dimensions = len(space.axes)
-    first = sobol(dimensions, max(_POPULATION, 1 << (8 * dimensions - 1).bit_length()), seed)
+    first = plan.sobol(dimensions, max(_POPULATION, 1 << (8 * dimensions - 1).bit_length()), seed)
     best, stale = -_LEAST, 0
     at: Floats = first[0]
 
@@ -190,19 +175,19 @@ def _everywhere(space: Space, score: Score, seed: int) -> Floats:
     return at
 
 
-def _about(space: Space, score: Score, start: Floats) -> tuple[Floats, Scored]:
+def _locally(space: Space, score: Score, start: Floats) -> tuple[Floats, Evaluation]:
     """The best by full figures near a design: of all neighbours at once, then of closer ones."""
-    best, scored, step = start, score(start[None], False)[0], _NEAR
+    best, evaluation, step = start, score(start[None], False)[0], _NEAR
     ways = _ways(len(space.axes), space.continuous)
     while len(ways) and step > _NEAREST:
         near = np.clip(best + step * ways, 0.0, 1.0)
         here = score(near, False)
         k = max(range(len(here)), key=lambda n: here[n].score)
-        if here[k].score > scored.score:
-            best, scored = near[k], here[k]
+        if here[k].score > evaluation.score:
+            best, evaluation = near[k], here[k]
         else:
             step *= 0.5
-    return best, scored
+    return best, evaluation
 
 
 def _ways(dimensions: int, free: list[int]) -> Floats:
@@ -229,7 +214,7 @@ def design(
     pool: AbstractContextManager[Workers] | None = None,
     stages: Stages | None = None,
     partial_results: Path | None = None,
-) -> Designed:
+) -> DesignResult:
     """The damper that damps best within what a scene's [design] allows.
 
     Args:
@@ -240,75 +225,75 @@ def design(
         partial_results: a file of designs that were scored; a design that was stopped goes on from it.
 
     Raises:
-        BadInput: the scene is wrong, has no [design], or no design keeps to its limits.
+        BadInput: the scene is wrong, has no [design], or no design satisfies its limits.
         NoAnswer: the plate has none.
     """
     source = as_scene_file(scene)
     resources.check(source)
     clock = stages or Stages()
-    space = objectives.space(source, clock)
-    checkpoint = None if partial_results is None else Checkpoint(partial_results, source, seed)
-    resumed = nullcontext() if checkpoint is None else folder.resumable(_GOES_ON)
+    space = spaces.design_space(source, clock)
+    resumed = nullcontext() if partial_results is None else folder.resumable(_GOES_ON)
     with resumed, pool or executor.local() as workers, clock("design") as step:
-        score = partial(scored, workers, executor.digest())
-        known = _Known(space, partial(score, space), step.advance, checkpoint)
-        optimum = _searched(space, known, seed)
-        impossible = optimum.scored.impossible
-        constraints = () if impossible else report.holds(space, optimum, score)
-        grid = None if impossible else _around(space, optimum, known)
+        score = partial(evaluate_on_workers, workers, executor.digest())
+        designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
+        optimum = search(space, designs, seed)
+        impossible = optimum.evaluation.impossible
+        constraints = () if impossible else report.active_constraints(space, optimum, score)
+        grid = None if impossible else _around(space, optimum, designs)
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
-        raise _infeasible(space, optimum.scored)
+        raise _infeasible(space, optimum.evaluation)
     best = winner(space, optimum)
-    if not optimum.scored.works:
-        return Designed(space, optimum, constraints, best, "", grid, None)
-    shaken = isinstance(space.goal, LeastAmplitude)
-    return Designed(space, optimum, constraints, best, _toml(best), grid, respond(best, clock) if shaken else None)
+    if not optimum.evaluation.works:
+        return DesignResult(space, optimum, constraints, best, "", grid, None)
+    model = choose_model(best, Stages(visible=False))
+    toml = provenance.as_toml(best.scene, model.effects, model.theory) + "\n"
+    response = None if space.goal.of_damping else respond(best, clock)
+    return DesignResult(space, optimum, constraints, best, toml, grid, response)
 
 
-def _infeasible(space: Space, nearest: Scored) -> BadInput:
-    """Why no design keeps to the limits, from the one that comes nearest."""
-    over = max(nearest.used, key=lambda item: item[1], default=None)
-    if over is None or over[1] <= 1:
-        return BadInput(f"no design is feasible: {report.obstacle(nearest)}", file=space.source.name, key="[design]")
-    name, share = over
+def _infeasible(space: Space, nearest: Evaluation) -> BadInput:
+    """Why no design satisfies the limits, from the closest one."""
+    name, share = max(nearest.used, key=lambda item: item[1], default=("", 0.0))
+    file = space.source.name
+    if share <= 1:
+        return BadInput(f"no design is feasible: {report.obstacle(nearest)}", file=file, key="[design]")
+    times = f"{significant(share)} times"
     if name == "density":
-        problem = (
-            f"no design is feasible: the balls of the closest one are {significant(share)} times as dense as osmium"
-        )
-        return BadInput(problem, file=space.source.name, key="[damper]")
+        problem = f"no design is feasible: the balls of the closest one are {times} as dense as osmium"
+        return BadInput(problem, file=file, key="[damper]")
     pressed = (
-        f"the floor carries none of these balls, the best at {significant(share)} times the limit of {name}; use"
-        " smaller balls, or a harder ball_material or [damper] floor_material"
+        f"the floor carries none of these balls, the best at {times} the limit of {name}; use smaller balls, or a"
+        " harder ball_material or [damper] floor_material"
     )
-    taken = f"the closest one needs {significant(share)} times"
     key, problem = {
         "hardness": ("hardness_ratio", pressed),
         "first yield": ("yield_ratio", pressed),
-        "mass": ("mass", f"{taken} the mass allowed"),
-    }.get(name, ("wall", f"{taken} the plate's thickness, with its walls"))
+        "mass": ("mass", f"the closest one needs {times} the mass allowed"),
+        "thickness": ("wall", f"the closest one needs {times} the plate's thickness, with its walls"),
+    }[name]
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-    return BadInput(f"no design satisfies it: {problem}", file=space.source.name, key=f"[design] {key}", value=value)
+    return BadInput(f"no design satisfies it: {problem}", file=file, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, optimum: Optimum) -> SceneFile:
     """The scene with the best damper, without [design]."""
-    values = {axis.key: value for axis, value in zip(space.axes, space.values(optimum.shares).values(), strict=True)}
+    values = dict(zip((axis.key for axis in space.axes), space.values(optimum.shares).values(), strict=True))
     data = plan.with_values(plan.base(space.source, list(values)), values)
     scene = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
     title = f"{space.source.scene.title}, the best damper"[:200]
     return replace(scene, scene=scene.scene.model_copy(update={"title": title}))
 
 
-def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[int, int]) -> list[Scored]:
+def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[int, int]) -> list[Evaluation]:
     """Score the designs from a number to before another; what a worker does."""
-    executor.same(digest)
+    executor.require_code(digest)
     executor.ready()
-    return objectives.scored(space, shares[slice(*numbers)], _plates, quick=quick)
+    return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
 
 
-def scored(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Scored]:
+def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
     """Score designs, part by part on all workers."""
     size = min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART)
     parts = [(begin, begin + size) for begin in range(0, len(shares), size)]
@@ -326,11 +311,7 @@ def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
     rows = np.repeat(optimum.shares[None], _MAP * _MAP, axis=0)
     rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
     every = score(rows, True)
-    xs, ys = (np.array(plan.drawn(space.axes[k], shares), dtype=float) for k in (x, y))
-    table = tuple(tuple(every[n : n + _MAP]) for n in range(0, len(every), _MAP))
-    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, table)
-
-
-def _toml(best: SceneFile) -> str:
-    choice = choose_model(best, Stages(visible=False))
-    return provenance.as_toml(best.scene, choice.effects, choice.theory) + "\n"
+    xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k in (x, y))
+    values = np.array([each.value if each.works else np.nan for each in every]).reshape(_MAP, _MAP)
+    beyond = np.array([each.impossible for each in every]).reshape(_MAP, _MAP)
+    return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values, beyond)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import OrderedDict, deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from threading import Lock
 from typing import Any
@@ -54,7 +54,12 @@ class DamperCase:
         return self.state.source.scene
 
     @property
-    def judged(self) -> ParticleDamper:
+    def cycles(self) -> Any:
+        """How long it rings down: a number of cycles, or "auto"."""
+        return "auto" if self.scene.release is None else self.scene.release.cycles
+
+    @property
+    def verdict_damper(self) -> ParticleDamper:
         """The damper that a verdict speaks of."""
         return damper_stage.verdict_damper(self.scene, self.state.effects, self.point)
 
@@ -64,7 +69,7 @@ class DamperCase:
         return self.state.results((self.point,))
 
 
-def measured(damper: ParticleDamper, known: dict[ParticleDamper, DampingCurve], **how: Any) -> DampingCurve:
+def damper_curve(damper: ParticleDamper, known: dict[ParticleDamper, DampingCurve], **how: Any) -> DampingCurve:
     """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
     bare = replace(damper, damping_ratio=0.0)
     if bare not in known:
@@ -72,28 +77,15 @@ def measured(damper: ParticleDamper, known: dict[ParticleDamper, DampingCurve], 
     return known[bare]
 
 
-_KEPT = 4
-"""Plates that are kept at a time."""
-
-_CUT = 16
-"""Cavities with which each of them is kept."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Plate:
-    """A plate with its planform, its effects and what solves it; `solutions` with the cavities of the last dampers."""
-
-    form: Planform | None
-    effects: dict[str, Effect]
-    solver: StructureSolver
-    solutions: deque[PlateSolution] = field(default_factory=lambda: deque(maxlen=_CUT))
+_PLATES, _CAVITIES = 4, 16
+"""Plates that are kept at a time, and cavities with which each of them is kept."""
 
 
 class PlateCache:
     """The plates that were solved last, for as long as their dampers need them; for several threads."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[str, _Plate] = OrderedDict()
+        self._known: OrderedDict[str, tuple[StructureSolver, deque[PlateSolution]]] = OrderedDict()
         self._lock = Lock()
 
     def state(self, source: SceneFile) -> StructureState:
@@ -104,31 +96,31 @@ class PlateCache:
         """
         if source.scene.plate is None:
             return StructureSolver(source, Stages(visible=False)).at()
-        plate = self._plate(source)
-        effects = plate.effects | of_the_damper(source.scene, plate.form)
+        solver, solutions = self._plate(source)
+        effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
+        effects |= damper_effects(source.scene, solver.choice.form)
         with self._lock:
-            known = tuple(plate.solutions)
-        solution = plate.solver.with_cavities_of(source, effects, known)
+            known = tuple(solutions)
+        solution = solver.with_cavities_of(source, effects, known)
         if solution not in known:
             with self._lock:
-                plate.solutions.append(solution)
+                solutions.append(solution)
         with translated_errors(source):
             points = solution.with_ball(source, effects)
         surface = None if source.mesh is None else solution.first_surface
         return StructureState(source, effects, points, solution, surface)
 
-    def _plate(self, source: SceneFile) -> _Plate:
+    def _plate(self, source: SceneFile) -> tuple[StructureSolver, deque[PlateSolution]]:
+        """What solves the plate of a scene, and its solutions with the cavities of the last dampers."""
         key = plate_key(source.scene)
         with self._lock:
             if key in self._known:
                 self._known.move_to_end(key)
                 return self._known[key]
-        solver = StructureSolver(source, Stages(visible=False))
-        effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
-        plate = _Plate(solver.choice.form, effects, solver)
+        plate = StructureSolver(source, Stages(visible=False)), deque[PlateSolution](maxlen=_CAVITIES)
         with self._lock:
             self._known[key] = plate
-            while len(self._known) > _KEPT:
+            while len(self._known) > _PLATES:
                 self._known.popitem(last=False)
         return plate
 
@@ -141,7 +133,7 @@ def plate_key(scene: Scene) -> str:
     return json.dumps(data | {"damper": place}, sort_keys=True)
 
 
-def of_the_damper(scene: Scene, form: Planform | None) -> dict[str, Effect]:
+def damper_effects(scene: Scene, form: Planform | None) -> dict[str, Effect]:
     """The effects of a scene's damper, decided as in a run."""
     effects = {}
     for name, (called, why, _) in selection.called_for(scene, form, OF_THE_DAMPER).items():
@@ -178,12 +170,9 @@ QUANTITIES = (
 HEADLINE = "best_damping_ratio"
 """What the best point has most of: the damping ratio within what the structure endures."""
 
-_REASON = ("reason", "i4")
-
-ROW = np.dtype([(quantity.name, quantity.kind) for quantity in QUANTITIES] + [_REASON])
+ROW = np.dtype([*((quantity.name, quantity.kind) for quantity in QUANTITIES), ("reason", "i4")])
 """A row; `reason` is the number of the text that says why there is no answer, -1 where there is one."""
 
-NUMBERS = tuple(quantity.name for quantity in QUANTITIES)
 UNGRADED = -1
 """The grade without a verdict."""
 
@@ -197,26 +186,10 @@ def empty(count: int) -> Rows:
     return rows
 
 
-def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
-    """Fill in the damper's own figures."""
-    point = replace(each.point, damping_curve=OwnFigures.of(measured(each.judged, known, **how), each.point.tilt_share))
-    _fill(row, point)
-    verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
-    row["grade"] = verdict.rank
-    for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
-        if value is not None:
-            row[name] = value
-
-
-def _fill(row: Any, point: SpeedPoint) -> None:
-    for name, value in serialise.headlines(point):
-        row[name] = value
-
-
 def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
     """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count."""
     rows, reasons = empty(end - begin), list[str]()
-    cases = list(all_placed(source, plan, begin, plates, rows, reasons))
+    cases = list(damper_cases(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, DampingCurve] = {}
     for each in cases:
         with during(f"at point {begin + each.number}, {each.point.rpm:.6g} rpm"):
@@ -226,46 +199,40 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCach
     return rows, tuple(reasons)
 
 
-def all_placed(
+def damper_cases(
     source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: list[str]
 ) -> Iterator[DamperCase]:
-    """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason."""
+    """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason.
+
+    The structure's numbers are filled into the rows.
+    """
     end = begin + len(rows)
-    columns = plan.columns(begin, end)
+    columns, speeds = plan.columns(begin, end), plan.speeds(begin, end)
     varied = [axis.key for axis in plan.axes]
-    data = base(source, varied)
-    others = [key for key in varied if key.name != SPEEDS]
-    every = plan.speeds(begin, end)
+    data, others = base(source, varied), [key for key in varied if key.name != SPEEDS]
 
-    def values(number: int) -> tuple[Any, ...]:
-        return tuple(columns[key.name][number] for key in others)
+    def refuse(numbers: list[int], error: SpindampError) -> None:
+        text = one_line(str(error).removeprefix(f"{source.name}: "))
+        if text not in reasons:
+            reasons.append(text)
+        rows["reason"][numbers] = reasons.index(text)
 
-    for group, numbers in groupby(range(len(rows)), key=values):
-        mine = list(numbers)
+    for values, group in groupby(range(len(rows)), key=lambda number: [columns[key.name][number] for key in others]):
+        numbers = list(group)
         try:
-            changed = with_values(data, dict(zip(others, group, strict=True)))
-            case = of_a_point(source, changed, every)
-            state = plates.state(case)
+            state = plates.state(of_a_point(source, with_values(data, dict(zip(others, values, strict=True))), speeds))
         except SpindampError as error:
-            rows["reason"][mine] = _number(reasons, said(error, source))
+            refuse(numbers, error)
             continue
-        for number in mine:
-            omega = float(columns[SPEEDS][number])
+        for number in numbers:
             try:
-                yield place(number, state, omega, rows[number])
+                yield _case(number, state, float(columns[SPEEDS][number]), rows[number])
             except SpindampError as error:
-                rows["reason"][number] = _number(reasons, said(error, source))
+                refuse([number], error)
 
 
-def _number(reasons: list[str], text: str) -> int:
-    """Which of the reasons a text is; a new one is added."""
-    if text not in reasons:
-        reasons.append(text)
-    return reasons.index(text)
-
-
-def place(number: int, state: StructureState, omega: float, row: Any) -> DamperCase:
-    """The damper of a scene at a speed, the structure's numbers filled into its row.
+def _case(number: int, state: StructureState, omega: float, row: Any) -> DamperCase:
+    """The damper of a scene at a speed.
 
     Raises:
         BadInput: the structure has no answer at this speed, or the damper makes no sense on it.
@@ -279,16 +246,31 @@ def place(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     return DamperCase(number, state, point, damper, coupling.release_displacement(scene, point, damper))
 
 
-def said(error: SpindampError, source: SceneFile) -> str:
-    """Why a point has no answer."""
-    return one_line(str(error).removeprefix(f"{source.name}: "))
+def _fill(row: Any, point: SpeedPoint) -> None:
+    for name, value in serialise.headlines(point):
+        row[name] = value
+
+
+def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
+    """Fill in the damper's own figures."""
+    point = replace(
+        each.point, damping_curve=OwnFigures.of(damper_curve(each.verdict_damper, known, **how), each.point.tilt_share)
+    )
+    _fill(row, point)
+    verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
+    row["grade"] = verdict.rank
+    for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
+        if value is not None:
+            row[name] = value
 
 
 def _ring_down(rows: Rows, cases: list[DamperCase]) -> None:
     """Ring all dampers down from their scenes' releases, in batches of those that can go together."""
     groups: dict[Any, list[DamperCase]] = {}
     for each in cases:
-        groups.setdefault(_together(each), []).append(each)
+        damper = each.damper
+        alike = damper.formulation, damper.modes, damper.floor_friction is None, damper.floor_radius is None
+        groups.setdefault((*alike, damper_stage.most_cycles(damper), each.cycles), []).append(each)
     for group in groups.values():
         batch, mine = _batch(group), [each.number for each in group]
         gravity, load = np.array([each.scene.rotor.gravity for each in group]), rows["load_g"][mine]
@@ -298,23 +280,12 @@ def _ring_down(rows: Rows, cases: list[DamperCase]) -> None:
             rows[name][mine] = ratio if name == "cutoff_ratio" else getattr(batch, name)
 
 
-def _together(each: DamperCase) -> Any:
-    """What the dampers of a batch have in common."""
-    damper, release = each.damper, each.scene.release
-    cycles = "auto" if release is None else release.cycles
-    most = damper_stage.most_cycles(damper)
-    return damper.formulation, damper.modes, damper.floor_friction is None, damper.floor_radius is None, most, cycles
-
-
 def _batch(group: list[DamperCase]) -> Any:
-    first, released = group[0], [each.release for each in group]
-    cycles = first.scene.release.cycles if first.scene.release is not None else "auto"
-    rows = np.concatenate([each.damper.parameters for each in group])
-    names = [name for name in PARAMETERS.names or () if name != "printed"]
-    if first.damper.floor_friction is None:
-        names.remove("floor_friction")
-    how: dict[str, Any] = {name: rows[name] for name in names}
+    first, rows = group[0], np.concatenate([each.damper.parameters for each in group])
+    left_out = ("printed", "floor_friction") if first.damper.floor_friction is None else ("printed",)
+    how: dict[str, Any] = {name: rows[name] for name in PARAMETERS.names or () if name not in left_out}
     if first.damper.modes is not None:
         how["amplitudes"] = np.array([coupling.amplitudes(each.damper, each.release) for each in group])
+    cycles = None if first.cycles == "auto" else first.cycles
     how["max_cycles"] = damper_stage.most_cycles(first.damper)
-    return ringdowns(first.damper, released, None if isinstance(cycles, str) else cycles, threads=1, **how)
+    return ringdowns(first.damper, [each.release for each in group], cycles, threads=1, **how)

@@ -14,12 +14,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from damper import Harmonic, ParticleDamper, backbone, damping_curve, forced, ringdowns
 from workflows.errors import BadInput
@@ -72,11 +72,16 @@ def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task
         while waiting or pending:
             most = _AHEAD * max(workers.count(), 1)
             while waiting and len(pending) < most:
-                pending[_submitted(workers, compute, waiting[0])] = waiting[0]
-                waiting.popleft()
+                try:
+                    future = workers.executor().submit(compute, waiting[0])
+                except BrokenExecutor as error:  # the workers died in this moment
+                    future = Future()
+                    future.set_exception(error)
+                pending[future] = waiting.popleft()
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 task = pending.pop(future)
-                if _died(future):
+                failure = CancelledError() if future.cancelled() else future.exception()
+                if isinstance(failure, BrokenExecutor) or type(failure).__name__ in _LOST:
                     waiting.appendleft(task)
                     lost += 1
                 else:
@@ -89,34 +94,17 @@ def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task
             future.cancel()
 
 
-def _submitted(workers: Workers, compute: Callable[[Task], T], task: Task) -> Future[T]:
-    """A task handed out; as lost where the workers died in this moment."""
-    try:
-        return workers.executor().submit(compute, task)
-    except BrokenExecutor as error:
-        future: Future[T] = Future()
-        future.set_exception(error)
-        return future
-
-
-def _died(future: Future[Any]) -> bool:
-    if future.cancelled():
-        return True
-    error = future.exception()
-    return isinstance(error, BrokenExecutor) or type(error).__name__ in _LOST
-
-
 def workers_of(
     workers: int | None = None, dask: str | None = None, executor: Executor | None = None
 ) -> AbstractContextManager[Workers]:
     """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
     if executor is not None:
-        return given(executor)
+        return external(executor)
     return local(workers) if dask is None else cluster(dask)
 
 
 @contextmanager
-def given(executor: Executor, workers: int = 1) -> Iterator[Workers]:
+def external(executor: Executor, workers: int = 1) -> Iterator[Workers]:
     """Workers of an executor that is somebody else's, and stays open."""
     yield Workers(lambda: executor, lambda: workers)
 
@@ -153,25 +141,22 @@ def cluster(address: str) -> Iterator[Workers]:
         raise BadInput(f"no scheduler answers there: {error}", key="--dask", value=address) from error
     with client:
         if not client.ncores():
-            raise BadInput(
-                f"the scheduler has no workers: start some with `dask worker {address} --nthreads 1`",
-                key="--dask",
-                value=address,
-            )
+            problem = f"the scheduler has no workers: start some with `dask worker {address} --nthreads 1`"
+            raise BadInput(problem, key="--dask", value=address)
         with client.get_executor(pure=False, retries=10) as executor:
             yield Workers(lambda: executor, lambda: sum(client.ncores().values()))
 
 
 def _begin(parent: int) -> None:
     """In a new process: leave Ctrl-C to the one that started it, and end when that one has ended, however."""
+
+    def end_with_parent() -> None:
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(0)
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(0.5)
-    os._exit(0)
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 _PACKAGES = ("fem", "damper", "workflows")
@@ -189,7 +174,7 @@ def digest() -> str:
     return sha.hexdigest()
 
 
-def same(other: str) -> None:
+def require_code(other: str) -> None:
     """See that a worker runs the code that the study is of.
 
     Raises:
@@ -206,22 +191,25 @@ def identity() -> dict[str, str]:
 
 @cache
 def ready() -> None:
-    """Compile all kernels, or load them: the first process of a machine alone, the others once it is done."""
+    """Compile all kernels, or load them: the first process of a machine alone, the others once it is done.
+
+    An installation has a cache of its own: of the code, and of where it lies.
+    """
     from filelock import FileLock
 
     user = getattr(os, "getuid", lambda: 0)()
-    place = Path(tempfile.gettempdir()) / f"spindamp-{user}-{_digest()}"
-    done = place.with_suffix(".compiled")
+    place = hashlib.sha256(f"{digest()} {Path(__file__).resolve()}".encode()).hexdigest()[:16]
+    done = Path(tempfile.gettempdir()) / f"spindamp-{user}-{place}.compiled"
     if done.exists():
         return
-    with FileLock(place.with_suffix(".lock")):
+    with FileLock(done.with_suffix(".lock")):
         if not done.exists():
             compile_all()
             done.touch()
 
 
 def compile_all() -> None:
-    """Run everything once, on level and on tilting floors, left alone and driven."""
+    """Run everything once, on level and on tilting floors, without forces and with one."""
     level = ParticleDamper(
         modal_mass=1.0,
         stiffness=(1e6, 1e6),
@@ -233,13 +221,8 @@ def compile_all() -> None:
         friction=0.3,
         rolling_friction=1e-5,
     )
-    for damper in (level, ParticleDamper(**vars(level) | {"floor_tilt": (1.0, 0.0)})):
+    for damper in (level, replace(level, floor_tilt=(1.0, 0.0))):
         damping_curve(damper, threads=1, sweeps=2, stay=1)
         ringdowns(damper, [(1e-3, 0.0)], 1, threads=1)
         backbone(damper, threads=1)
         forced(damper, [Harmonic(1e3, force=(1.0, 0.0))], threads=1, max_cycles=32)
-
-
-def _digest() -> str:
-    """Of the code and of where it lies: an installation has a cache of its own."""
-    return hashlib.sha256(f"{digest()} {Path(__file__).resolve()}".encode()).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""A study as files for people: `sweep.json` and one page."""
+"""A study as files for people: `sweep.json` and one page; its sentences are in `sweep.txt.j2`."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from fem.rotor import in_rpm
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
 from workflows.io.folder import replacing_file
-from workflows.report import plots
-from workflows.report.page import from_template
+from workflows.report import page, plots
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -31,57 +30,60 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-_SHOWN = {
+@dataclass(frozen=True)
+class Picture:
+    """A picture as SVG, and what it shows."""
+
+    svg: str
+    caption: str
+
+
+_UNITS = {
     "m": (1e3, "mm"),
     "kg": (1e3, "g"),
     "rad/s": (in_rpm(1.0), "rpm"),
     "rad": (180 / math.pi, "deg"),
     "1": (1.0, ""),
 }
-"""How units of coordinates are shown: a factor, and the unit's name."""
+"""The units that people have for coordinates: a factor, and the unit's name."""
 
 
-def axis_label(data: xr.Dataset, name: str) -> str:
-    """A key with its unit."""
-    unit = shown_unit(data, name)[1]
-    return f"{short(name)}, {unit}" if unit else short(name)
+def _unit(data: xr.Dataset, name: str) -> tuple[float, str]:
+    unit = str(data[name].attrs.get("units", "1"))
+    return _UNITS.get(unit, (1.0, unit))
 
 
-def along(data: xr.Dataset, name: str) -> Floats:
-    """The values of a key in the unit that people have for it."""
-    values: Floats = shown_unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
-    return values
-
-
-def titled(data: xr.Dataset, key: str | None, k: int) -> str:
-    """A key with its kth value; nothing without a key."""
-    if key is None:
-        return ""
-    if key == SPEEDS:
-        return f"{whole(float(data['rpm'].values[k]))} rpm"
-    value = data[key].values[k]
-    return f"{short(key)} {said(data, key, value.item() if hasattr(value, 'item') else value)}"
-
-
-def short(name: str) -> str:
+def _short(name: str) -> str:
     """A key without its table."""
     return name.partition(".")[2].replace("_", " ")
 
 
-def said(data: xr.Dataset, name: str, value: Any) -> str:
+def _label(data: xr.Dataset, name: str) -> str:
+    """A key with its unit."""
+    return ", ".join(filter(None, (_short(name), _unit(data, name)[1])))
+
+
+def _along(data: xr.Dataset, name: str) -> Floats:
+    """The values of a key in the unit that people have for it."""
+    values: Floats = _unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
+    return values
+
+
+def _formatted(data: xr.Dataset, name: str, value: Any) -> str:
     """A value of a key in words."""
     if isinstance(value, str):
         return value
-    if not math.isfinite(value):
-        return FLAT
-    factor, unit = shown_unit(data, name)
-    return f"{significant(factor * float(value), 4)} {unit}".rstrip()
+    factor, unit = _unit(data, name)
+    return f"{significant(factor * float(value), 4)} {unit}".rstrip() if math.isfinite(value) else FLAT
 
 
-def shown_unit(data: xr.Dataset, name: str) -> tuple[float, str]:
-    """The unit that people have for a key: its factor from SI, and its name."""
-    unit = str(data[name].attrs.get("units", "1"))
-    return _SHOWN.get(unit, (1.0, unit))
+def _at(data: xr.Dataset, name: str | None, k: int) -> str:
+    """A key with its kth value; nothing without a key."""
+    if name is None:
+        return ""
+    if name == SPEEDS:
+        return f"{whole(float(data['rpm'].values[k]))} rpm"
+    return f"{_short(name)} {_formatted(data, name, data[name].values[k])}"
 
 
 _STEPS = (1.0, 2.0, 5.0)
@@ -101,9 +103,9 @@ def scale(values: Floats) -> str:
 
 
 def contour_levels(tables: list[Floats], least: float = 0.02) -> list[float]:
-    """Round numbers, 1, 2, 5 and so on, over what there is; at most as many as there are colours.
+    """Round numbers, 1, 2, 5 and so on, over all values; at most as many as there are colours.
 
-    `least`: quantile of the values from which on they are told apart.
+    `least`: quantile of the values from which on they are distinguished.
     """
     known = np.concatenate([values[np.isfinite(values) & (values > 0)] for values in tables])
     if not known.size:
@@ -149,8 +151,46 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
     figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")
 
 
-_PANELS = 3
-"""Of a figure."""
+_MAPPED, _CURVES, _PANELS = 4, 7, 3
+"""Values along both axes from which on there is a map; curves of a figure; panels of a figure."""
+
+_QUANTITIES = {HEADLINE: ("damping ratio by the ball, %", 100.0), "cutoff": ("amplitude below which it rests, mm", 1e3)}
+"""What is drawn: its name, and the factor from SI."""
+
+
+@plots.style()
+def draw(data: xr.Dataset) -> list[Picture]:
+    """What a study looks like: the damping first, then the amplitude below which the ball rests."""
+    if not (data[HEADLINE].values > 0).any():
+        return []
+    if "ST" in data:
+        return [Picture(_bars(data), *_phrased("of_bars"))]
+    if SAMPLE in data.dims:
+        return [Picture(_scattered(data), *_phrased("of_sample"))]
+    numbers = [str(name) for name in data.dims if np.issubdtype(np.asarray(data[name].values).dtype, np.number)]
+    numbers.sort(key=lambda name: -data.sizes[name])
+    keys = [name for name in numbers if name != SPEEDS]
+    wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _MAPPED]
+    if len(wide) > 1:
+        x, y = wide[:2]
+        return [Picture(_map(data, name, x, y), map_caption(data, name, x, y)) for name in _drawn(data, (x, y))]
+    x, others = numbers[0], [str(name) for name in data.dims if name != numbers[0]]
+    series = max(others, key=lambda name: data.sizes[name], default=None)
+    names = _drawn(data, (x,) if series is None else (x, series))
+    return [
+        Picture(_curves(data, name, x, series), *_phrased("of_curves", name, _fixed(data, (x, series))))
+        for name in names
+    ]
+
+
+def _drawn(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
+    """The headline, and what else varies along these keys."""
+    return [name for name in _QUANTITIES if name == HEADLINE or _varies(data, name, along)]
+
+
+def _fixed(data: xr.Dataset, used: tuple[str | None, ...]) -> list[str]:
+    """Keys that a picture does not show, with their values: those of the best point."""
+    return [_at(data, name, k) for name, k in _best(data).items() if name not in used and data.sizes[name] > 1]
 
 
 def panels(data: xr.Dataset, used: tuple[str, ...]) -> tuple[str | None, list[int]]:
@@ -160,10 +200,8 @@ def panels(data: xr.Dataset, used: tuple[str, ...]) -> tuple[str | None, list[in
         return None, [0]
     name = SPEEDS if SPEEDS in others else others[-1]
     works = np.flatnonzero(_works(data, name))
-    if not works.size:
-        return name, [0]
     few = np.linspace(0, works.size - 1, min(works.size, _PANELS))
-    return name, sorted({int(works[round(k)]) for k in few})
+    return name, sorted({int(works[round(k)]) for k in few}) or [0]
 
 
 def _works(data: xr.Dataset, name: str) -> Any:
@@ -171,44 +209,39 @@ def _works(data: xr.Dataset, name: str) -> Any:
     return (data[HEADLINE] > 0).any(dim=[dim for dim in data.dims if dim != name]).values
 
 
-def in_words(data: xr.Dataset, best: dict[str, int], x: str, y: str) -> str:
-    """What the maps do not show: what lies beyond, where no ball works, up to which amplitude balls rest in a panel."""
-    name, places = panels(data, (x, y))
-    ends = [short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
-    sentence = f" It lies at an end of {' and '.join(ends)}: the optimum may lie beyond." if ends else ""
-    if name is not None:
-        idle = np.flatnonzero(~_works(data, name))
-        if idle.size and idle.size < data.sizes[name]:
-            sentence += (
-                f" Not drawn: {_runs(data, name, idle)}, where no ball has a verdict or adds damping within what the"
-                " structure endures."
-            )
-    if not varies(data, "cutoff", (x, y)):
-        ends = []
-        for k in places:
-            there = 1e3 * data["cutoff"].isel({} if name is None else {name: k}).values
-            at = f" at {titled(data, name, k)}" if name is not None else ""
-            ends.append(f"{significant(float(np.nanmin(there)), 2)} mm{at}")
-        sentence += f" The load holds the ball at rest below {', '.join(ends)}."
-    return sentence
-
-
-def _runs(data: xr.Dataset, name: str, places: Any) -> str:
-    """Values of a key in words, each run of neighbours by its ends."""
-    runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
-    ends = [[titled(data, name, int(k)) for k in sorted({run[0], run[-1]})] for run in runs]
-    return ", ".join(" to ".join(each) for each in ends)
-
-
-def varies(data: xr.Dataset, quantity: str, names: tuple[str, ...]) -> bool:
+def _varies(data: xr.Dataset, quantity: str, along: tuple[str, ...]) -> bool:
     """Whether a quantity changes by more than a tenth along these dimensions anywhere."""
-    low, high = data[quantity].min(dim=names), data[quantity].max(dim=names)
+    low, high = data[quantity].min(dim=along), data[quantity].max(dim=along)
     return bool((high > 1.1 * low).any())
 
 
-def draw_map(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: str) -> str:
+def _best(data: xr.Dataset) -> dict[str, int]:
+    """Where the damper does most, as a place along every dimension."""
+    table = data[HEADLINE]
+    place = np.unravel_index(int(np.nanargmax(table.values)), table.shape)
+    return {str(name): int(k) for name, k in zip(table.dims, place, strict=True)}
+
+
+def map_caption(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
+    """What a map shows, and what it does not: other keys, where no ball works, up to where balls rest."""
+    best, (panel, places) = _best(data), panels(data, (x, y))
+    ends, idle, at_rest = list[str](), "", list[str]()
+    if quantity == HEADLINE:
+        ends = [_short(key) for key in (x, y) if best[key] in (0, data.sizes[key] - 1)]
+        still = np.array([]) if panel is None else np.flatnonzero(~_works(data, panel))
+        if panel is not None and 0 < still.size < data.sizes[panel]:
+            runs = np.split(still, np.flatnonzero(np.diff(still) > 1) + 1)
+            idle = ", ".join(" to ".join(_at(data, panel, k) for k in sorted({run[0], run[-1]})) for run in runs)
+        if not _varies(data, "cutoff", (x, y)):
+            for k in places:
+                least = float(np.nanmin(1e3 * data["cutoff"].isel({} if panel is None else {panel: k}).values))
+                at_rest.append(f"{significant(least, 2)} mm" + f" at {_at(data, panel, k)}" * (panel is not None))
+    return " ".join(_phrased("of_map", quantity, _fixed(data, (x, y, panel)), ends, idle, at_rest))
+
+
+def _map(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
     """A map of a quantity with the best point marked."""
-    named, factor = NAMED[quantity], _FACTORS[quantity]
+    (named, factor), best = _QUANTITIES[quantity], _best(data)
     panel, places = panels(data, (x, y))
     fixed = {name: k for name, k in best.items() if name not in (x, y, panel)}
     tables = [
@@ -217,204 +250,99 @@ def draw_map(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, y: s
     levels = contour_levels(tables)
     figure, axes = plots.canvas(2.9, len(places))
     colours = map_spread(len(levels) - 1)
-    xs, ys = along(data, x), along(data, y)
-    idle = False
-    for number, (each, values) in enumerate(zip(axes, tables, strict=True)):
-        idle = _panel(each, xs, ys, values, levels) or idle
+    xs, ys = _along(data, x), _along(data, y)
+    for k, each, values in zip(places, axes, tables, strict=True):
+        works = values > 0
+        if works.sum() > 1:
+            shown = np.clip(np.where(works, values, np.nan), levels[0], levels[-1])
+            each.contourf(xs, ys, shown, levels, colors=colours)
+        if not works.all():
+            hatch(each, xs, ys, ~works)
         if quantity == HEADLINE:
             _boundaries(each, xs, ys, values)
-        if panel is None or places[number] == best[panel] or len(places) == 1:
+        if panel is None or k == best[panel] or len(places) == 1:
             mark(each, xs[best[x]], ys[best[y]])
         scales: dict[str, Any] = {"xscale": scale(xs), "yscale": scale(ys)}
-        each.set(xlabel=axis_label(data, x), title=titled(data, panel, places[number]), **scales)
+        each.set(xlabel=_label(data, x), title=_at(data, panel, k), **scales)
         each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
         each.grid(visible=False)
-    axes[0].set_ylabel(axis_label(data, y))
+    axes[0].set_ylabel(_label(data, y))
+    idle = any(not (values > 0).all() for values in tables)
     colour_key(figure, levels, colours, named, idle="no damping, or no verdict" if idle else "")
     return plots.svg(figure, f"map-{quantity}", f"{named} over {x} and {y}")
 
 
-def _panel(axes: Axes, xs: Floats, ys: Floats, values: Floats, levels: list[float]) -> bool:
-    """Colours where there is something, hatching where there is nothing; whether there is such a place."""
-    some = np.where(values > 0, values, np.nan)
-    if np.isfinite(some).sum() > 1:
-        colours = map_spread(len(levels) - 1)
-        axes.contourf(xs, ys, np.clip(some, levels[0], levels[-1]), levels, colors=colours)
-    nothing = ~(values > 0)
-    if nothing.any():
-        hatch(axes, xs, ys, nothing)
-    return bool(nothing.any())
-
-
 def _boundaries(axes: Axes, xs: Floats, ys: Floats, values: Floats) -> None:
     """Where the damper does as much as the air, and a tenth of it."""
-    levels = [100 * AIR[0] / 10, 100 * AIR[0]]
-    inside = [level for level in levels if np.nanmin(values) < level < np.nanmax(values)]
+    inside = [level for level in (10 * AIR[0], 100 * AIR[0]) if np.nanmin(values) < level < np.nanmax(values)]
     if inside:
         lines = axes.contour(xs, ys, values, inside, colors=plots.INK, linewidths=1.0, linestyles="dashed")
         axes.clabel(lines, fmt=lambda level: significant(level, 2), fontsize=6.5)
 
 
-_FOR_A_MAP, _CURVES = 4, 7
-"""Values along both axes from which on there is a map; curves of a figure."""
-
-NAMED = {HEADLINE: "damping ratio by the ball, %", "cutoff": "amplitude below which it rests, mm"}
-_FACTORS = {HEADLINE: 100.0, "cutoff": 1e3}
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture as SVG, and what it shows."""
-
-    svg: str
-    caption: str
-
-
-@plots.style()
-def draw(data: xr.Dataset) -> list[Picture]:
-    """What a study looks like: the damping first, then the amplitude below which the ball rests."""
-    if not (data[HEADLINE].values > 0).any():
-        return []
-    if "ST" in data:
-        return [Picture(_bars(data), _OF_BARS)]
-    if SAMPLE in data.dims:
-        return [Picture(_scattered(data), "Each point of the sample, over each key that is varied.")]
-    numbers = _numeric(data)
-    keys = [name for name in numbers if name != SPEEDS]
-    wide = [name for name in (keys if len(keys) > 1 else numbers) if data.sizes[name] >= _FOR_A_MAP]
-    return _mapped(data, wide[0], wide[1]) if len(wide) > 1 else _along(data, numbers)
-
-
-def _mapped(data: xr.Dataset, x: str, y: str) -> list[Picture]:
-    """Maps over two keys."""
-    best, used = _best(data), (x, y, panels(data, (x, y))[0])
-    return [
-        Picture(
-            draw_map(data, best, name, x, y),
-            _caption(data, best, used, name) + in_words(data, best, x, y) * (name == HEADLINE),
-        )
-        for name in _shown(data, (x, y))
-    ]
-
-
-def _along(data: xr.Dataset, numbers: list[str]) -> list[Picture]:
-    """Curves over the key with the most values, one for each value of the next."""
-    best, x = _best(data), max(numbers, key=lambda name: data.sizes[name])
-    series = max((str(name) for name in data.dims if name != x), key=lambda name: data.sizes[name], default=None)
-    along = (x,) if series is None else (x, series)
-    return [
-        Picture(_curves(data, best, name, x, series), _caption(data, best, along, name)) for name in _shown(data, along)
-    ]
-
-
-def _shown(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
-    """The headline, and what else varies along these keys."""
-    return [name for name in NAMED if name == HEADLINE or varies(data, name, along)]
-
-
-def _best(data: xr.Dataset) -> dict[str, int]:
-    """Where the damper does most, as a place along every dimension."""
-    place = np.unravel_index(int(np.nanargmax(data[HEADLINE].values)), tuple(data.sizes.values()))
-    return {str(name): int(k) for name, k in zip(data.sizes, place, strict=True)}
-
-
-def _numeric(data: xr.Dataset) -> list[str]:
-    """Dimensions of numbers, the longest first."""
-    names = [str(name) for name in data.dims if np.issubdtype(np.asarray(data[name].values).dtype, np.number)]
-    return sorted(names, key=lambda name: -data.sizes[name])
-
-
-def _caption(data: xr.Dataset, best: dict[str, int], used: tuple[str | None, ...], quantity: str) -> str:
-    """What a picture shows, and the values of the keys that it does not show: those of the best point."""
-    others = [name for name in best if name not in used and data.sizes[name] > 1]
-    fixed = f" Here {', '.join(titled(data, name, best[name]) for name in others)}." if others else ""
-    air = f"Air alone gives turbine blades {100 * AIR[0]:.2f} to {100 * AIR[1]:.2f} %"
-    of_maps = (
-        "; dashed lines: the lowest of that, and a tenth of it. Hatched: no damping at any amplitude that the structure"
-        " endures, or no verdict. Cross: the best point"
-    )
-    about = {
-        HEADLINE: "The largest damping ratio of the ball alone at amplitudes that the structure endures."
-        f" {air}{of_maps * (len(used) > 2)}.",
-        "cutoff": "Below this amplitude the load holds the ball at rest.",
-    }
-    return about[quantity] + fixed
-
-
-def _curves(data: xr.Dataset, best: dict[str, int], quantity: str, x: str, series: str | None) -> str:
+def _curves(data: xr.Dataset, quantity: str, x: str, series: str | None) -> str:
     """A quantity over one key, a curve for each value of another."""
+    (named, factor), best = _QUANTITIES[quantity], _best(data)
     figure, (axes,) = plots.canvas(3.1)
-    places = [0]
-    if series is not None:
-        count = data.sizes[series]
-        places = sorted({round(k) for k in np.linspace(0, count - 1, min(count, _CURVES))})
+    count = 1 if series is None else data.sizes[series]
+    places = sorted({round(k) for k in np.linspace(0, count - 1, min(count, _CURVES))})
     fixed = {name: k for name, k in best.items() if name not in (x, series)}
-    xs = along(data, x)
     for number, k in enumerate(places):
-        values = _FACTORS[quantity] * data[quantity].isel(fixed | ({series: k} if series else {})).values
-        label = None if series is None else titled(data, series, k)
-        colour = plots.CATEGORIES[number % len(plots.CATEGORIES)]
-        axes.plot(xs, np.where(values > 0, values, np.nan), color=colour, marker=plots.MARKERS[number % 7], label=label)
+        values = factor * data[quantity].isel(fixed | ({series: k} if series else {})).values
+        look: dict[str, Any] = {"color": plots.CATEGORIES[number], "marker": plots.MARKERS[number]}
+        label = _at(data, series, k) or None
+        axes.plot(_along(data, x), np.where(values > 0, values, np.nan), label=label, **look)
     if quantity == HEADLINE:
         axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
-    positive = data[quantity].isel(fixed).values
-    spread = np.nanmax(positive) > 10 * np.nanmin(np.where(positive > 0, positive, np.nan))
-    axes.set(xlabel=axis_label(data, x), ylabel=NAMED[quantity], xscale=scale(xs))
-    axes.set_yscale("log" if spread else "linear")
+    axes.set(xlabel=_label(data, x), ylabel=named, xscale=scale(_along(data, x)))
+    axes.set_yscale(_value_scale(data[quantity].isel(fixed).values))
     if series is not None:
         plots.legend(figure, axes)
-    return plots.svg(figure, f"curves-{quantity}", f"{NAMED[quantity]} over {x}")
+    return plots.svg(figure, f"curves-{quantity}", f"{named} over {x}")
 
 
-_OF_BARS = (
-    "Which parameter is worth measuring: the share of the variance due to each, interactions included (total Sobol'"
-    " index), with 95 % confidence, at the middle speed."
-)
+def _value_scale(values: Floats) -> Any:
+    """Logarithmic for positive values over more than a power of ten."""
+    positive = values[values > 0]
+    return "log" if positive.size and positive.max() > 10 * positive.min() else "linear"
 
 
 def _bars(data: xr.Dataset) -> str:
     """Total indices of the peak and of the cut-off, a bar for each parameter."""
-    shown = (HEADLINE, "cutoff_ratio")
-    k, names = (data.sizes[SPEEDS] - 1) // 2, [str(name) for name in data["parameter"].values]
-    figure, panels = plots.canvas(0.9 + 0.34 * len(names), len(shown))
-    for axes, quantity in zip(panels, shown, strict=True):
-        point = data.sel(quantity=quantity).isel({SPEEDS: k})
-        totals = 100 * np.nan_to_num(point["ST"].values)
+    titles = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
+    names = [str(name) for name in data["parameter"].values]
+    figure, panels = plots.canvas(0.9 + 0.34 * len(names), len(titles))
+    for axes, (quantity, title) in zip(panels, titles.items(), strict=True):
+        point = data.sel(quantity=quantity).isel({SPEEDS: _middle(data)})
+        totals, halves = (100 * np.nan_to_num(point[index].values) for index in ("ST", "ST_conf"))
         axes.barh(range(len(names)), totals, color=plots.CATEGORIES[0], height=0.5)
-        halves = 100 * np.nan_to_num(point["ST_conf"].values)
         axes.errorbar(totals, range(len(names)), xerr=halves, fmt="none", ecolor=plots.INK, elinewidth=1.0)
-        axes.set(title=_CALLED[quantity], xlabel="share of the variance, %", xlim=(0, None))
+        axes.set(title=title, xlabel="share of the variance, %", xlim=(0, None))
         axes.grid(visible=False, axis="y")
-        axes.set_yticks(range(len(names)), [short(name) for name in names])
+        axes.set_yticks(range(len(names)), [_short(name) for name in names])
     return plots.svg(figure, "indices", "Total Sobol' indices of each parameter")
 
 
-_CALLED = {HEADLINE: "largest damping ratio", "cutoff_ratio": "cut-off over the load"}
+def _middle(data: xr.Dataset) -> int:
+    """The number of the middle speed."""
+    return int(data.sizes[SPEEDS] - 1) // 2
 
-_SCATTERED = 6
-_DOTS = 2000
+
+_SCATTERED, _DOTS = 6, 2000
+"""Keys of a sample that are drawn, and points."""
 
 
 def _scattered(data: xr.Dataset) -> str:
     """The damping of a sample over each of its keys."""
     keys = [name for name in store.keys_of(data) if data[name].dims == (SAMPLE,)]
     keys = [name for name in keys if np.issubdtype(np.asarray(data[name].values).dtype, np.number)][:_SCATTERED]
-    values = 100 * data[HEADLINE]
-    if SPEEDS in data.dims:
-        values = values.isel({SPEEDS: (data.sizes[SPEEDS] - 1) // 2})
-    some = slice(0, _DOTS)
+    table = data[HEADLINE].isel({SPEEDS: _middle(data)}) if SPEEDS in data.dims else data[HEADLINE]
     figure, panels = plots.canvas(2.4, max(len(keys), 1))
     for axes, name in zip(panels, keys, strict=False):
-        axes.plot(along(data, name)[some], values.values[some], ".", color=plots.CATEGORIES[0], ms=2)
-        axes.set(xlabel=axis_label(data, name))
-        known = values.values[np.isfinite(values.values) & (values.values > 0)]
-        if known.size and known.max() > 10 * known.min():
-            axes.set_yscale("log")
-    panels[0].set_ylabel(NAMED[HEADLINE])
+        axes.plot(_along(data, name)[:_DOTS], 100 * table.values[:_DOTS], ".", color=plots.CATEGORIES[0], ms=2)
+        axes.set(xlabel=_label(data, name), yscale=_value_scale(100 * table.values))
+    panels[0].set_ylabel(_QUANTITIES[HEADLINE][0])
     return plots.svg(figure, "sample", "Damping ratio over each key of the sample")
-
-
-_HEADLINE = sensitivity.QUANTITIES.index(HEADLINE)
 
 
 def document(data: xr.Dataset) -> dict[str, Any]:
@@ -430,13 +358,9 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "without_answer": sum(reasons.values()),
         "without_verdict": int(((data["grade"] == evaluate.UNGRADED) & (data["reason"] == "")).sum()),
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
-        "best": None,
+        "best": _point(data, _best(data)) if (flat > 0).any() else None,
     }
-    if (flat > 0).any():
-        entries["best"] = at(data, int(np.nanargmax(flat)))
-    if "ST" in data:
-        entries["uncertain"] = sensitivity.document(data)
-    return entries
+    return entries | ({"uncertain": sensitivity.document(data)} if "ST" in data else {})
 
 
 _NUMBER = r"[-+]?\d[\d.]*(e[-+]?\d+)?"
@@ -448,11 +372,11 @@ def causes(data: xr.Dataset) -> Counter[str]:
     Such a cause stands without the value of its key; where other numbers differ as well, with those of its first point.
     """
     texts = Counter(str(text) for text in data["reason"].values.ravel() if text)
-    alike: dict[str, list[str]] = {}
+    groups: dict[str, list[str]] = {}
     for text in texts:
-        alike.setdefault(re.sub(_NUMBER, "#", text), []).append(text)
+        groups.setdefault(re.sub(_NUMBER, "#", text), []).append(text)
     counts: Counter[str] = Counter()
-    for each in alike.values():
+    for each in groups.values():
         name = each[0] if len(each) == 1 else re.sub(r"^(\[\w+\] [\w.]+) = .*?: ", r"\1: ", each[0])
         counts[name] += sum(texts[text] for text in each)
     return counts
@@ -466,73 +390,44 @@ def no_answer(data: xr.Dataset) -> str:
     return "no point has an answer: " + "; ".join(f"{count} × {cause}" for cause, count in counts.most_common())
 
 
-def at(data: xr.Dataset, number: int) -> dict[str, Any]:
-    """A point by its absolute index: the keys that are varied, and what was found there."""
-    points = data[[*evaluate.NUMBERS]]
-    place = np.unravel_index(number, tuple(points.sizes[name] for name in points[HEADLINE].dims))
-    point = points.isel({name: int(k) for name, k in zip(points[HEADLINE].dims, place, strict=True)})
-    keys = {str(name): plan.said([point.coords[name].item()])[0] for name in point.coords}
+def _point(data: xr.Dataset, place: dict[str, int]) -> dict[str, Any]:
+    """A point: the keys that are varied, and its quantities."""
+    point = data[[quantity.name for quantity in evaluate.QUANTITIES]].isel(place)
+    keys = {str(name): plan.as_plain([point.coords[name].item()])[0] for name in point.coords}
     values = {str(name): point[name].item() for name in point.data_vars}
     return {"keys": keys, "values": {name: value if math.isfinite(value) else None for name, value in values.items()}}
+
+
+def _best_keys(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str]:
+    """The keys of the best point in words."""
+    keys = {} if entries["best"] is None else entries["best"]["keys"]
+    return {name: _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
+
+
+def _spread(data: xr.Dataset) -> dict[str, Any] | None:
+    """How far the largest damping ratio spreads at the middle speed; None where there is none to speak of."""
+    if "ST" not in data:
+        return None
+    percentiles = data["percentiles"].sel(quantity=HEADLINE).isel({SPEEDS: _middle(data)}).values
+    ranked = sensitivity.worth_measuring(data, HEADLINE, _middle(data))
+    if not (percentiles > 0).any():
+        return None
+    return {"rpm": float(data["rpm"].values[_middle(data)]), "percentiles": percentiles.tolist(), "ranked": ranked}
+
+
+def _headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
+    """The answer of a study that is not that of its best point; empty where it is."""
+    return " ".join(_phrased("headline", entries, _spread(data)))
+
+
+def _phrased(macro: str, *values: Any) -> list[str]:
+    return page.sentences("sweep.txt.j2", macro, *values)
 
 
 def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
     entries = document(data)
-    sizes = " × ".join(f"{size} {name}" for name, size in entries["dimensions"].items())
-    lines = [f"{entries['title']}: {entries['points']} point{'s' * (entries['points'] != 1)} ({sizes})"]
-    if "ST" in data and _is_spread(data):
-        lines += _uncertain(data)
-    elif entries["best"] is not None:
-        keys, values = entries["best"]["keys"], entries["best"]["values"]
-        where = ", ".join(f"{name} = {said(data, name, value)}" for name, value in keys.items() if name != SPEEDS)
-        lines.append(f"The best point is {where}:")
-        amplitude = values["best_amplitude"]
-        there = "" if amplitude is None else f" at an amplitude of {significant(1e3 * amplitude)} mm"
-        lines.append(f"  a damping ratio of {significant(100 * values[HEADLINE])} %{there}")
-    elif headline(data, entries):
-        lines.append(headline(data, entries))
-    if entries["without_verdict"]:
-        have = "point has" if entries["without_verdict"] == 1 else "points have"
-        lines.append(f"{entries['without_verdict']} {have} no verdict: `spindamp run` of such a point says why")
-    if entries["without_answer"]:
-        have = "point has" if entries["without_answer"] == 1 else "points have"
-        lines.append(f"{entries['without_answer']} {have} no answer:")
-        lines += [f"  {entry['points']} × {entry['reason']}" for entry in entries["reasons"][:3]]
-    return "\n".join(lines)
-
-
-def headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
-    """The answer of a study that is not that of its best point; empty where it is."""
-    if entries["best"] is not None:
-        return spread(data) if "ST" in data and _is_spread(data) else ""
-    if entries["without_answer"] + entries["without_verdict"] < entries["points"]:
-        return "No point adds damping at an amplitude that the structure endures"
-    return "No point has a verdict" if entries["without_verdict"] else "No point has an answer"
-
-
-def _is_spread(data: xr.Dataset) -> bool:
-    """Whether the middle speed has a damping ratio to speak of."""
-    return bool((data["percentiles"].values[_HEADLINE, :, (data.sizes[SPEEDS] - 1) // 2] > 0).any())
-
-
-def spread(data: xr.Dataset) -> str:
-    """How far the largest damping ratio spreads at the middle speed."""
-    k = (data.sizes[SPEEDS] - 1) // 2
-    low, _, middle, _, high = (100 * float(value) for value in data["percentiles"].values[_HEADLINE, :, k])
-    return (
-        f"At {float(data['rpm'].values[k]):.6g} rpm the largest damping ratio is {significant(low)} to"
-        f" {significant(high)} % (90 %), with a median of {significant(middle)} %"
-    )
-
-
-def _uncertain(data: xr.Dataset) -> list[str]:
-    """The spread, and what it is worth measuring for it."""
-    ranked = sensitivity.worth_measuring(data, HEADLINE, (data.sizes[SPEEDS] - 1) // 2)
-    shares = [f"{name} {significant(100 * total, 2)} ± {significant(100 * half, 2)} %" for name, total, half in ranked]
-    if not shares:
-        return [spread(data)]
-    return [f"{spread(data)}; share of the variance by parameter, interactions included:", f"  {', '.join(shares)}"]
+    return "\n".join(_phrased("text", entries, _best_keys(data, entries), _spread(data)))
 
 
 _FIGURES = (
@@ -553,60 +448,47 @@ def write(data: xr.Dataset, out: Path) -> None:
     Raises:
         BadInput: they cannot be written.
     """
-    page = render(data)
+    contents = {"sweep.json": as_json(document(data)) + "\n", "report.html": render(data)}
     with store.writing(out):
-        for name, text in (("sweep.json", f"{dumps(data)}\n"), ("report.html", page)):
+        for name, content in contents.items():
             with replacing_file(out / name) as fresh:
-                fresh.write_text(text, encoding="utf-8")
-
-
-def dumps(data: xr.Dataset) -> str:
-    """The machine-readable result."""
-    return as_json(document(data))
+                fresh.write_text(content, encoding="utf-8")
 
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    entries = document(data)
-    return from_template(
+    entries, best = document(data), None
+    if entries["best"] is not None:
+        numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
+        best = _best_keys(data, entries)
+        best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
+    return page.from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
         result=entries,
-        best=_best_line(data, entries),
-        headline=headline(data, entries),
-        doubts=_doubts(data) if "ST" in data and entries["best"] is not None else [],
-        spreads=_spreads(data) if "ST" in data else {},
+        best=best,
+        headline=_headline(data, entries),
+        percentiles=_percentiles(data) if "ST" in data and best is not None else [],
+        ranges=_ranges(data) if "ST" in data else {},
         figures=draw(data),
         code=json.loads(data.attrs["code"]),
     )
 
 
-def _doubts(data: xr.Dataset) -> list[dict[str, Any]]:
+def _percentiles(data: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles of the damping in % and of the cut-off at every speed, and the parameters that matter."""
     rows = []
-    for quantity, called in ((HEADLINE, "damping ratio, %"), ("cutoff", "at rest below, mm")):
-        q = sensitivity.QUANTITIES.index(quantity)
+    for quantity, title in ((HEADLINE, "damping ratio, %"), ("cutoff", "at rest below, mm")):
         for k, rpm in enumerate(data["rpm"].values):
             ranked = sensitivity.worth_measuring(data, quantity, k)[:2]
-            worth = ", ".join(f"{short(name)} {100 * total:.0f} %" for name, total, _ in ranked if total > 0.05)
-            values = [_FACTORS[quantity] * float(value) for value in data["percentiles"].values[q, :, k]]
+            worth = ", ".join(f"{_short(name)} {100 * total:.0f} %" for name, total, _ in ranked if total > 0.05)
+            values = _QUANTITIES[quantity][1] * data["percentiles"].sel(quantity=quantity).isel({SPEEDS: k}).values
             if math.isfinite(values[0]):
-                rows.append({"what": f"{called}, {rpm:.6g} rpm", "values": values, "worth": worth or "none"})
+                rows.append({"what": f"{title}, {rpm:.6g} rpm", "values": values.tolist(), "worth": worth or "none"})
     return rows
 
 
-def _spreads(data: xr.Dataset) -> dict[str, str]:
+def _ranges(data: xr.Dataset) -> dict[str, str]:
     """The ranges that were drawn from, in words."""
-    names = [str(name) for name in data["parameter"].values]
-    ends = {name: (data[name].values.min(), data[name].values.max()) for name in names}
-    return {name: f"{said(data, name, low)} to {said(data, name, high)}" for name, (low, high) in ends.items()}
-
-
-def _best_line(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str] | None:
-    """The best point in words, name by name."""
-    if entries["best"] is None:
-        return None
-    keys, values = entries["best"]["keys"], entries["best"]["values"]
-    words = {name: said(data, name, value) for name, value in keys.items() if name != SPEEDS}
-    numbers = ((title, factor, values[name]) for name, title, factor in _FIGURES)
-    return words | {title: significant(factor * value) for title, factor, value in numbers if value is not None}
+    values = {str(name): data[str(name)].values for name in data["parameter"].values}
+    return {n: f"{_formatted(data, n, v.min())} to {_formatted(data, n, v.max())}" for n, v in values.items()}

@@ -19,7 +19,7 @@ from workflows.solve import limits
 from workflows.solve.results import Floats
 from workflows.studies.sweep import store
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Sample, Spread, find, read, sample
+from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Plan, Spread, at_shares, find, in_order, read
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +30,9 @@ BASE = 128
 
 QUANTITIES = ("damping_ratio_peak", "at_amplitude", "range_high", "cutoff", "cutoff_ratio", "peak_sdc", HEADLINE)
 PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
+
+INDICES = ("S1", "S1_conf", "ST", "ST_conf")
+"""Sobol' indices, of first order and total, each with the half-width of its 95 % confidence interval."""
 
 _RESAMPLES, _CONFIDENCE = 200, 0.95
 _HITS = 10.0, 0.1
@@ -90,15 +93,14 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
     return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
 
 
-def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Sample:
+def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Plan:
     """Saltelli's design over uncertain axes."""
     if isinstance(base, bool) or not isinstance(base, int) or base < 8 or base & (base - 1):
         raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
     from SALib.sample import sobol
 
-    ordered = sample(axes, speeds, 1, seed)
-    tiles = sobol.sample(_problem(len(axes)), base, calc_second_order=False, scramble=True, seed=seed)
-    return Sample(ordered.axes, len(tiles), seed, tiles=tiles)
+    shares = sobol.sample(_problem(len(axes)), base, calc_second_order=False, scramble=True, seed=seed)
+    return at_shares(in_order(axes, speeds), shares, {"seed": seed, "design": "Saltelli"})
 
 
 def indices(values: Floats, parameters: int, seed: int) -> dict[str, Floats]:
@@ -116,16 +118,15 @@ def indices(values: Floats, parameters: int, seed: int) -> dict[str, Floats]:
     """
     groups = values.reshape(-1, parameters + 2)
     groups = groups[np.isfinite(groups).all(axis=1)]
-    names = ("S1", "S1_conf", "ST", "ST_conf")
     if len(groups) < 8:
-        return {name: np.full(parameters, np.nan) for name in names}
+        return dict.fromkeys(INDICES, np.full(parameters, np.nan))
     if np.ptp(groups) <= _CONSTANT * np.abs(groups).max():
-        return {name: np.zeros(parameters) for name in names}
+        return dict.fromkeys(INDICES, np.zeros(parameters))
     from SALib.analyze import sobol
 
-    how: dict[str, Any] = {"num_resamples": _RESAMPLES, "conf_level": _CONFIDENCE, "seed": seed}
+    how: dict[str, Any] = {"num_resamples": _RESAMPLES, "conf_level": _CONFIDENCE, "seed": seed or 1}  # 0: none
     result = sobol.analyze(_problem(parameters), groups.ravel(), calc_second_order=False, **how)
-    return {name: np.asarray(result[name], dtype=float) for name in names}
+    return {name: np.asarray(result[name], dtype=float) for name in INDICES}
 
 
 def independent(values: Floats, parameters: int) -> Floats:
@@ -134,7 +135,7 @@ def independent(values: Floats, parameters: int) -> Floats:
     return np.concatenate([groups[:, 0], groups[:, -1]])
 
 
-def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
+def with_indices(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
     """Percentiles and indices of a study on Saltelli's design, beside all that it has already.
 
     Returns:
@@ -144,14 +145,11 @@ def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
     import xarray as xr
 
     names = [name for name in store.keys_of(data) if data[name].dims == (SAMPLE,)]
-    speeds = data.sizes[SPEEDS]
+    speeds, table = data.sizes[SPEEDS], data[list(QUANTITIES)].transpose(SAMPLE, SPEEDS)
     spread = np.full((len(QUANTITIES), len(PERCENTILES), speeds), np.nan)
-    shares = {
-        name: np.full((len(QUANTITIES), len(names), speeds), np.nan) for name in ("S1", "S1_conf", "ST", "ST_conf")
-    }
+    shares = {name: np.full((len(QUANTITIES), len(names), speeds), np.nan) for name in INDICES}
     for q, quantity in enumerate(QUANTITIES):
-        for k in range(speeds):
-            values = data[quantity].isel({SPEEDS: k}).values.astype(float)
+        for k, values in enumerate(table[quantity].values.T.astype(float)):
             known = independent(values, len(names))
             if np.isfinite(known).any():
                 spread[q, :, k] = np.nanpercentile(known, PERCENTILES)
@@ -169,35 +167,24 @@ def analysed(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
     )
 
 
-def document(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def document(data: xr.Dataset) -> list[dict[str, Any]]:
     """Percentiles and indices as plain data, an entry for each quantity and speed."""
-    return [
-        {
-            "quantity": str(quantity),
-            "rpm": float(dataset["rpm"].values[k]),
-            "percentiles": dict(
-                zip(map(str, PERCENTILES), map(finite, dataset["percentiles"].values[q, :, k]), strict=True)
-            ),
-            "indices": [
-                {"parameter": str(name)}
-                | {index: finite(dataset[index].values[q, p, k]) for index in ("S1", "S1_conf", "ST", "ST_conf")}
-                for p, name in enumerate(dataset["parameter"].values)
-            ],
-        }
-        for q, quantity in enumerate(QUANTITIES)
-        for k in range(dataset.sizes[SPEEDS])
-    ]
+    entries = []
+    for quantity in QUANTITIES:
+        for k, rpm in enumerate(data["rpm"].values):
+            point = data.sel(quantity=quantity).isel({SPEEDS: k})
+            columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
+            indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
+            percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
+            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
+            entries.append(entry)
+    return entries
 
 
-def worth_measuring(dataset: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
+def worth_measuring(data: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
     """The parameters of a quantity at a speed: name, total index and its half-width, the greatest first."""
-    q = QUANTITIES.index(quantity)
-    totals = zip(
-        map(str, dataset["parameter"].values),
-        dataset["ST"].values[q, :, k],
-        dataset["ST_conf"].values[q, :, k],
-        strict=True,
-    )
+    point = data.sel(quantity=quantity).isel({SPEEDS: k})
+    totals = zip(map(str, data["parameter"].values), point["ST"].values, point["ST_conf"].values, strict=True)
     return sorted(((n, float(t), float(c)) for n, t, c in totals if np.isfinite(t)), key=lambda item: -item[1])
 
 

@@ -24,8 +24,8 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.solve.results import rounded_rpm
-from workflows.studies.sweep.evaluate import QUANTITIES, Rows
-from workflows.studies.sweep.plan import SPEEDS, Plan, Value
+from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows
+from workflows.studies.sweep.plan import SPEEDS, Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +53,7 @@ class Region:
 
 def regions(plan: Plan, most: int) -> list[Region]:
     """All points of a plan, in order, in regions of at most so many."""
-    lengths, sides = tuple(plan.dimensions.values()), _sides(plan, most)
+    lengths, sides = tuple(plan.dimensions.values()), _chunk_shape(plan, most)
     blocks, begin = [], 0
     for chunk in itertools.product(*(range(-(-n // side)) for n, side in zip(lengths, sides, strict=True))):
         slices = tuple(
@@ -65,7 +65,7 @@ def regions(plan: Plan, most: int) -> list[Region]:
     return blocks
 
 
-def _sides(plan: Plan, most: int) -> tuple[int, ...]:
+def _chunk_shape(plan: Plan, most: int) -> tuple[int, ...]:
     """Points of a chunk along each dimension: the fastest ones whole, so that its points are neighbours."""
     sides: list[int] = []
     for length in reversed(plan.dimensions.values()):
@@ -79,12 +79,12 @@ class Folder:
 
     Attributes:
         path: where it is.
-        given: the same as it was asked for.
+        user_path: the same as the user wrote it.
         arrays: of the data set, by name.
     """
 
     path: Path
-    given: Path
+    user_path: Path
     arrays: dict[str, Any]
 
     def holds(self, region: Region) -> bool:
@@ -108,7 +108,7 @@ class Folder:
         """
         shape = tuple(each.stop - each.start for each in region.slices)
         texts = np.array([*reasons, ""], dtype=object)[rows["reason"]]
-        with writing(self.given):
+        with writing(self.user_path):
             for name, array in self.arrays.items():
                 if name != DONE:
                     values = texts if name == "reason" else rows[name]
@@ -117,7 +117,7 @@ class Folder:
 
 
 @contextmanager
-def opened(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> Iterator[Folder]:
+def open_folder(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> Iterator[Folder]:
     """The folder of a study for as long as the block lasts, new or begun before.
 
     Args:
@@ -132,23 +132,21 @@ def opened(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> Itera
     import zarr
     from filelock import FileLock, Timeout
 
-    target = checked(path)
+    target = check_target(path)
     with writing(path):
         target.mkdir(parents=True, exist_ok=True)
     lock = FileLock(target / LOCK, timeout=0)
     try:
         lock.acquire()
     except Timeout:
-        raise BadInput(
-            "another sweep is writing into it: wait for its end, or take another folder", key="--out", value=str(path)
-        ) from None
+        problem = "another sweep is writing into it: wait for its end, or take another folder"
+        raise BadInput(problem, key="--out", value=str(path)) from None
     except (OSError, NotImplementedError) as error:
         raise BadInput(f"cannot be locked: {error}", key="--out", value=str(path)) from error
     try:
-        _clear(target)
         _check_same(target, path, identity)
         with writing(path):
-            _lay_out(target, plan, _sides(plan, most), identity)
+            _lay_out(target, plan, _chunk_shape(plan, most), identity)
         with zarr.config.set({"array.write_empty_chunks": True}):
             arrays = dict(zarr.open_group(target / DATA, mode="r+", use_consolidated=False).arrays())
             names = (*(quantity.name for quantity in QUANTITIES), "reason", DONE)
@@ -157,7 +155,7 @@ def opened(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> Itera
         lock.release()
 
 
-def checked(path: Path) -> Path:
+def check_target(path: Path) -> Path:
     """Where a study can go, resolved; nothing is written.
 
     Raises:
@@ -170,11 +168,8 @@ def checked(path: Path) -> Path:
     if target.is_dir():
         for entry in sorted(target.iterdir()):
             if entry.name != LOCK and not entry.name.startswith(folder.PARTIAL):
-                raise BadInput(
-                    f"holds a {entry.name} and no study: expected a new folder or one with a study",
-                    key="--out",
-                    value=str(path),
-                )
+                problem = f"holds a {entry.name} and no study: expected a new folder or one with a study"
+                raise BadInput(problem, key="--out", value=str(path))
     return target
 
 
@@ -182,7 +177,12 @@ _CALLED = {"code": "code and versions", "plan": "points"}
 
 
 def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
-    """See that what an old folder holds is of the same study."""
+    """See that what an old folder holds is of the same study, and clear what a killed process left half-written."""
+    for partial in (*target.glob(f"{folder.PARTIAL}*"), *(target / DATA).rglob("*.partial")):
+        if partial.is_dir() and not partial.is_symlink():
+            shutil.rmtree(partial, ignore_errors=True)
+        else:
+            partial.unlink(missing_ok=True)
     known = target / DATA / _METADATA
     if not known.exists():
         return
@@ -194,20 +194,8 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
     if before.get("study") != identity["study"]:
         names = [name for name in identity if name != "study" and identity[name] != before.get(name)]
         what = " and ".join(_CALLED.get(name, name) for name in names) or "key"
-        raise BadInput(
-            f"holds a study that differs in its {what}: expected another folder, or the old one removed",
-            key="--out",
-            value=str(path),
-        )
-
-
-def _clear(target: Path) -> None:
-    """Remove what a killed process left half-written."""
-    for path in (*target.glob(f"{folder.PARTIAL}*"), *(target / DATA).rglob("*.partial")):
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)
+        problem = f"holds a study that differs in its {what}: expected another folder, or the old one removed"
+        raise BadInput(problem, key="--out", value=str(path))
 
 
 @contextmanager
@@ -216,11 +204,8 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise BadInput(
-            f"cannot be written: {error.strerror or error}; what is finished stays, and the same command goes on",
-            key="--out",
-            value=str(path),
-        ) from error
+        problem = f"cannot be written: {error.strerror or error}; what is finished stays, and the same command goes on"
+        raise BadInput(problem, key="--out", value=str(path)) from error
 
 
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:
@@ -235,20 +220,19 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[st
     aside = target / f"{folder.PARTIAL}{DATA}"
     xr.Dataset(coords=_coordinates(plan), attrs=identity).to_zarr(aside, mode="w", consolidated=False, zarr_format=3)
     group = zarr.open_group(aside, mode="r+")
-    described: list[tuple[str, str, str, dict[str, Any]]] = [
-        (each.name, each.kind, each.meaning, {"units": each.unit}) for each in QUANTITIES
-    ]
-    described.append(("reason", "string", "why there is no answer; empty where there is one", {}))
-    described.append((DONE, "bool", "whether the point has been computed", {}))
-    for name, kind, meaning, more in described:
+    for each in (
+        *QUANTITIES,
+        Quantity("reason", "", "why there is no answer; empty where there is one", "string"),
+        Quantity(DONE, "", "whether the point has been computed", "bool"),
+    ):
         group.create_array(
-            name,
+            each.name,
             shape=tuple(plan.dimensions.values()),
             chunks=sides,
-            dtype=kind,
-            fill_value=np.nan if kind.startswith("f") else None,
+            dtype=each.kind,
+            fill_value=np.nan if each.kind.startswith("f") else None,
             dimension_names=list(plan.dimensions),
-            attributes=more | {"long_name": meaning},
+            attributes={"units": each.unit, "long_name": each.meaning} if each.unit else {"long_name": each.meaning},
             compressors=[ZstdCodec(), Crc32cCodec()],
         )
     with warnings.catch_warnings():
@@ -269,21 +253,16 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     """Values of the keys along their dimensions, and the speeds in rpm beside them."""
     units = {axis.name: axis.key.unit for axis in plan.axes}
     coordinates: dict[str, Any] = {}
-    for name, (along, values) in plan.coordinates().items():
-        coordinates[name] = (along, _array(values), {"units": units[name]} if units[name] else {})
+    for name, (along, values) in plan.coordinates.items():
+        if values.dtype == object:  # words, and truth values as words
+            values = np.array([value if isinstance(value, str) else str(value).lower() for value in values], object)
+        coordinates[name] = (along, values, {"units": units[name]} if units[name] else {})
         if name == SPEEDS:
             coordinates["rpm"] = (along, np.array([rounded_rpm(float(value)) for value in values]), {"units": "rpm"})
     return coordinates
 
 
-def _array(values: list[Value]) -> Any:
-    """Numbers as numbers; words and truth values as words."""
-    if any(isinstance(value, bool | str) for value in values):
-        return np.array([value if isinstance(value, str) else str(value).lower() for value in values], dtype=object)
-    return np.array(values)
-
-
-def opened_table(path: Path) -> xr.Dataset:
+def open_dataset(path: Path) -> xr.Dataset:
     """A data set that was written, read as it is asked for."""
     import xarray as xr
 

@@ -6,7 +6,6 @@ import hashlib
 import json
 import tempfile
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -20,9 +19,9 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import Block, PlateCache
-from workflows.studies.sweep.executor import Workers, workers_of
+from workflows.studies.sweep.executor import Workers
 from workflows.studies.sweep.plan import Plan
-from workflows.studies.sweep.store import Folder, Region
+from workflows.studies.sweep.store import Region
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,54 +44,47 @@ class Study:
         plan: the points.
         quick: whether the working range is measured on fewer sweeps, good to a percent.
         code: digest of the sources that compute it.
+        resampling: seed of the confidence intervals; None where nothing is uncertain.
     """
 
     source: SceneFile
     plan: Plan
     quick: bool
     code: str
+    resampling: int | None = None
 
     @cached_property
     def size(self) -> int:
         """Points of a block at most."""
-        points, size = plan.size(self.plan), LEAST
-        while size < _MOST and size * _MANY < points:
+        size = LEAST
+        while size < _MOST and size * _MANY < self.plan.size:
             size *= 2
         return size
 
     @cached_property
-    def identity(self) -> dict[str, Any]:
-        """What makes it this study, as plain data."""
-        return {
+    def attributes(self) -> dict[str, str]:
+        """What its data set says of its origin: what makes it this study, the keys that are varied, and a digest."""
+        identity: dict[str, Any] = {
             "title": self.source.scene.title,
             "scene": plan.plain(self.source.scene),
             "mesh_sha256": self.source.mesh_sha256,
-            "plan": self.plan.identity(),
+            "plan": self.plan.identity,
             "quick": self.quick,
-            "points": plan.size(self.plan),
+            "points": self.plan.size,
             "block": self.size,
             "code": executor.identity(),
         }
-
-    @cached_property
-    def key(self) -> str:
-        """Digest of the identity."""
-        canonical = json.dumps(self.identity, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-        return hashlib.sha256(canonical.encode()).hexdigest()
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """What its data set says of its origin."""
-        texts = {name: json.dumps(each, ensure_ascii=False, sort_keys=True) for name, each in self.identity.items()}
+        texts = {name: json.dumps(each, ensure_ascii=False, sort_keys=True) for name, each in identity.items()}
         keys = json.dumps([axis.name for axis in self.plan.axes])
-        return texts | {"title": self.source.scene.title, "keys": keys, "study": self.key}
+        digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()
+        return texts | {"title": self.source.scene.title, "keys": keys, "study": digest}
 
     def regions(self) -> list[Region]:
         """Its points, block by block."""
         return store.regions(self.plan, self.size)
 
 
-def asked(
+def of_scene(
     scene: SceneLike = DEFAULT,
     vary: Mapping[str, object] | Iterable[str] = (),
     *,
@@ -119,10 +111,10 @@ def asked(
     plan.check_units(axes, source.scene)
     speeds = source.scene.rotor.speeds
     if uncertain:
-        points: Plan = sensitivity.plan(axes, speeds, sensitivity.BASE if count is None else count, seed)
+        points = sensitivity.plan(axes, speeds, sensitivity.BASE if count is None else count, seed)
     else:
         points = plan.grid(axes, speeds) if count is None else plan.sample(axes, speeds, count, seed)
-    return Study(source, points, quick, executor.digest())
+    return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
 def compute(study: Study, region: Region) -> Block:
@@ -131,63 +123,39 @@ def compute(study: Study, region: Region) -> Block:
     Raises:
         BadInput: the worker has other code.
     """
-    executor.same(study.code)
+    executor.require_code(study.code)
     executor.ready()
     return evaluate.block(study.source, study.plan, region.begin, region.end, _plates, quick=study.quick)
 
 
 def complete(study: Study, out: Path, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
-    """Compute what a folder lacks of a study, and open all of it.
+    """Compute the regions that a folder lacks of a study, or has damaged, and open all of it.
 
     Raises:
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
     with (
         folder.resumable(_GOES_ON),
-        store.opened(out, study.plan, study.size, study.attributes) as place,
+        store.open_folder(out, study.plan, study.size, study.attributes) as place,
     ):
-        fill(study, place, pool, stages)
-        return store.opened_table(place.path / store.DATA)
+        regions, points = study.regions(), study.plan.size
+        missing = [region for region in regions if not place.holds(region)]
+        done = points - sum(region.end - region.begin for region in missing)
+        with stages("sweep", len(regions), done=len(regions) - len(missing)) as step:
+            if missing:
+                with pool as workers:
+                    for region, rows in executor.results(workers, partial(compute, study), missing):
+                        place.write(region, *rows)
+                        done += region.end - region.begin
+                        step.advance(f"{done} of {points} points")
+        return store.open_dataset(place.path / store.DATA)
 
 
-def in_memory(study: Study, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
-    """The same, with nothing left on the disk."""
-    with tempfile.TemporaryDirectory(prefix="spindamp-sweep-") as place:
-        return complete(study, Path(place) / "study", pool, stages).load()
-
-
-def fill(study: Study, place: Folder, pool: AbstractContextManager[Workers], stages: Stages) -> None:
-    """Compute the regions that are missing or damaged."""
-    regions = study.regions()
-    missing = [region for region in regions if not place.holds(region)]
-    points = plan.size(study.plan)
-    done = points - sum(region.end - region.begin for region in missing)
-    with stages("sweep", len(regions), done=len(regions) - len(missing)) as step:
-        if not missing:
-            return
-        with pool as workers:
-            for region, (rows, reasons) in executor.results(workers, partial(compute, study), missing):
-                place.write(region, rows, reasons)
-                done += region.end - region.begin
-                step.advance(f"{done} of {points} points")
-
-
-def sweep(
-    scene: SceneLike = DEFAULT,
-    vary: Mapping[str, object] | Iterable[str] = (),
-    *,
-    sample: int | None = None,
-    seed: int = 0,
-    quick: bool = False,
-    uncertain: bool = False,
-    out: str | Path | None = None,
-    workers: int | None = None,
-    dask: str | None = None,
-    executor: Executor | None = None,
-    stages: Stages | None = None,
-) -> xr.Dataset:
-    """The headline numbers of a scene over any of its keys; see :func:`spindamp.sweep`."""
-    study = asked(scene, vary, count=sample, seed=seed, quick=quick, uncertain=uncertain)
-    pool, clock = workers_of(workers, dask, executor), stages or Stages()
-    data = in_memory(study, pool, clock) if out is None else complete(study, Path(out), pool, clock)
-    return sensitivity.analysed(data, seed) if uncertain else data
+def solve(study: Study, out: Path | None, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
+    """The data set of a study, in a folder or with nothing left on the disk; percentiles of what is uncertain."""
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="spindamp-sweep-") as place:
+            data = complete(study, Path(place) / "study", pool, stages).load()
+    else:
+        data = complete(study, out, pool, stages)
+    return data if study.resampling is None else sensitivity.with_indices(data, study.resampling)

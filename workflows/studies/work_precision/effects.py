@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
 from workflows.effects import selection
-from workflows.effects.definition import Called, Effect
 from workflows.effects.selection import EFFECTS
 from workflows.errors import SpindampError
 from workflows.formatting import whole
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.page import from_template
@@ -24,11 +23,7 @@ from workflows.scene.load import SceneFile
 from workflows.solve import structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Mode, SpeedPoint
-from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, machine
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
 
 _NAMED = 3
 """Speeds that are named one by one; of more, the range is given."""
@@ -47,39 +42,34 @@ class Changes:
     remarks: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Pair:
-    """A quantity with an effect and without it, at one speed."""
-
-    rpm: float
-    with_it: float | None
-    without: float | None
-
-    @property
-    def change(self) -> float | None:
-        if self.with_it is None or self.without is None:
-            return None
-        if self.with_it == self.without:
-            return 0.0
-        return None if self.without == 0 else (self.with_it - self.without) / self.without
-
-
 def changes(own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool) -> Changes:
     """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run."""
     mine, others = ({point.rpm: point for point in points} for points in (own, other))
-    pairs: dict[str, list[_Pair]] = {}
-    for rpm in mine:
-        if rpm not in others:
-            continue
-        for name, (here, there) in _values(mine[rpm], others[rpm]).items():
-            pair = _Pair(rpm, here, there) if own_has_it else _Pair(rpm, there, here)
-            pairs.setdefault(name, []).append(pair)
-    relative = {name: _largest(both) for name, both in pairs.items()}
-    with_it, without = (mine, others) if own_has_it else (others, mine)
-    remarks = [_diverging("with", set(without) - set(with_it)), _diverging("without", set(with_it) - set(without))]
+    pairs: dict[str, list[_Pair]] = defaultdict(list)
+    for rpm in (rpm for rpm in mine if rpm in others):
+        for name, values in _values(mine[rpm], others[rpm]).items():
+            with_it, without = values if own_has_it else values[::-1]
+            pairs[name].append((rpm, with_it, without))
+    relative = {}
     for name, both in pairs.items():
-        remarks += _one_sided(name, both)
-    return Changes(relative, tuple(remark for remark in remarks if remark))
+        known = [change for _, *values in both if (change := _change(*values)) is not None]
+        relative[name] = max(known, key=abs, default=None)
+    missing = set(others) - set(mine), set(mine) - set(others)
+    diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
+    remarks = [f"{side} it the plate diverges {_at(at)}" for side, at in diverging.items() if at]
+    remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
+    return Changes(relative, tuple(remarks))
+
+
+_Pair: TypeAlias = tuple[float, float | None, float | None]
+"""A speed [rev/min], and a quantity there with an effect and without it."""
+
+
+def _change(with_it: float | None, without: float | None) -> float | None:
+    """Relative; None where there is none."""
+    if with_it is None or without is None:
+        return None
+    return 0.0 if with_it == without else None if without == 0 else (with_it - without) / without
 
 
 def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None, float | None]]:
@@ -107,39 +97,27 @@ def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | Non
     return [next(waiting.get(mode.family, iter(())), None) for mode in own]
 
 
-def _largest(pairs: list[_Pair]) -> float | None:
-    known = [pair.change for pair in pairs if pair.change is not None]
-    return max(known, key=abs, default=None)
-
-
 def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
     """Where a quantity is there on one side only, so that its change has no number."""
-    odd = [pair for pair in pairs if pair.change is None and (pair.with_it, pair.without) != (None, None)]
-    only_with = [pair.rpm for pair in odd if not pair.without]
-    only_without = [pair.rpm for pair in odd if pair.without]
+    odd = [pair for pair in pairs if _change(*pair[1:]) is None and pair[1:] != (None, None)]
     if name.startswith("frequency"):
-        return [f"{name} has no partner of its family {_at(only_with + only_without)}"] if odd else []
-    return [
-        f"{name} exists only {side} it, {_at(speeds)}"
-        for side, speeds in (("with", only_with), ("without", only_without))
-        if speeds
-    ]
+        return [f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"] if odd else []
+    sides = {
+        "with": [rpm for rpm, _, without in odd if not without],
+        "without": [rpm for rpm, _, without in odd if without],
+    }
+    return [f"{name} exists only {side} it, {_at(speeds)}" for side, speeds in sides.items() if speeds]
 
 
-def _diverging(side: str, speeds: Iterable[float]) -> str:
-    listed = list(speeds)
-    return f"{side} it the plate diverges {_at(listed)}" if listed else ""
-
-
-def _at(speeds: list[float]) -> str:
+def _at(speeds: Iterable[float]) -> str:
     ordered = sorted(speeds)
     if len(ordered) <= _NAMED:
-        return f"at {', '.join(f'{whole(rpm)}' for rpm in ordered)} rpm"
+        return f"at {', '.join(map(whole, ordered))} rpm"
     return f"at {len(ordered)} speeds from {whole(ordered[0])} to {whole(ordered[-1])} rpm"
 
 
 @dataclass(frozen=True)
-class Switched:
+class EffectChange:
     """One effect against the rest.
 
     Attributes:
@@ -179,111 +157,99 @@ class Switched:
 
 
 @dataclass(frozen=True, eq=False)
-class Switches:
+class EffectStudy:
     """All effects of a scene, and the relative error in frequency that the scene asks for."""
 
     title: str
-    asked: float
-    rows: tuple[Switched, ...]
+    target: float
+    rows: tuple[EffectChange, ...]
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
         return {
             "schema_version": 1,
             "title": self.title,
-            "asked": self.asked,
+            "asked": self.target,
             "machine": machine(),
             "noise": POLICY_OF_DIFFERENCES,
-            "rows": [_entry(row) for row in self.rows],
+            "rows": [entry(row) | {"within_noise": row.within_noise} for row in self.rows],
         }
 
 
-def switching(source: SceneFile, stages: Stages | None = None) -> Switches:
+NAME = "effects"
+document = EffectStudy.document
+
+
+def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy:
     """Run a scene with each effect the other way, on one mesh.
 
     Raises:
         BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
-    stages = stages or Stages()
-    quiet = Stages(visible=False)
-    settled = choose_model(source, quiet)
-    resolved, called = settled.effects, selection.called_for(source.scene, settled.form)
-    size = None if settled.form is None else structure.discretise(source, settled, quiet).choice.size
-    with stages("effects", len(resolved) + 1) as step:
-        own = _run(source, resolved, {}, size)
+    stages, quiet = stages or Stages(), Stages(visible=False)
+    choice = choose_model(source, quiet)
+    effects = {name: effect.on for name, effect in choice.effects.items()}
+    size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
+
+    def run(**switches: bool) -> tuple[SpeedPoint, ...]:
+        """The scene with all effects as decided but those switched, on the mesh of its own run."""
+        scene = source.changed(effects=source.scene.effects.model_copy(update=effects | switches))
+        return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
+
+    called = selection.called_for(source.scene, choice.form)
+    with stages("effects", len(effects) + 1) as step:
+        own = run()
         step.advance("as the scene has it")
         rows = []
-        for name in resolved:
-            rows.append(_switched(source, resolved, called, name, own, size))
+        for name, on in effects.items():
+            row = EffectChange(name, *called[name][:2], on)
+            rows.append(_change_of(source, row, effects, own, run))
             step.advance(name)
-    return Switches(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
+    return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
 
-def _switched(
+def _change_of(
     source: SceneFile,
-    resolved: dict[str, Effect],
-    called: dict[str, Called],
-    name: str,
+    row: EffectChange,
+    effects: dict[str, bool],
     own: tuple[SpeedPoint, ...],
-    size: int | None,
-) -> Switched:
-    called_for, why, _ = called[name]
-    on = resolved[name].on
-    row = Switched(name, called_for, why, on)
-    belongs_to = EFFECTS[name].of
+    run: Callable[..., tuple[SpeedPoint, ...]],
+) -> EffectChange:
+    """The row of an effect, filled in by a run with it the other way."""
+    belongs_to, on = EFFECTS[row.effect].of, row.on
     if belongs_to == "plate" and source.scene.blade is not None:
         return replace(row, failed="solid blades are solved one way alone")
     if getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
-    switches, together = _switches(name, resolved)
+    switches, together = _switches(row.effect, effects)
     try:
-        comparison = compared(lambda: _run(source, resolved, switches, size), lambda: _run(source, resolved, {}, size))
+        time, *medians = compared(partial(run, **switches), run)
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
-    changed = changes(own, comparison.value, own_has_it=on)
-    extra, ends = (
-        (-comparison.extra, (-comparison.high, -comparison.low))
-        if on
-        else (comparison.extra, (comparison.low, comparison.high))
-    )
+    changed = changes(own, time.value, own_has_it=on)
+    extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
     return replace(
         row,
         changes=changed.relative,
         remarks=together + changed.remarks,
         time_s=extra,
         time_spread_s=ends,
-        time_share=extra / (comparison.others if on else comparison.seconds),
+        time_share=extra / medians[on],
     )
 
 
-def _switches(name: str, resolved: dict[str, Effect]) -> tuple[dict[str, bool], tuple[str, ...]]:
+def _switches(name: str, effects: dict[str, bool]) -> tuple[dict[str, bool], tuple[str, ...]]:
     """An effect the other way, with those that must go with it, and these in words."""
-    switches, together = {name: not resolved[name].on}, []
+    switches, together = {name: not effects[name]}, []
     for part, parent in ((part, kind.part_of) for part, kind in EFFECTS.items() if kind.part_of):
-        if name == parent and resolved[parent].on and resolved[part].on:
+        if name == parent and effects[parent] and effects[part]:
             switches[part] = False
             together.append(f"together with {part}, which needs it")
-        if name == part and not resolved[part].on and not resolved[parent].on:
+        if name == part and not effects[part] and not effects[parent]:
             switches[parent] = True
             together.append(f"together with {parent}, which it needs")
     return switches, tuple(together)
-
-
-def _run(
-    source: SceneFile, resolved: dict[str, Effect], switches: dict[str, bool], size: int | None
-) -> tuple[SpeedPoint, ...]:
-    """The scene with all effects as decided but those switched, on a mesh that is given."""
-    effects = source.scene.effects.model_copy(update={name: effect.on for name, effect in resolved.items()} | switches)
-    scene, quiet = source.changed(effects=effects), Stages(visible=False)
-    return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
-
-
-def _entry(row: Switched) -> dict[str, Any]:
-    entry = asdict(row) | {"within_noise": row.within_noise}
-    if row.failed is None:
-        del entry["failed"]
-    return entry
 
 
 _ROUNDING = 1e-12
@@ -298,7 +264,9 @@ _LONGEST = 50
 """Characters of a line of a reason beside an effect's name; the whole of a longer one is its title."""
 
 
-_SAID: dict[str, Any] = {
+_NOTE: dict[str, Any] = {
+    "xytext": (4.0, 0.0),
+    "xycoords": ("axes fraction", "data"),
     "textcoords": "offset points",
     "va": "center",
     "color": plots.MUTED,
@@ -309,55 +277,49 @@ _SAID: dict[str, Any] = {
 
 
 @plots.style()
-def draw(switches: Switches) -> str:
+def draw(switches: EffectStudy) -> str:
     """The largest change that each effect makes to any quantity, and to which, beside the time it takes."""
     figure, (left, right) = plots.canvas(0.9 + 0.34 * len(switches.rows), 2)
-    rows, least = switches.rows[::-1], _least(switches)
+    rows, least = switches.rows[::-1], float(10.0 ** math.floor(math.log10(_UNSEEN * switches.target)))
+    labels, whole, sizes = [], [], [1.0, switches.target]
     for place, row in enumerate(rows):
         colour = plots.CATEGORIES[0] if row.on else plots.CATEGORIES[6]
-        _change(left, place, row, colour, least)
-        _time(right, place, row, colour)
-    labels = [label for place, row in enumerate(rows) for label in _labels(place, row, least)]
+        name, (quantity, change) = row.effect.replace("_", " "), row.largest or ("", 0.0)
+        sizes.append(abs(change))
+        if abs(change) > least:
+            left.plot([least, abs(change)], [place, place], color=colour, lw=1.2)
+            left.plot([abs(change)], [place], "o", color=colour, ms=4)
+            # Heights of their own, since lines of one text come out ragged in a browser.
+            labels += [(place + 0.2, name)]
+            labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {formatting.significant(100 * change, 2)} %")]
+        else:
+            labels.append((place, name))
+            reason = _unseen(row, least)
+            left.annotate(textwrap.fill(reason, _LONGEST, max_lines=2, placeholder=" …"), (0.0, place), **_NOTE)
+            if len(reason) > _LONGEST:
+                whole.append(plots.Value(left, 1.1 * least, place, reason))
+        if row.within_noise:
+            right.annotate("within noise", (0.0, place), **_NOTE)
+        elif row.time_share is not None:
+            right.barh(place, 100 * row.time_share, color=colour, height=0.5)
     left.set_yticks([place for place, _ in labels], [label for _, label in labels])
-    right.set_yticks(range(len(rows)), [_name(row) for row in rows])
+    right.set_yticks(range(len(rows)), [row.effect.replace("_", " ") for row in rows])
     for axes in (left, right):
         axes.set_ylim(-0.6, len(rows) - 0.4)
         axes.tick_params(axis="y", length=0.0)
         axes.grid(visible=False, axis="y")
-    sizes = [abs(row.largest[1]) for row in rows if row.largest is not None]
     left.set(
         xscale="log",
-        xlim=(least, 10 * max(1.0, switches.asked, *sizes)),
+        xlim=(least, 10 * max(sizes)),
         title="largest relative change of any quantity",
-        xlabel=f"dashed: the scene's own accuracy, {switches.asked:g}",
+        xlabel=f"dashed: the scene's own accuracy, {switches.target:g}",
     )
-    left.axvline(switches.asked, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    left.axvline(switches.target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     right.set(title="share of the run's time with it, %")
-    unseen = [(place, _unseen(row, least)) for place, row in enumerate(rows) if not _is_seen(row, least)]
-    whole = [plots.Value(left, 1.1 * least, place, reason) for place, reason in unseen if len(reason) > _LONGEST]
     return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
-def _least(switches: Switches) -> float:
-    """Where the axis of changes begins."""
-    return float(10.0 ** math.floor(math.log10(_UNSEEN * switches.asked)))
-
-
-def _is_seen(row: Switched, least: float) -> bool:
-    return row.largest is not None and abs(row.largest[1]) > least
-
-
-def _change(axes: Axes, place: int, row: Switched, colour: str, least: float) -> None:
-    if row.largest is not None and _is_seen(row, least):
-        size = abs(row.largest[1])
-        axes.plot([least, size], [place, place], color=colour, lw=1.2)
-        axes.plot([size], [place], "o", color=colour, ms=4)
-        return
-    text = textwrap.fill(_unseen(row, least), _LONGEST, max_lines=2, placeholder=" …")
-    axes.annotate(text, (0.0, place), (4.0, 0.0), xycoords=("axes fraction", "data"), **_SAID)
-
-
-def _unseen(row: Switched, least: float) -> str:
+def _unseen(row: EffectChange, least: float) -> str:
     """Why an effect has no bar."""
     if row.failed is not None:
         return row.failed
@@ -366,47 +328,21 @@ def _unseen(row: Switched, least: float) -> str:
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
 
 
-def _time(axes: Axes, place: int, row: Switched, colour: str) -> None:
-    if row.within_noise:
-        axes.annotate("within noise", (0.0, place), (4.0, 0.0), **_SAID)
-    elif row.time_share is not None:
-        axes.barh(place, 100 * row.time_share, color=colour, height=0.5)
-
-
-def _labels(place: int, row: Switched, least: float) -> list[tuple[float, str]]:
-    """An effect and what it changes most, at heights of their own: lines of one text come out ragged in a browser."""
-    top = row.largest
-    if top is None or not _is_seen(row, least):
-        return [(place, _name(row))]
-    changed = f"{top[0].replace('_', ' ')}, {formatting.significant(100 * top[1], 2)} %"
-    return [(place + 0.2, _name(row)), (place - 0.2, changed)]
-
-
-def _name(row: Switched) -> str:
-    return row.effect.replace("_", " ")
-
-
-def write(switches: Switches, out: Path) -> None:
-    """Write `effects.json`, `effects.csv`, `effects.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
+def files(switches: EffectStudy) -> dict[str, str | bytes]:
+    """The files beside `effects.json`."""
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
     columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
-    contents = {
-        "effects.json": dumps(switches) + "\n",
+    return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
-        "report.html": from_template("effects.html.j2", found=switches, figure=figure, **constant),
+        "report.html": from_template("effects.html.j2", result=switches, figure=figure, **constant),
     }
-    write_study(out, contents)
 
 
-def text(switches: Switches) -> str:
+def text(switches: EffectStudy) -> str:
     """The effects as a table; what has no place in it is below its row."""
     lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
     for row in switches.rows:
@@ -420,7 +356,7 @@ def text(switches: Switches) -> str:
     return "\n".join(lines)
 
 
-def _spent(row: Switched) -> str:
+def _spent(row: EffectChange) -> str:
     """What an effect adds to a run [ms], as a person may believe it."""
     if row.time_s is None or row.time_spread_s is None:
         return formatting.DASH
@@ -429,12 +365,7 @@ def _spent(row: Switched) -> str:
     return f"{middle} ({low} to {high})"
 
 
-def _flat(row: Switched) -> dict[str, Any]:
+def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
     return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
-
-
-def dumps(switches: Switches) -> str:
-    """The machine-readable result."""
-    return as_json(switches.document())

@@ -28,7 +28,7 @@ _KNOWN = (
 
 
 @dataclass(frozen=True)
-class Integrated:
+class PeerResult:
     """What `solve_ivp` found: wall hits, evaluations of the equations of motion, and energies [J].
 
     structure: what the structure's own dashpot took.
@@ -43,7 +43,7 @@ class Integrated:
 
 def integrate(
     damper: damper.ParticleDamper, release: tuple[float, float], cycles: float, method: Integrator, rtol: float
-) -> Integrated:
+) -> PeerResult:
     """Follow a ring-down for some vibration cycles.
 
     Raises:
@@ -84,14 +84,14 @@ class _Integration:
         self.moves = [0, 0]
         self.impacts = self.evaluations = 0
 
-    def run(self, end: float) -> Integrated:
+    def run(self, end: float) -> PeerResult:
         initial, t = self.energy(), 0.0
         for axis in (0, 1):
             self.settle(axis)
         for _ in range(_MOST_EVENTS):
             t, happened = self.fly(t, end)
             if not happened:
-                return Integrated(initial, self.energy(), self.energy_unit * self.y[8], self.impacts, self.evaluations)
+                return PeerResult(initial, self.energy(), self.energy_unit * self.y[8], self.impacts, self.evaluations)
             for axis, kind in happened:
                 self.resolve(axis, kind)
         raise ArithmeticError(f"more than {_MOST_EVENTS} events")

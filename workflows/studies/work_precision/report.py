@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
-from workflows.io.files import as_json, as_table, write_study
+from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.page import from_template
+from workflows.report.page import sentences as from_sentences
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+NAME = "accuracy"
+document = WorkPrecision.document
 
 _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
@@ -58,15 +61,11 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
     axes.invert_xaxis()
 
 
-def write(work_precision: WorkPrecision, out: Path) -> None:
-    """Write `accuracy.json`, `accuracy.csv`, `accuracy.svg` and `report.html` into `out`, or nothing.
-
-    Raises:
-        BadInput: `out` cannot be written.
-    """
-    target = work_precision.asked["frequency"]
+def files(work_precision: WorkPrecision) -> dict[str, str | bytes]:
+    """The files beside `accuracy.json`."""
+    target = work_precision.targets["frequency"]
     figures = [
-        study_plot(study, f"ladder{number}", _asked(work_precision, study))
+        study_plot(study, f"ladder{number}", _target_of(work_precision, study))
         for number, study in enumerate(work_precision.studies)
     ]
     first = [study for study in work_precision.studies if study.stage in ("plate", "damper")]
@@ -82,13 +81,11 @@ def write(work_precision: WorkPrecision, out: Path) -> None:
         verdict=verdict(work_precision),
         not_drawn=not_drawn,
     )
-    contents = {
-        "accuracy.json": dumps(work_precision) + "\n",
+    return {
         "accuracy.svg": plots.standalone(overview(first, target)),
         "accuracy.csv": as_table(columns, rows),
         "report.html": page,
     }
-    write_study(out, contents)
 
 
 def text(work_precision: WorkPrecision) -> str:
@@ -98,9 +95,12 @@ def text(work_precision: WorkPrecision) -> str:
         lines += [f"{study.stage}: {study.quantity}", f"  against {study.reference}", ""]
         wide = max(22, *(len(row.setting) for row in study.rows))
         lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
-        lines += [f"  {row.method:<30} {row.setting:<{wide}} {_numbers(row)}" for row in study.rows]
+        for row in study.rows:
+            unknowns = formatting.DASH if row.unknowns is None else str(row.unknowns)
+            figures = f"{_milliseconds(row):>10} {_exponent(row.error):>9}" if row.failed is None else f" {row.failed}"
+            lines.append(f"  {row.method:<30} {row.setting:<{wide}} {unknowns:>9} {figures}")
         lines.append("")
-    lines += ["chosen by the scene's accuracy"]
+    lines.append("chosen by the scene's accuracy")
     for stage, chosen in work_precision.chosen.items():
         estimate, error = (_exponent(value) for value in (chosen.error_estimate, chosen.error))
         lines.append(f"  {stage}: {chosen.method}, {chosen.setting}; estimate {estimate}, true {error}")
@@ -108,12 +108,34 @@ def text(work_precision: WorkPrecision) -> str:
 
 
 def verdict(work_precision: WorkPrecision) -> list[str]:
-    """Who is cheapest for which error, in sentences, and what speaks against it."""
+    """The cheapest method for the accuracy asked for, in sentences, and what speaks against it."""
     return [
-        f"{study.stage[0].upper()}{study.stage[1:]}: {_winner(study, _asked(work_precision, study))}."
+        sentence
         for study in work_precision.studies
         if len({row.method for row in study.rows}) > 1
+        for sentence in from_sentences("accuracy.txt.j2", "verdict", _judged(study, _target_of(work_precision, study)))
     ]
+
+
+def _judged(study: ConvergenceStudy, target: float) -> dict[str, Any]:
+    """The cheapest row that meets an accuracy, the next of another method, and whether the reference can tell."""
+    timed = [(row.time_s, row.error, row) for row in study.rows if row.time_s is not None and row.error is not None]
+    timed.sort(key=lambda item: item[0])
+    good = [row for _, error, row in timed if error <= target]
+    best = good[0] if good else None
+    undecided = []
+    for _, error, row in timed:
+        if row.uncertainty is not None and abs(error - target) < row.uncertainty:
+            undecided.append(row.uncertainty)
+        if row is best:
+            break
+    return {
+        "stage": study.stage,
+        "target": target,
+        "best": best,
+        "second": next((row for row in good if best is not None and row.method != best.method), None),
+        "uncertainty": max(undecided, default=None),
+    }
 
 
 def not_drawn(study: ConvergenceStudy) -> list[str]:
@@ -125,55 +147,8 @@ def not_drawn(study: ConvergenceStudy) -> list[str]:
     return [f"{method}: {', '.join(settings)}" for method, settings in reasons.items()]
 
 
-def _asked(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
-    return work_precision.asked["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
-
-
-def _judged(study: ConvergenceStudy) -> list[tuple[float, float, Setting]]:
-    """Time, error and row, the cheapest first."""
-    known = [(row.time_s, row.error, row) for row in study.rows if row.time_s is not None and row.error is not None]
-    return sorted(known, key=lambda item: item[0])
-
-
-def _best(study: ConvergenceStudy, target: float) -> Setting | None:
-    return next((row for _, error, row in _judged(study) if error <= target), None)
-
-
-def _winner(study: ConvergenceStudy, target: float) -> str:
-    best, limit = _best(study, target), f"{formatting.significant(100 * target)} %"
-    if best is None:
-        return f"nothing meets {limit}{_doubt(study, target)}"
-    text = f"{best.method} ({best.setting}) is the cheapest that meets {limit}, in {_milliseconds(best)} ms"
-    second = next(
-        (row for _, error, row in _judged(study) if error <= target and row.method != best.method),
-        None,
-    )
-    if second is None:
-        return f"{text}; no other does{_doubt(study, target)}"
-    times = formatting.significant((second.time_s or 0.0) / (best.time_s or 1.0), 2)
-    return f"{text}; next comes {second.method} ({second.setting}), {times} times as long{_doubt(study, target)}"
-
-
-def _doubt(study: ConvergenceStudy, target: float) -> str:
-    """Whether the reference is too uncertain to tell if the winner, or what is cheaper, meets the accuracy."""
-    best = _best(study, target)
-    open_ones = []
-    for _, error, row in _judged(study):
-        if row.uncertainty is not None and abs(error - target) < row.uncertainty:
-            open_ones.append(row.uncertainty)
-        if row is best:
-            break
-    if not open_ones:
-        return ""
-    good = formatting.significant(100 * max(open_ones), 1)
-    return f"; the reference, itself good to about {good} %, leaves this open"
-
-
-def _numbers(row: Setting) -> str:
-    unknowns = "–" if row.unknowns is None else str(row.unknowns)
-    if row.failed is not None:
-        return f"{unknowns:>9}  {row.failed}"
-    return f"{unknowns:>9} {_milliseconds(row):>10} {_exponent(row.error):>9}"
+def _target_of(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
+    return work_precision.targets["damping" if study.stage == "damper" or "damping" in study.stage else "frequency"]
 
 
 def _milliseconds(row: Setting) -> str:
@@ -182,8 +157,3 @@ def _milliseconds(row: Setting) -> str:
 
 def _exponent(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
-
-
-def dumps(work_precision: WorkPrecision) -> str:
-    """The machine-readable result."""
-    return as_json(work_precision.document())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -26,7 +26,7 @@ from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle_speed
 from workflows.solve.structure import discretise
 from workflows.studies.work_precision.integration import Integrator, integrate, unknown
-from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, measure, measured
+from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, ladder, measure
 
 CYCLES = 20
 STEPS = (20, 40, 80, 160, 320, 640, 1280, 2560, 5120, 10240)
@@ -74,52 +74,34 @@ def damper_study(
         )
     except (ArithmeticError, ValueError):
         apart, confirmed = None, "which no independent integration could confirm here"
-    rows = _damper_rows(system, release, lambda balance: abs(_taken(balance) / taken - 1.0), apart, step)
+
+    def error(run: Any) -> float:
+        return abs(_taken(run) / taken - 1.0)
+
+    start = system, release, CYCLES
+    cases: list[tuple[Any, ...]] = [
+        (
+            "fixed step, as in the paper",
+            f"{steps} a cycle",
+            partial(damper.stepped_ringdown, *start, steps),
+            lambda run: (len(run.time) - 1, error(run)),
+        )
+        for steps in STEPS
+    ]
+    for method, tolerances in METHODS.items():
+        for rtol in tolerances:
+            work = partial(integrate, *start, method, rtol)
+            cases.append((f"solve_ivp, {method}", f"rtol {rtol:g}", work, lambda run: (run.evaluations, error(run))))
+    own = (lambda run: (run.events, error(run.energy))) if apart is None else (lambda run: (run.events, apart))
+    cases.append(("exact events", "no step", partial(damper.ringdown, *start), own))
     study = ConvergenceStudy(
         "damper",
         f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
         f"the exact events, {confirmed}",
-        tuple(replace(row, uncertainty=apart) for row in rows),
+        tuple(replace(row, uncertainty=apart) for row in ladder(step, cases)),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
     return study, Choice("exact events", "power series between events, roots to rounding", rounding, apart)
-
-
-def _damper_rows(
-    system: damper.ParticleDamper,
-    release: tuple[float, float],
-    error: Callable[[Any], float],
-    apart: float | None,
-    step: Step,
-) -> Iterator[Setting]:
-    """One ring-down by every method: the paper's, those of SciPy, and the exact events that a run uses.
-
-    apart: how far the tightest integration is from the exact events; None where it has no answer.
-    """
-    for steps in STEPS:
-        step.advance(f"{steps} steps a cycle")
-        yield measure(
-            "fixed step, as in the paper",
-            f"{steps} a cycle",
-            partial(damper.stepped_ringdown, system, release, CYCLES, steps),
-            lambda run: (len(run.time) - 1, error(run)),
-        )
-    for method, tolerances in METHODS.items():
-        for rtol in tolerances:
-            step.advance(f"{method}, {rtol:g}")
-            yield measure(
-                f"solve_ivp, {method}",
-                f"rtol {rtol:g}",
-                partial(integrate, system, release, CYCLES, method, rtol),
-                lambda run: (run.evaluations, error(run)),
-            )
-    step.advance("exact events")
-    yield measure(
-        "exact events",
-        "no step",
-        partial(damper.ringdown, system, release, CYCLES),
-        lambda run: (run.events, error(run.energy) if apart is None else apart),
-    )
 
 
 def _taken(balance: Any) -> float:
@@ -146,22 +128,26 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
     """A study of each headline number that the scene has; none without a plate, where there is nothing to choose."""
     if source.scene.plate is None:
         return [], {}
-    known, quiet = choose_model(source, Stages(visible=False)).theory, partial(Stages, visible=False)
-    theory = None if known is None else known.name
+    known = choose_model(source, Stages(visible=False)).theory
+    if known is not None:  # the error of a theory is not one of accuracy
+        source = source.changed(plate=source.scene.plate.model_copy(update={"theory": known.name}))
+
+    def run(accuracy: float | None = None) -> Results:
+        wanted = {} if accuracy is None else {"accuracy": Accuracy(frequency=accuracy, damping=accuracy)}
+        return pipeline.run(source.changed(**wanted), Stages(visible=False))
+
     step.advance("reference")
-    finest = pipeline.run(_asking(source, FINEST, theory), quiet())
+    finest = run(FINEST)
     shown = middle_speed(finest.speeds)
     best = finest.speeds[shown]
     runs: list[tuple[Setting, Results | None]] = []
     for target in ASKED:
         step.advance(f"accuracy {target:g}")
-        work = partial(pipeline.run, _asking(source, target, theory), quiet())
-        runs.append(measured("pipeline", f"accuracy {target:g}", work, lambda _: (None, 0.0)))
-    own = pipeline.run(_asking(source, None, theory), quiet())
+        runs.append(measure("pipeline", f"accuracy {target:g}", partial(run, target), lambda _: (None, 0.0)))
+    own = run()
     studies, chosen = [], {}
     for name, quantity in QUANTITIES.items():
-        reference = quantity(best)
-        if not reference:
+        if not (reference := quantity(best)):
             continue
 
         def error(results: Results, quantity: Any = quantity, reference: float = reference) -> float | None:
@@ -172,14 +158,13 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
 
         rows = []
         for row, results in runs:
-            if results is None:
-                rows.append(row)
-            elif quantity(results.speeds[shown]) is None:
-                rows.append(Setting(row.method, row.setting, failed=f"no {name} came out"))
-            else:
-                setting = f"{row.setting}: {_mesh(results)}" if _mesh(results) else row.setting
+            if results is not None and quantity(results.speeds[shown]) is None:
+                row = Setting(row.method, row.setting, failed=f"no {name} came out")
+            elif results is not None:
+                setting = ": ".join(filter(None, (row.setting, _mesh(results))))
                 failed = "the reference's own mesh" if error(results) is None else None
-                rows.append(replace(row, setting=setting, unknowns=None, error=error(results), failed=failed))
+                row = replace(row, setting=setting, unknowns=None, error=error(results), failed=failed)
+            rows.append(row)
         studies.append(
             ConvergenceStudy(
                 f"whole pipeline: {name}",
@@ -208,21 +193,8 @@ def _reference(finest: Results, shown: int) -> str:
     return f" ({finest.diagram.mesh}{good})"
 
 
-def _asking(source: SceneFile, accuracy: float | None, theory: str | None) -> SceneFile:
-    """The scene with another accuracy, its theory held: the error of a theory is not one of accuracy."""
-    changed = source
-    if accuracy is not None:
-        changed = changed.changed(accuracy=Accuracy(frequency=accuracy, damping=accuracy))
-    if theory is not None and source.scene.plate is not None:
-        changed = changed.changed(plate=source.scene.plate.model_copy(update={"theory": theory}))
-    return changed
-
-
 SOLID_AT_MOST = 40_000
 """Unknowns of a solid that are still tried."""
-
-FINEST_PLATE = {"kirchhoff": 12, "mindlin": 16, "solid": 6}
-"""The finest size from which the limit of each theory is extrapolated."""
 
 WITH_THEORY = "plate, with the error of the theory"
 """The stage in which all theories are held against the solid."""
@@ -255,6 +227,13 @@ PLATE_METHODS = (
 )
 """What is tried on the planform's ladder of meshes."""
 
+LIMITS = (
+    Method("kirchhoff/bfs", "thin plate", 12),
+    Method("mindlin", "Mindlin", 16),
+    Method("solid/4", "solid", 6),
+)
+"""By what the limit of each theory is extrapolated, and from which size; on a file's mesh from the fourth or second."""
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -267,44 +246,66 @@ class Problem:
     omega: float
     count: int
 
-    def operators(self, method: Method, size: int) -> fem.Operators:
-        """Matrices of a method on a mesh of the planform's ladder."""
-        mesh = self._even(size) if method.cells == "even" else self.form.mesh(size)
-        if method.cells == "triangles" and mesh.t.shape[0] == 4:
-            mesh = mesh.to_meshtri()
-        return fem.assemble(self.plate(mesh), self.rotor, self.effects, method.model)
+    @property
+    def is_rectangle(self) -> bool:
+        """Whether the program makes the meshes; else they are a file's, and finer ones of it."""
+        return isinstance(self.form, fem.Rectangle)
 
     def solve(self, method: Method, size: int) -> tuple[int, Floats]:
-        """Unknowns, and frequencies (count,) in Hz."""
-        operators = self.operators(method, size)
+        """Unknowns, and frequencies (count,) in Hz, on a mesh of the planform's ladder."""
+        if method.cells != "even":
+            mesh = self.form.mesh(size)
+        elif isinstance(self.form, fem.Rectangle):
+            mesh = fem.rectangle(*self.form.sides, *self.form.cells(size))
+        else:
+            raise ValueError("the mesh is a file's")
+        if method.cells == "triangles" and mesh.t.shape[0] == 4:
+            mesh = mesh.to_meshtri()
+        operators = fem.assemble(self.plate(mesh), self.rotor, self.effects, method.model)
         return operators.mass.shape[0], fem.solve_modes(operators, self.omega, self.count).frequencies_hz
 
-    def _even(self, size: int) -> Any:
-        if not isinstance(self.form, fem.Rectangle):
-            raise ValueError("the mesh is a file's")
-        return fem.rectangle(*self.form.sides, *self.form.cells(size))
+    def sizes(self, finest: int) -> list[int]:
+        """The meshes on which a method is tried: of a file's mesh, itself and one finer."""
+        every = self.form.sizes if self.is_rectangle else self.form.sizes[:2]
+        return [size for size in every if size <= finest]
 
+    def unknowns(self, method: Method, size: int) -> int:
+        """About how many unknowns a solid has; 0 of other theories, which are small."""
+        if method.theory != "solid":
+            return 0
+        mesh = self.form.mesh(1)
+        cells = mesh.t.shape[1] * size**2 * (3 if mesh.t.shape[0] == 3 else 1)
+        return int(cells * 4 * (2 * int(method.model.partition("/")[2]) + 1) * 3)
 
-def sizes(problem: Problem, finest: int) -> list[int]:
-    """The meshes on which a method is tried: of a file's mesh, itself and one finer."""
-    every = problem.form.sizes if isinstance(problem.form, fem.Rectangle) else problem.form.sizes[:2]
-    return [size for size in every if size <= finest]
+    def setting(self, size: int) -> str:
+        """A mesh in words."""
+        if isinstance(self.form, fem.Rectangle):
+            return "{} × {}".format(*self.form.cells(size))
+        return "the file's mesh" if size == 1 else f"each edge split in {size}"
 
 
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
-    best = {}
-    for method in (_thin(problem), Method("mindlin", "Mindlin", FINEST_PLATE["mindlin"]), _bricks(4)):
-        theory, pair = method.theory, _finest(problem, method)
-        step.advance(f"limit of {theory}")
+    best, rectangle = {}, problem.is_rectangle
+    for method in LIMITS:
+        step.advance(f"limit of {method.theory}")
+        finest = method.finest if rectangle else 4 if method.theory == "mindlin" else 2
+        if not rectangle and method.theory == "kirchhoff":
+            method = replace(method, model="kirchhoff")
+        sizes = [size for size in problem.form.sizes if size <= finest]
+        sizes = [size for size in sizes if problem.unknowns(method, size) <= SOLID_AT_MOST]
+        pair = sizes[-3::2] if len(sizes) > 2 and rectangle else sizes[-2:]
         if len(pair) < 2:
             continue
         (_, before), (_, last) = (problem.solve(method, size) for size in pair)
         growth = (pair[1] / pair[0]) ** min(problem.form.orders)
         limit = last + (last - before) / (growth - 1.0)
-        if theory == "solid":
-            limit = limit * _more_layers(problem, pair[0])
-        best[theory] = limit, _largest_error(limit, last)
+        if method.theory == "solid":  # from four layers of bricks to six, on a coarse mesh, whose error falls out
+            coarse = next(size for size in reversed(problem.form.sizes) if size <= max(1, pair[0] // 2))
+            models = (replace(method, model=f"solid/{layers}") for layers in (4, 6))
+            (_, four), (_, six) = (problem.solve(model, coarse) for model in models)
+            limit = limit * (six / four)
+        best[method.theory] = limit, _largest_error(limit, last)
     return best
 
 
@@ -314,99 +315,46 @@ def plate_studies(problem: Problem, step: Step) -> tuple[list[ConvergenceStudy],
     own, solid = [], []
     for method in PLATE_METHODS:
         limit, trust = known.get(method.theory, (None, None))
-        for size in sizes(problem, method.finest):
+        for size in problem.sizes(method.finest):
             step.advance(f"{method.name}, {size}")
             row, frequencies = _row(problem, method, size, limit)
             own.append(replace(row, uncertainty=trust))
             if "solid" in known and frequencies is not None:
-                error = _largest_error(frequencies, known["solid"][0])
-                solid.append(replace(row, error=error, uncertainty=known["solid"][1]))
-            else:
-                solid.append(row)
+                exact, trust_of_exact = known["solid"]
+                row = replace(row, error=_largest_error(frequencies, exact), uncertainty=trust_of_exact)
+            solid.append(row)
     where = f"{problem.count} frequencies at {whole(in_rpm(problem.omega))} rpm"
     trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
-    ours = ConvergenceStudy(
-        "plate",
-        f"largest relative error of the mesh in {where}",
-        f"limit of each row's own theory, extrapolated from the two finest meshes ({trusts})",
-        tuple(own),
-    )
-    if "solid" not in known:
-        return [ours], known
-    theirs = ConvergenceStudy(
-        WITH_THEORY,
-        f"largest relative error in {where}, mesh and theory together",
-        f"limit of solid bricks, good to about {significant(known['solid'][1], 1)}",
-        tuple(solid),
-    )
-    return [ours, theirs], known
+    reference = f"limit of each row's own theory, extrapolated from the two finest meshes ({trusts})"
+    studies = [ConvergenceStudy("plate", f"largest relative error of the mesh in {where}", reference, tuple(own))]
+    if "solid" in known:
+        quantity = f"largest relative error in {where}, mesh and theory together"
+        reference = f"limit of solid bricks, good to about {significant(known['solid'][1], 1)}"
+        studies.append(ConvergenceStudy(WITH_THEORY, quantity, reference, tuple(solid)))
+    return studies, known
 
 
 def _row(problem: Problem, method: Method, size: int, limit: Floats | None) -> tuple[Setting, Floats | None]:
     """A method on one mesh, and its frequencies where it has any."""
     failed = None
-    if method.theory == "solid" and _unknowns(problem, method, size) > SOLID_AT_MOST:
-        failed = f"too slow: {fixed(_unknowns(problem, method, size))} unknowns"
+    if (unknowns := problem.unknowns(method, size)) > SOLID_AT_MOST:
+        failed = f"too slow: {fixed(unknowns)} unknowns"
     elif method.theory == "mindlin" and method.cells == "graded" and problem.form.mesh(1).t.shape[0] == 3:
         failed = "the mesh is of triangles"
     if failed is not None:
-        return Setting(method.name, _plate_setting(problem, size), failed=failed), None
+        return Setting(method.name, problem.setting(size), failed=failed), None
 
     def judge(solved: tuple[int, Floats]) -> tuple[int | None, float]:
         if limit is None:
             raise ValueError("there is no reference: the mesh is too large for a finer one")
         return solved[0], _largest_error(solved[1], limit)
 
-    work = partial(problem.solve, method, size)
-    outcome = measured(method.name, _plate_setting(problem, size), work, judge)
+    outcome = measure(method.name, problem.setting(size), partial(problem.solve, method, size), judge)
     return outcome[0], None if outcome[1] is None else outcome[1][1]
 
 
 def _largest_error(frequencies: Floats, reference: Floats) -> float:
     return float(np.abs(frequencies / reference - 1.0).max())
-
-
-def _plate_setting(problem: Problem, size: int) -> str:
-    if isinstance(problem.form, fem.Rectangle):
-        return "{} × {}".format(*problem.form.cells(size))
-    return "the file's mesh" if size == 1 else f"each edge split in {size}"
-
-
-def _thin(problem: Problem) -> Method:
-    return Method(
-        "kirchhoff/bfs" if isinstance(problem.form, fem.Rectangle) else "kirchhoff",
-        "thin plate",
-        FINEST_PLATE["kirchhoff"],
-    )
-
-
-def _bricks(layers: int) -> Method:
-    return Method(f"solid/{layers}", "solid", FINEST_PLATE["solid"])
-
-
-def _finest(problem: Problem, method: Method) -> list[int]:
-    """The two sizes from which a limit is extrapolated."""
-    most = method.finest
-    if not isinstance(problem.form, fem.Rectangle):
-        most = 4 if method.theory == "mindlin" else 2
-    sizes = [size for size in problem.form.sizes if size <= most]
-    if method.theory == "solid":
-        sizes = [size for size in sizes if _unknowns(problem, method, size) <= SOLID_AT_MOST]
-    return sizes[-3::2] if len(sizes) > 2 and isinstance(problem.form, fem.Rectangle) else sizes[-2:]
-
-
-def _more_layers(problem: Problem, size: int) -> Floats:
-    """Factor from four layers of bricks to six, on a coarse mesh: the mesh's error falls out."""
-    coarse = next(s for s in reversed(problem.form.sizes) if s <= max(1, size // 2))
-    (_, four), (_, six) = (problem.solve(_bricks(layers), coarse) for layers in (4, 6))
-    return np.asarray(six / four)
-
-
-def _unknowns(problem: Problem, method: Method, size: int) -> int:
-    """About how many unknowns a solid has."""
-    mesh = problem.form.mesh(1)
-    cells = mesh.t.shape[1] * size**2 * (3 if mesh.t.shape[0] == 3 else 1)
-    return int(cells * 4 * (2 * int(method.model.partition("/")[2]) + 1) * 3)
 
 
 _TIMED_SPEEDS = 5
@@ -420,46 +368,41 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     """A thousand speeds from rest to the highest: from a reduced basis, or each by itself."""
     omega = np.linspace(0.0, top, SPEEDS) if top > 0 else np.zeros(1)
     timed = omega[np.unique(np.linspace(0, omega.size - 1, _TIMED_SPEEDS + 2).round().astype(int)[1:-1])]
-    direct = np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in timed])
+
+    def one_by_one() -> Floats:
+        return np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in timed])
+
+    direct = one_by_one()
 
     def judge(diagram: fem.Campbell) -> tuple[int | None, float]:
         at = np.searchsorted(diagram.omega, timed)
         return max(diagram.sizes, default=None), _largest_error(diagram.frequencies_hz[at], direct)
 
-    rows = []
-    for tolerance in _TOLERANCES:
-        step.advance(f"reduced basis, {tolerance:g}")
-        rows.append(
-            measure(
-                "reduced basis",
-                f"bound below {tolerance:g}",
-                lambda tolerance=tolerance: fem.campbell(operators, omega, count, tolerance=tolerance),  # type: ignore[misc]
-                judge,
-            )
+    cases: list[tuple[Any, ...]] = [
+        (
+            "reduced basis",
+            f"bound below {tolerance:g}",
+            partial(fem.campbell, operators, omega, count, tolerance=tolerance),
+            judge,
         )
-    step.advance("each speed by itself")
-    alone = measure(
+        for tolerance in _TOLERANCES
+    ]
+    alone = (
         "each speed by itself",
         f"{timed.size} of {omega.size} timed",
-        lambda: np.array([fem.solve_modes(operators, float(w), count).frequencies_hz for w in timed]),
+        one_by_one,
         lambda solved: (operators.mass.shape[0], _largest_error(solved, direct)),
-        share=omega.size / timed.size,
+        omega.size / timed.size,
     )
     study = ConvergenceStudy(
         "speeds",
         f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(in_rpm(top))} rpm",
         f"modes solved for at {timed.size} of the speeds on the same mesh, good to rounding",
-        (*rows, alone),
+        ladder(step, [*cases, alone]),
     )
-    return study, _chosen_basis(operators, omega, timed, direct, count)
-
-
-def _chosen_basis(operators: fem.Operators, omega: Floats, timed: Floats, direct: Floats, count: int) -> Choice:
     diagram = fem.campbell(operators, omega, count)
-    at = np.searchsorted(diagram.omega, timed)
-    error = _largest_error(diagram.frequencies_hz[at], direct)
     sizes = " and ".join(map(str, diagram.sizes))
-    return Choice("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), error)
+    return study, Choice("reduced basis", f"{sizes} vectors", float(diagram.bounds.max()), judge(diagram)[1])
 
 
 def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
@@ -512,23 +455,18 @@ def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list
         omega=float(solver.choice.probes[-1]),
         count=count,
     )
-    steps = 3 + sum(len(sizes(problem, method.finest)) for method in PLATE_METHODS)
+    steps = 3 + sum(len(problem.sizes(method.finest)) for method in PLATE_METHODS)
     with stages("plate", steps) as step:
         studies, limits = plate_studies(problem, step)
     linear = replace(operators, effects=plain, gyroscopic=None)
     with stages("speeds", 6) as step:
         swept, basis = speeds(linear, problem.omega, count, step)
     mesh = _chosen(solver, problem, limits)
-    left_out = _left_out(operators.effects)
+    switches = {"large deflection": operators.effects.large_deflection, "Coriolis forces": operators.effects.coriolis}
+    on = " and ".join(name for name, switch in switches.items() if switch)
+    left_out = f"; all without {on}, which the scene has on" if on else ""
     studies = [replace(one, reference=one.reference + left_out) for one in (*studies, swept)]
     return studies, {"plate": mesh, "speeds": basis}
-
-
-def _left_out(effects: fem.Effects) -> str:
-    """What the scene has on and the plate's studies leave out, in words."""
-    names = {"large deflection": effects.large_deflection, "Coriolis forces": effects.coriolis}
-    on = [name for name, switch in names.items() if switch]
-    return f"; all without {' and '.join(on)}, which the scene has on" if on else ""
 
 
 def _chosen(solver: Discrete, problem: Problem, limits: dict[str, tuple[Floats, float]]) -> Choice:

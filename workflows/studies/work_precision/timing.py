@@ -7,9 +7,11 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Generic, TypeVar
+
+from workflows.progress import Step
 
 T = TypeVar("T")
 
@@ -37,7 +39,7 @@ POLICY_OF_DIFFERENCES = (
 
 
 @dataclass(frozen=True)
-class Timed(Generic[T]):
+class Timing(Generic[T]):
     """What some work returned, and the seconds it took: median, least and most."""
 
     value: T
@@ -46,38 +48,26 @@ class Timed(Generic[T]):
     high: float
 
 
-def timed(work: Callable[[], T]) -> Timed[T]:
+def timed(work: Callable[[], T]) -> Timing[T]:
     """Run some work often enough to know what it takes."""
     value, first = _once(work)
-    if first >= TOO_LONG:
-        return Timed(value, first, first, first)
-    seconds = [_once(work)[1] for _ in range(1 if first >= _LONG else RUNS)]
-    return Timed(value, statistics.median(seconds), min(seconds), max(seconds))
+    repeats = 0 if first >= TOO_LONG else 1 if first >= _LONG else RUNS
+    seconds = [_once(work)[1] for _ in range(repeats)] or [first]
+    return Timing(value, statistics.median(seconds), min(seconds), max(seconds))
 
 
-@dataclass(frozen=True)
-class Compared(Generic[T]):
-    """What some work returned, and the seconds it takes beyond those of other work: median, least and most.
+def compared(work: Callable[[], T], other: Callable[[], object]) -> tuple[Timing[T], float, float]:
+    """Time some work in turns with other that is warm already, so that a busy machine slows both.
 
-    seconds, others: the median of each by itself.
+    Returns:
+        What the work returned with the seconds it takes beyond the other; the medians of both by themselves.
     """
-
-    value: T
-    extra: float
-    low: float
-    high: float
-    seconds: float
-    others: float
-
-
-def compared(work: Callable[[], T], other: Callable[[], object]) -> Compared[T]:
-    """Time some work in turns with other that is warm already, so that a busy machine slows both."""
     value, first = _once(work)
     count = PAIRS if first < _LONG else FEWER if first < TOO_LONG else FEWEST
     pairs = [(_once(work)[1], _once(other)[1]) for _ in range(count)]
     extra = [mine - its for mine, its in pairs]
-    seconds, others = (statistics.median(column) for column in zip(*pairs, strict=True))
-    return Compared(value, statistics.median(extra), min(extra), max(extra), seconds, others)
+    medians = (statistics.median(column) for column in zip(*pairs, strict=True))
+    return Timing(value, statistics.median(extra), min(extra), max(extra)), *medians
 
 
 def _once(work: Callable[[], T]) -> tuple[T, float]:
@@ -132,7 +122,7 @@ class WorkPrecision:
     """All studies of a scene."""
 
     title: str
-    asked: dict[str, float]
+    targets: dict[str, float]
     studies: tuple[ConvergenceStudy, ...]
     chosen: dict[str, Choice]
 
@@ -141,25 +131,15 @@ class WorkPrecision:
         return {
             "schema_version": 1,
             "title": self.title,
-            "asked": self.asked,
+            "asked": self.targets,
             "machine": machine(),
             "noise": POLICY,
-            "ladders": [asdict(study) | {"rows": [_row(row) for row in study.rows]} for study in self.studies],
+            "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in self.studies],
             "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
         }
 
 
-def machine() -> dict[str, Any]:
-    """On what the times were taken."""
-    return {
-        "processor": _processor(),
-        "cores": os.cpu_count(),
-        "system": platform.system(),
-        "python": platform.python_version(),
-    }
-
-
-def measured(
+def measure(
     method: str,
     setting: str,
     work: Callable[[], T],
@@ -172,39 +152,43 @@ def measured(
     """
     value: T | None = None
     try:
-        run: Timed[T] = timed(work)
+        run = timed(work)
         value = run.value
         unknowns, error = judge(run.value)
     except (ArithmeticError, ValueError, RuntimeError) as reason:
         return Setting(method, setting, failed=str(reason) or type(reason).__name__), value
-    times = share * run.median, (share * run.low, share * run.high)
-    if not math.isfinite(error):
-        return Setting(method, setting, unknowns, *times, failed="no number came out"), value
-    return Setting(method, setting, unknowns, *times, error=error), value
+    row = Setting(method, setting, unknowns, share * run.median, (share * run.low, share * run.high))
+    known = {"error": error} if math.isfinite(error) else {"failed": "no number came out"}
+    return replace(row, **known), value
 
 
-def measure(
-    method: str,
-    setting: str,
-    work: Callable[[], T],
-    judge: Callable[[T], tuple[int | None, float]],
-    share: float = 1.0,
-) -> Setting:
-    """The row alone; see `measured`."""
-    return measured(method, setting, work, judge, share)[0]
+def ladder(step: Step, cases: Iterable[tuple[Any, ...]]) -> tuple[Setting, ...]:
+    """A row for each case, which has the arguments of `measure`."""
+    rows = []
+    for case in cases:
+        step.advance(", ".join(case[:2]))
+        rows.append(measure(*case)[0])
+    return tuple(rows)
 
 
-def _row(row: Setting) -> dict[str, Any]:
-    entry = asdict(row)
-    if row.failed is None:
-        del entry["failed"]
-    return entry
+def entry(row: Any) -> dict[str, Any]:
+    """A row as plain data; it says why it failed only if it did."""
+    return {name: value for name, value in asdict(row).items() if (name, value) != ("failed", None)}
+
+
+def machine() -> dict[str, Any]:
+    """On what the times were taken."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+    }
 
 
 def _processor() -> str:
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
-            names = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
-    except OSError:
-        names = []
-    return names[0] if names else platform.processor() or platform.machine()
+            return next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
