@@ -308,6 +308,10 @@ def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> No
     """Fly to a group's next event, or the end of its step, resolve it, start the flights that follow, record it."""
     i, kind, clock, ball = it.motion.axis[g], it.motion.kind[g], it.clock, it.ball
     fly(g, it.motion.at[g], it)
+    if kind == NOTHING and it.motion.settled[g] != 0:  # it flies on: there is nothing to seek
+        it.motion.start[g], it.motion.next[g] = time, time + it.system.span[g]
+        expand(g, it, flow)
+        return
     if kind == NOTHING:
         restart(g, time, it, flow)
         return
