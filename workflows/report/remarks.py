@@ -309,15 +309,12 @@ def sideways(results: Results) -> str | None:
             (chord, "the load, by its chordwise motion"),
             (along, f"the rolling resistance, across, as the {carrier(results)}'s bending draws its tip in"),
         )
-        if share > _NOTABLE_SIDEWAYS
+        if share > scene.accuracy.damping
     ]
     if not notable:
         return None
     return f"Coriolis forces on the ball are neglected: at its best amplitude up to {' and '.join(notable)}."
 
-
-_NOTABLE_SIDEWAYS = 0.01
-"""Share of the load, or of the rolling resistance, from which on a Coriolis force on the ball is worth a sentence."""
 
 _LINEAR = 0.3
 """Way over the radius of its path up to which a pendulum's frequency is off by 1 %: 1 - (s/rho)²/16 and the load's."""
