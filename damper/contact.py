@@ -8,6 +8,7 @@ Mises, Poisson's ratio 0.3), eqs. 6.8 and 6.9; full plasticity where the mean pr
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from damper.model import number
@@ -137,11 +138,8 @@ def rim_slope(load: float, radius: float, ball: Solid, floor: Solid, floor_radiu
     if contact.yield_ratio <= 1:
         return 0.0
     most = _most(hardness / strength)
-    low, high = 1.0, math.sqrt(contact.yield_ratio)  # contact radius over that at first yield
-    for _ in range(100):
-        c = math.sqrt(low * high)
-        low, high = (c, high) if c**2 * _pressure(c, most) < contact.yield_ratio else (low, c)
-    return math.pi / 2 * ONSET * strength / modulus(ball, floor) * max(low - _pressure(low, most), 0.0)
+    c = _grown(lambda c: c**2 * _pressure(c, most), contact.yield_ratio)
+    return math.pi / 2 * ONSET * strength / modulus(ball, floor) * max(c - _pressure(c, most), 0.0)
 
 
 _PLASTIC = 40 / (math.pi / 2 * ONSET)
@@ -159,6 +157,15 @@ def _pressure(c: float, most: float) -> float:
     It grows from 1.07 Y to the hardness with the logarithm of the radius (Johnson, Fig. 6.16).
     """
     return 1 + (most - 1) * min(math.log(c) / math.log(_PLASTIC), 1.0)
+
+
+def _grown(reached: Callable[[float], float], value: float) -> float:
+    """Contact radius over that at first yield at which something that grows faster than it does reaches a value."""
+    low, high = 0.0, math.log(max(value, 1.0))
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if reached(math.exp(middle)) < value else (low, middle)
+    return math.exp(low)
 
 
 def yield_speed(mass: float, radius: float, ball: Solid, wall: Solid) -> float:
@@ -199,11 +206,7 @@ def restitution(speed: float, mass: float, radius: float, ball: Solid, wall: Sol
     if math.isnan(faster):
         return math.nan
     most = _most(2.8 if math.isnan(hardness) else hardness / strength)
-    low, high = 0.0, math.log(max(faster, 1.0)) + 1.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if sum(_works(math.exp(middle), most)) < faster**2 else (low, middle)
-    elastic, plastic = _works(math.exp(low), most)
+    elastic, plastic = _works(_grown(lambda c: sum(_works(c, most)), faster**2), most)
     return math.sqrt(elastic / (elastic + plastic))
 
 

@@ -316,7 +316,7 @@ def sideways(results: Results) -> str | None:
             (chord, "the load from chordwise motion"),
             (along, f"the rolling resistance from the shortening of the bent {carrier(results)}"),
         )
-        if share > _NOTABLE_SIDEWAYS
+        if share > scene.accuracy.damping
     ]
     if not notable:
         return None
@@ -324,9 +324,6 @@ def sideways(results: Results) -> str | None:
         f"Coriolis forces on the ball are neglected: up to {' and '.join(notable)} at the amplitude of largest damping."
     )
 
-
-_NOTABLE_SIDEWAYS = 0.01
-"""Share of the load, or of the rolling resistance, from which on a Coriolis force on the ball is worth a sentence."""
 
 _LINEAR = 0.3
 """Way over the radius of its path up to which a pendulum's frequency is off by 1 %: 1 - (s/rho)²/16 and the load's."""
