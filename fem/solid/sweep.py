@@ -19,14 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import polar
 
 from fem.linalg import lowest_modes, orthonormal
-from fem.modal_model import TRACKED, ModalModel, ModesAtSpeed, continued, lagrange
+from fem.modal_model import ModalModel, ModesAtSpeed, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, settle, tangent, unbalanced
@@ -162,20 +161,13 @@ class BladeSweep:
         return np.asarray(np.abs(np.sort(eigenvalues[eigenvalues > 0.0])[: self.count] / rates[: self.count] - 1.0))
 
     @cached_property
-    def _tracks(self) -> tuple[Array, NDArray[np.int64], Array]:
-        """Squared speeds from the lowest to the highest in fine steps; tracks (k, count) and vectors (k, q, count)."""
-        squares = np.linspace(self.squares[0] ** 0.5, self.squares[-1] ** 0.5, TRACKED) ** 2
-        vectors = [self.reduced(float(square**0.5))[1] for square in squares]
-        tracks = [np.arange(self.count)]
-        for before, after in pairwise(vectors):
-            tracks.append(continued(before, after, tracks[-1]))
-        return squares, np.array(tracks), np.array(vectors)
+    def _tracks(self) -> Tracks:
+        low, high = self.squares[[0, -1]] ** 0.5
+        return Tracks.followed(lambda omega: self.reduced(omega)[1], low, high)
 
     def tracks(self, omega: float) -> NDArray[np.int64]:
         """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
-        squares, tracks, vectors = self._tracks
-        near = int(np.abs(squares - omega**2).argmin())
-        return continued(vectors[near], self.reduced(omega)[1], tracks[near])
+        return self._tracks.of(omega, self.reduced(omega)[1])
 
     def weights(self, omega: float) -> Array:
         """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
@@ -338,9 +330,7 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(
-    operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float
-) -> float:
+def _project(operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float) -> float:
     """Know a speed by state and modes among the modes and slopes of solved speeds, and what these lack there.
 
     Returns the largest relative error that this leaves of a wanted frequency, to first order; enough: what may be left.
