@@ -119,21 +119,24 @@ class BladeSweep:
         """The displacement (n,) in m at a speed in rad/s."""
         return np.asarray(self.weights(omega) @ self.states)
 
-    def modes(self, omega: float) -> tuple[Array, Array]:
+    def modes(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
         """Squared circular frequencies (count,) and mass-normalised shapes (n, count) at a speed in rad/s.
+
+        spare: with those solved beyond the ones asked for.
 
         Raises:
             ValueError: for a speed out of the range.
         """
-        values, vectors = self.reduced(omega)
+        values, vectors = self.reduced(omega, spare=spare)
         return values, np.asarray(np.tensordot(self.weights(omega), self.shapes, 1) @ vectors)
 
-    def reduced(self, omega: float) -> tuple[Array, Array]:
+    def reduced(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
         """The same with the shapes (q, count) as parts of the interpolated ones."""
         weights = self.weights(omega)
         values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
         mass = np.einsum("i,iajb,j->ab", weights, self.products, weights)
-        values, vectors = values[: self.count], vectors[:, : self.count]
+        count = None if spare else self.count
+        values, vectors = values[:count], vectors[:, :count]
         return values, vectors / np.sqrt(np.einsum("ak,ab,bk->k", vectors, mass, vectors))
 
     def covers(self, omega: float) -> bool:
@@ -465,9 +468,9 @@ class SolvedBlade:
         self.operators, self.tolerance, self.progress = operators, tolerance, progress
         self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance, progress=progress)
         ends = [(float(self.sweep.squares[k]) ** 0.5, self.sweep.states[k]) for k in (0, -1)]
-        solved = [(*self.sweep.modes(omega), state) for omega, state in ends[: self.sweep.squares.size]]
+        solved = [(*self.sweep.modes(omega, spare=True), state) for omega, state in ends[: self.sweep.squares.size]]
         every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
-        self.errors: Array = np.vstack(every).max(axis=0)
+        self.errors: Array = np.vstack(every).max(axis=0)[:count]
         self._at = lru_cache(KEPT)(self._solved)
 
     @cached_property
