@@ -6,7 +6,7 @@ turns in each mode, and the modes at speeds between those that are known.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise, product
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.cells import cell
+from fem.meshes.cells import cell, faces_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -203,29 +203,44 @@ class ModalModel:
         return ModesAtSpeed(omega, np.sqrt(values) / (2.0 * np.pi), shapes, **optional)
 
     @cached_property
-    def _steps(self) -> tuple[Array, Ints, Array]:
-        """Speeds (m,) in fine steps; tracks (m, k) and modes (m, k, k) there."""
-        omegas = np.linspace(self.speeds[0].omega, self.speeds[-1].omega, TRACKED)
-        vectors = [self._reduced(float(omega), self._near(float(omega)))[1] for omega in omegas]
-        tracks: list[Ints] = [np.arange(len(vectors[0]))]
-        for before, after in pairwise(vectors):
-            tracks.append(continued(before, after, tracks[-1]))
-        return omegas, np.array(tracks), np.array(vectors)
+    def _steps(self) -> Tracks:
+        low, high = self.speeds[0].omega, self.speeds[-1].omega
+        return Tracks.followed(lambda omega: self._reduced(omega, self._near(omega))[1], low, high)
 
     def _tracks(self, omega: float, vectors: Array) -> Ints:
         """Which mode of the lowest speed each of those at a speed continues, (k,)."""
-        if len(self.speeds) == 1:
-            return np.arange(len(vectors))
-        omegas, tracks, steps = self._steps
-        near = int(np.abs(omegas - omega).argmin())
-        return continued(steps[near], vectors, tracks[near])
+        return np.arange(len(vectors)) if len(self.speeds) == 1 else self._steps.of(omega, vectors)
 
 
 TRACKED = 201
 """Speeds by which modes are followed through crossings."""
 
 
-def continued(before: Array, after: Array, tracks: Ints) -> Ints:
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """Modes followed through crossings: vectors (m, q, count) at speeds (m,), and the track of each (m, count)."""
+
+    omegas: Array
+    vectors: Array
+    tracks: Ints
+
+    @classmethod
+    def followed(cls, vectors_at: Callable[[float], Array], low: float, high: float) -> Tracks:
+        """Follow modes from a speed to another, in rad/s, in fine steps, numbered by frequency at the first."""
+        omegas = np.linspace(low, high, TRACKED)
+        vectors = np.array([vectors_at(float(omega)) for omega in omegas])
+        tracks: list[Ints] = [np.arange(vectors.shape[2])]
+        for before, after in pairwise(vectors):
+            tracks.append(_continued(before, after, tracks[-1]))
+        return cls(omegas, vectors, np.array(tracks))
+
+    def of(self, omega: float, vectors: Array) -> Ints:
+        """Tracks (count,) of modes (q, count) at a speed in rad/s."""
+        near = int(np.abs(self.omegas - omega).argmin())
+        return _continued(self.vectors[near], vectors, self.tracks[near])
+
+
+def _continued(before: Array, after: Array, tracks: Ints) -> Ints:
     """Tracks of modes (q, count) that are most alike to others of which they are known."""
     from scipy.optimize import linear_sum_assignment
 
@@ -694,17 +709,10 @@ def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
 
 def faces(model: ModalModel) -> Ints:
     """Triangles (m, 3) of the structure's surface, mid-side nodes among their corners; none without cells."""
-    rings: dict[int, list[Ints]] = {}
-    for name, cells in model.cells:
-        for ring in cell(name).faces:
-            rings.setdefault(len(ring), []).append(cells[:, ring])
-    triangles = []
-    for parts in rings.values():
-        every = np.concatenate(parts)
-        _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
-        outer = every[first[times == 1]]
-        triangles.append(np.concatenate([outer[:, list(part)] for part in _triangles(outer.shape[1])]))
-    return np.concatenate(triangles) if triangles else np.zeros((0, 3), dtype=np.int64)
+    triangles = [np.zeros((0, 3), dtype=np.int64)]
+    for every, times in faces_of(model.cells):
+        triangles += [every[times == 1][:, list(part)] for part in _triangles(every.shape[1])]
+    return np.concatenate(triangles)
 
 
 def thickness(model: ModalModel, point: Array, direction: Array) -> float | None:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -180,6 +182,19 @@ def _around(faces: list[tuple[int, ...]], edges: list[tuple[int, int]], corners:
         tuple(n for a, b in zip(face, (*face[1:], face[0]), strict=True) for n in (a, middle[frozenset((a, b))]))
         for face in faces
     )
+
+
+def faces_of(cells: Iterable[tuple[str, Ints]]) -> list[tuple[Ints, Ints]]:
+    """Nodes around the faces of cells (nface, nnode), and how many cells have each (nface,), by the number of nodes."""
+    rings: dict[int, list[Ints]] = {}
+    for name, nodes in cells:
+        for ring in cell(name).faces:
+            rings.setdefault(len(ring), []).append(nodes[:, ring])
+    found = []
+    for every in map(np.concatenate, rings.values()):
+        _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
+        found.append((every[first], times))
+    return found
 
 
 @cache

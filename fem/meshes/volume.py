@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.cells import cell
+from fem.meshes.cells import cell, faces_of
 from fem.meshes.planform import MeshError
 from fem.meshes.read import GEOMETRY, raw_mesh
 
@@ -89,17 +89,7 @@ class VolumeMesh:
 
     @cached_property
     def _faces(self) -> list[tuple[Indices, Indices]]:
-        """Nodes around the faces (nface, nnode), and how many cells have each (nface,)."""
-        rings: dict[int, list[Indices]] = {}
-        for kind, cells in self.cells:
-            for ring in cell(kind).faces:
-                rings.setdefault(len(ring), []).append(cells[:, ring])
-        outer = []
-        for parts in rings.values():
-            every = np.concatenate(parts)
-            _, first, times = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_counts=True)
-            outer.append((every[first], times))
-        return outer
+        return faces_of(self.cells)
 
     def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
         """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners.

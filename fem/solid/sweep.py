@@ -19,14 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import polar
 
 from fem.linalg import lowest_modes, orthonormal
-from fem.modal_model import TRACKED, ModalModel, ModesAtSpeed, continued, lagrange
+from fem.modal_model import ModalModel, ModesAtSpeed, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import check_speed, equilibrium, settle, tangent, unbalanced
@@ -120,21 +119,24 @@ class BladeSweep:
         """The displacement (n,) in m at a speed in rad/s."""
         return np.asarray(self.weights(omega) @ self.states)
 
-    def modes(self, omega: float) -> tuple[Array, Array]:
+    def modes(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
         """Squared circular frequencies (count,) and mass-normalised shapes (n, count) at a speed in rad/s.
+
+        spare: with those solved beyond the ones asked for.
 
         Raises:
             ValueError: for a speed out of the range.
         """
-        values, vectors = self.reduced(omega)
+        values, vectors = self.reduced(omega, spare=spare)
         return values, np.asarray(np.tensordot(self.weights(omega), self.shapes, 1) @ vectors)
 
-    def reduced(self, omega: float) -> tuple[Array, Array]:
+    def reduced(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
         """The same with the shapes (q, count) as parts of the interpolated ones."""
         weights = self.weights(omega)
         values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
         mass = np.einsum("i,iajb,j->ab", weights, self.products, weights)
-        values, vectors = values[: self.count], vectors[:, : self.count]
+        count = None if spare else self.count
+        values, vectors = values[:count], vectors[:, :count]
         return values, vectors / np.sqrt(np.einsum("ak,ab,bk->k", vectors, mass, vectors))
 
     def covers(self, omega: float) -> bool:
@@ -162,20 +164,13 @@ class BladeSweep:
         return np.asarray(np.abs(np.sort(eigenvalues[eigenvalues > 0.0])[: self.count] / rates[: self.count] - 1.0))
 
     @cached_property
-    def _tracks(self) -> tuple[Array, NDArray[np.int64], Array]:
-        """Squared speeds from the lowest to the highest in fine steps; tracks (k, count) and vectors (k, q, count)."""
-        squares = np.linspace(self.squares[0] ** 0.5, self.squares[-1] ** 0.5, TRACKED) ** 2
-        vectors = [self.reduced(float(square**0.5))[1] for square in squares]
-        tracks = [np.arange(self.count)]
-        for before, after in pairwise(vectors):
-            tracks.append(continued(before, after, tracks[-1]))
-        return squares, np.array(tracks), np.array(vectors)
+    def _tracks(self) -> Tracks:
+        low, high = self.squares[[0, -1]] ** 0.5
+        return Tracks.followed(lambda omega: self.reduced(omega)[1], low, high)
 
     def tracks(self, omega: float) -> NDArray[np.int64]:
         """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
-        squares, tracks, vectors = self._tracks
-        near = int(np.abs(squares - omega**2).argmin())
-        return continued(vectors[near], self.reduced(omega)[1], tracks[near])
+        return self._tracks.of(omega, self.reduced(omega)[1])
 
     def weights(self, omega: float) -> Array:
         """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
@@ -473,9 +468,9 @@ class SolvedBlade:
         self.operators, self.tolerance, self.progress = operators, tolerance, progress
         self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance, progress=progress)
         ends = [(float(self.sweep.squares[k]) ** 0.5, self.sweep.states[k]) for k in (0, -1)]
-        solved = [(*self.sweep.modes(omega), state) for omega, state in ends[: self.sweep.squares.size]]
+        solved = [(*self.sweep.modes(omega, spare=True), state) for omega, state in ends[: self.sweep.squares.size]]
         every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
-        self.errors: Array = np.vstack(every).max(axis=0)
+        self.errors: Array = np.vstack(every).max(axis=0)[:count]
         self._at = lru_cache(KEPT)(self._solved)
 
     @cached_property
