@@ -1,7 +1,4 @@
-"""How long the main things take, kept from commit to commit: `python -m tests.benchmarks.track [FILE]`.
-
-Appends one line of JSON to FILE (benchmarks.jsonl) with the medians, the commit and the machine, and prints each beside
-the last line of the same machine. Nothing passes or fails by it; a machine that does something else beside is noisy.
+"""How long the main things take, medians: `python -m tests.benchmarks.track`. Nothing passes or fails by it.
 
 `python -m tests.benchmarks.track --beside TREE` runs the same tasks in turns with those of another tree of the project,
 a work tree of an earlier commit, say: one process each, a task of one after that of the other, so that what slows the
@@ -12,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import subprocess
 import sys
 import time
@@ -77,21 +73,10 @@ def taken(work: Callable[[], Any]) -> float:
     return median(found)
 
 
-def main(path: Path) -> None:
-    """Measure, compare, keep."""
-    git = ["git", "rev-parse", "--short", "HEAD"]
-    commit = subprocess.run(git, capture_output=True, text=True, check=False, timeout=10).stdout.strip()
-    machine = f"{platform.node()} {platform.machine()} Python {platform.python_version()}"
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    before = [line for line in map(json.loads, lines) if line["machine"] == machine]
-    seconds = {}
+def main() -> None:
+    """This tree by itself."""
     for name, work in tasks().items():
-        seconds[name] = taken(work)
-        last = before[-1]["seconds"].get(name) if before else None
-        beside = "" if last is None else f", {seconds[name] / last:.2f} times that of {before[-1]['commit']}"
-        print(f"{name}: {1e3 * seconds[name]:.1f} ms{beside}", flush=True)
-    with path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps({"commit": commit, "machine": machine, "seconds": seconds}) + "\n")
+        print(f"{name}: {1e3 * taken(work):.1f} ms", flush=True)
 
 
 def answer() -> None:
@@ -144,7 +129,5 @@ if __name__ == "__main__":
             answer()
         case ["--beside", tree]:
             beside(Path(tree))
-        case [name]:
-            main(Path(name))
         case _:
-            main(Path("benchmarks.jsonl"))
+            main()

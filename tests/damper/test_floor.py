@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -376,27 +377,23 @@ def test_bad_floors(changes: dict[str, object], message: str) -> None:
 
 
 def test_bad_runs() -> None:
-    force = Harmonic(10.0)
-    with pytest.raises(ValueError, match="cycles must be given"):
-        ringdown(PAPER, (1e-3, 0.0), harmonic=force)
-    with pytest.raises(ValueError, match="amplitudes must be"):
-        ringdown(PAPER, (1e-3, 0.0), 1, amplitudes=(1.0, 2.0))
-    with pytest.raises(ValueError, match="at most 8"):
-        ringdown(replace(PAPER, modes=9 * (Mode(1.0, 1e6, (1.0, 0.0)),)), (1e-3, 0.0), 1)
-    with pytest.raises(ValueError, match="printed equations"):
-        ringdown(replace(PAPER, formulation=Formulation.PRINTED), (1e-3, 0.0), 1, harmonic=force)
-    with pytest.raises(ValueError, match="level floor"):
-        stepped_ringdown(replace(PAPER, floor_tilt=(1.0, 0.0)), (1e-3, 0.0), 1)
-    with pytest.raises(ValueError, match="frequency must be positive"):
-        Harmonic(0.0)
-    with pytest.raises(ValueError, match="modal"):
-        Harmonic(10.0, modal=3.0)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="phase"):
-        Harmonic(10.0, phase=None)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="modal must be"):
-        ringdown(PAPER, (1e-3, 0.0), 1, harmonic=Harmonic(10.0, modal=(1.0,)))
-    with pytest.raises(ValueError, match="a mode's mass must be positive"):
-        Mode(0.0, 1.0, (1.0, 0.0))
+    force, release, printed = Harmonic(10.0), (1e-3, 0.0), replace(PAPER, formulation=Formulation.PRINTED)
+    crowded = replace(PAPER, modes=9 * (Mode(1.0, 1e6, (1.0, 0.0)),))
+    bad: list[tuple[str, Callable[[], object]]] = [
+        ("cycles must be given", lambda: ringdown(PAPER, release, harmonic=force)),
+        ("amplitudes must be", lambda: ringdown(PAPER, release, 1, amplitudes=(1.0, 2.0))),
+        ("at most 8", lambda: ringdown(crowded, release, 1)),
+        ("printed equations", lambda: ringdown(printed, release, 1, harmonic=force)),
+        ("level floor", lambda: stepped_ringdown(replace(PAPER, floor_tilt=(1.0, 0.0)), release, 1)),
+        ("frequency must be positive", lambda: Harmonic(0.0)),
+        ("modal", lambda: Harmonic(10.0, modal=3.0)),  # type: ignore[arg-type]
+        ("phase", lambda: Harmonic(10.0, phase=None)),  # type: ignore[arg-type]
+        ("modal must be", lambda: ringdown(PAPER, release, 1, harmonic=Harmonic(10.0, modal=(1.0,)))),
+        ("a mode's mass must be positive", lambda: Mode(0.0, 1.0, (1.0, 0.0))),
+    ]
+    for message, made in bad:
+        with pytest.raises(ValueError, match=message):
+            made()
 
 
 @pytest.mark.hard(

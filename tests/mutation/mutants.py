@@ -31,18 +31,24 @@ _ASIDE = (ast.JoinedStr, ast.Raise, ast.ImportFrom, ast.Import, ast.AnnAssign, a
 
 @dataclass(frozen=True)
 class Mutant:
-    """A file of `damper` with one change: at `line`, what was and what is now, and the whole new source."""
+    """A file of `damper` with one change: what was and what is now, nodes of its tree."""
 
     file: str
-    line: int
-    before: str
-    after: str
-    source: str
+    tree: ast.Module
+    old: ast.AST
+    new: ast.AST
 
     @property
     def name(self) -> str:
         """One line that says what was changed."""
-        return f"{self.file}:{self.line}: {self.before}  ->  {self.after}"
+        line = getattr(self.old, "lineno", 0)
+        return f"{self.file}:{line}: {ast.unparse(self.old)}  ->  {ast.unparse(self.new)}"
+
+    @property
+    def source(self) -> str:
+        """The whole file; it is made for those that are tried, not for all among which they are drawn."""
+        changed = _Swap(self.old, self.new).visit(copy.deepcopy(self.tree, {id(self.old): self.old}))
+        return ast.unparse(ast.fix_missing_locations(changed))
 
 
 def mutants(path: Path) -> Iterator[Mutant]:
@@ -50,14 +56,7 @@ def mutants(path: Path) -> Iterator[Mutant]:
     tree = ast.parse(path.read_text())
     for target in _targets(tree):
         for replacement in _replacements(target):
-            changed = _Swap(target, replacement).visit(copy.deepcopy(tree, {id(target): target}))
-            yield Mutant(
-                path.name,
-                target.lineno,
-                ast.unparse(target),
-                ast.unparse(replacement),
-                ast.unparse(ast.fix_missing_locations(changed)),
-            )
+            yield Mutant(path.name, tree, target, replacement)
 
 
 class _Swap(ast.NodeTransformer):

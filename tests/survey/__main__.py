@@ -1,7 +1,6 @@
 """The command: every plate that CalculiX has answered for; a line for each, and what all of them say."""
 
 import argparse
-import json
 import os
 import sys
 
@@ -23,27 +22,20 @@ def main(arguments=None):
     """Run them; 1 if any mode is outside its estimate."""
     parser = argparse.ArgumentParser(prog="python -m tests.survey", description=__doc__)
     parser.add_argument("--only", default="", help="plates whose name holds this")
-    parser.add_argument("--json", action="store_true", help="everything, to standard output")
     given = parser.parse_args(arguments)
-    out = sys.stderr if given.json else sys.stdout
-    verdicts, records = [], []
-    print(HEAD, file=out)
+    verdicts, unanswered = [], 0
+    print(HEAD)
     for case, reference in _answered(given.only):
         try:
-            verdict = judge(case, reference)
+            verdicts.append(judge(case, reference))
         except (SpindampError, IndexError) as error:
-            print(f"{case.name:14}no answer: {error}", file=out, flush=True)
-            records.append({"plate": case.name, "error": str(error)})
+            print(f"{case.name:14}no answer: {error}", flush=True)
+            unanswered += 1
             continue
-        state = static_state(case, case.omega)
-        verdicts.append(verdict)
-        records.append(_record(verdict, state))
-        print(_line(verdict, state), file=out, flush=True)
-    summary = _summary(verdicts, len(records))
-    print("\n".join(f"{what}: {value}" for what, value in summary.items()), file=out)
-    if given.json:
-        print(json.dumps({"plates": records, "summary": summary}, indent=1))
-    return 1 if summary["modes outside"] or len(verdicts) < len(records) else 0
+        print(_line(verdicts[-1], static_state(case, case.omega)), flush=True)
+    summary = _summary(verdicts, len(verdicts) + unanswered)
+    print("\n".join(f"{what}: {value}" for what, value in summary.items()))
+    return 1 if summary["modes outside"] or unanswered else 0
 
 
 def _answered(only):
@@ -54,13 +46,8 @@ def _answered(only):
             yield case, known[case.name]
 
 
-def _size(state):
-    """Largest strain and rotation of a static state."""
-    return (np.nan, np.nan) if state is None else (state.strain, state.rotation)
-
-
 def _line(verdict, state):
-    strain, rotation = _size(state)
+    strain, rotation = (np.nan, np.nan) if state is None else (state.strain, state.rotation)
     k = int(np.argmax(verdict.ratio))
     outside = ", ".join(f"{n}: {verdict.true[n - 1]:.2%} ({verdict.estimate[n - 1]:.2%})" for n in verdict.violations)
     if verdict.wanting:
@@ -70,25 +57,6 @@ def _line(verdict, state):
         f"{verdict.name:14}{strain:9.1e}{rotation:9.3f} {verdict.theory:17}{marks:4}{verdict.seconds:6.1f} s"
         f"{verdict.true[k]:9.1e}{verdict.estimate[k]:9.1e}{verdict.ratio[k]:7.2f}  {outside}"
     )
-
-
-def _record(verdict, state):
-    strain, rotation = _size(state)
-    rows = zip(
-        verdict.found, verdict.reference, verdict.slack, verdict.true, verdict.estimate, verdict.missed, strict=True
-    )
-    names = "frequency_hz", "reference_hz", "reference_error", "true_error", "estimate", "left_out"
-    return {
-        "plate": verdict.name,
-        "strain": float(strain),
-        "rotation": float(rotation),
-        "theory": verdict.theory,
-        "effects": list(verdict.effects),
-        "seconds": verdict.seconds,
-        "outside": verdict.violations,
-        "left_out": verdict.wanting,
-        "modes": [dict(zip(names, map(float, row), strict=True)) for row in rows],
-    }
 
 
 def _summary(verdicts, tried):

@@ -298,7 +298,6 @@ def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Co
         "rotor__modes": 2,
         "effects__coriolis": False,
         "plate__theory": "mindlin",
-        "accuracy": {"frequency": 0.02},
     }
     scene = write(changed(paper, **changes), tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--json")

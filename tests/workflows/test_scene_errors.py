@@ -20,8 +20,6 @@ from workflows.scene import quantities
 from workflows.scene.load import parse
 from workflows.studies.sweep import study
 
-NAN = float("nan")
-
 # What is changed in the paper's scene, the key that the message names, and a part of what it says.
 MALFORMED: list[tuple[dict[str, Any], str, str]] = [
     (
