@@ -21,7 +21,7 @@ LOG = logging.getLogger("spindamp")
 """What is decided, and how long each stage takes; silent unless somebody listens (`spindamp -v`, `--log FILE`)."""
 
 
-_SILENT, _SELDOM = 30.0, 60.0
+SILENT, _SELDOM = 30.0, 60.0
 """Seconds before the first line of progress where there is no terminal, and between two of a stage."""
 
 
@@ -98,7 +98,7 @@ class Stages:
             self._progress.update(task, advance=1, detail=detail)
         now = time.perf_counter()
         stage, before = self._last
-        if not self._lines or now - self._began < _SILENT or (name == stage and now - before < _SELDOM):
+        if not self._lines or now - self._began < SILENT or (name == stage and now - before < _SELDOM):
             return
         self._last = (name, now)
         print(f"spindamp: {name}{line and ': '}{line}", file=sys.stderr, flush=True)

@@ -66,7 +66,7 @@ KNOWN: Scene = {
 def spindamp(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """The command line, run in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(progress, "_SILENT", math.inf)  # what is printed does not depend on how fast this machine is
+    monkeypatch.setattr(progress, "SILENT", math.inf)  # what is printed does not depend on how fast this machine is
 
     def call(*arguments: object) -> Outcome:
         capsys.readouterr()
