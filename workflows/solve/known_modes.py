@@ -11,27 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem import modal_model
 from fem.modal_files import ModesFileError, Raw, in_si, joined, read
-from fem.modal_model import (
-    SAME_SPEED,
-    BadCells,
-    ModalModel,
-    ModesAtSpeed,
-    OffTheStructure,
-    Place,
-    Pull,
-    chosen,
-    densities,
-    drawn_by,
-    edges,
-    faces,
-    families,
-    held,
-    place,
-    pull,
-    root_strains,
-    thickness,
-)
+from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
@@ -230,7 +212,7 @@ class SpaceStructure:
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         shown = speeds_with_shapes(len(speeds))
-        points, triangles = self.model.points, faces(self.model)
+        points, triangles = self.model.points, modal_model.faces(self.model)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
         if used.size:
@@ -240,8 +222,8 @@ class SpaceStructure:
             triangles = (4 * np.arange(len(points))[:, None, None] + _SIDES).reshape(-1, 3)
             points = (points[:, None] + marks).reshape(-1, 3)
             shapes = np.repeat(shapes, 4, axis=2)
-        outline = edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
-        still = held(shapes)
+        outline = modal_model.edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
+        still = modal_model.held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
         return Surface(points, ("triangle", triangles), outline, root, shapes, shown, frame=self._drawing(), mark=mark)
@@ -327,7 +309,7 @@ _SPEEDS = 64
 @lru_cache(_SPEEDS)
 def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
     """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
-    return tuple(families(model, modes)), root_strains(model, modes)
+    return tuple(modal_model.families(model, modes)), modal_model.root_strains(model, modes)
 
 
 @dataclass(frozen=True)
@@ -347,14 +329,14 @@ def _structure(request: Request) -> SpaceStructure:
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
-    if (density := densities(model, model.speeds[0])) is not None:
+    if (density := modal_model.densities(model, model.speeds[0])) is not None:
         described += f", of {significant(float(np.median(density)))} kg/m³ by the scale of their modes"
     count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
 
     @lru_cache(_SPEEDS)
     def modes_at(omega: float) -> ModesAtSpeed:
         _check_speed(source, model, omega)
-        return chosen(model.at(omega), np.arange(count), np.ones(count))
+        return modal_model.chosen(model.at(omega), np.arange(count), np.ones(count))
 
     seat, seated = None, tuple[str, ...]()
     if source.scene.damper is not None:
@@ -502,8 +484,8 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
             "[structure] modes",
         )
     try:
-        fits = [densities(model, modes) for modes in model.speeds]
-    except BadCells as error:
+        fits = [modal_model.densities(model, modes) for modes in model.speeds]
+    except modal_model.BadCells as error:
         raise source.wrong(f"{name}: {error}", "[structure] modes") from error
     if any(each is None for each in fits):
         _without_density(source, known, name, raw, model)
@@ -525,7 +507,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
 def _units(name: str, raw: Raw, size: float, density: float) -> str:
     """What is wrong with the units of a file, and which would make sense."""
     plain = in_si(raw, 1.0, 1.0)
-    own = densities(plain, plain.speeds[0])
+    own = modal_model.densities(plain, plain.speeds[0])
     fitting = []
     for unit, mass_unit in _SYSTEMS:
         length, mass = KnownModes(modes=name, unit=unit, mass_unit=mass_unit).scale(None, None)
@@ -569,7 +551,7 @@ _UNEVEN = 1.05
 
 def _density_remark(name: str, model: ModalModel) -> str | None:
     """What mass the shapes say that the structure has, where it is not that of one density."""
-    fits = densities(model, model.speeds[0])
+    fits = modal_model.densities(model, model.speeds[0])
     if fits is None or fits.max() <= _UNEVEN * fits.min():
         return None
     return (
@@ -598,7 +580,8 @@ def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False
     elif "hub_radius" in axis_given or (axis_given & {"axis", "stagger", "precone"} and not turns):
         origin = np.array([model.points[:, 0].min(), 0.0, 0.0]) - rotor.hub_radius * own.outwards
     speeds = tuple(
-        modes if modes.drawn is not None else replace(modes, drawn=drawn_by(model, modes)) for modes in model.speeds
+        modes if modes.drawn is not None else replace(modes, drawn=modal_model.drawn_by(model, modes))
+        for modes in model.speeds
     )
     return replace(model, axis=axis, origin=origin, speeds=speeds)
 
@@ -614,7 +597,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
         BadInput: it does not, or they cannot be.
     """
     known = np.array([modes.omega for modes in model.speeds])
-    slack, key = SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
+    slack, key = modal_model.SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
         have = f"{in_rpm(known.min()):.6g} to {in_rpm(known.max()):.6g} rpm"
         problem = f"the modes are known from {have}: expected speeds among them, not {in_rpm(omega):.6g} rpm"
@@ -707,13 +690,13 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    return Seat(at, direction, pull(model, at), force, normal), tuple(remarks)
+    return Seat(at, direction, modal_model.pull(model, at), force, normal), tuple(remarks)
 
 
 def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
     """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
     middle = at.point - damper.radius * seen.normal
-    room = [thickness(model, middle, axis) for axis in seen.axes]
+    room = [modal_model.thickness(model, middle, axis) for axis in seen.axes]
     return [
         f"Unless the mesh has the cavity cut or housed, it does not fit: along axis {axis} it measures"
         f" {significant(1e3 * side)} mm, and the structure is {significant(1e3 * thick)} mm thick there."
@@ -739,8 +722,8 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
         BadInput: there is none.
     """
     try:
-        return place(model, _point(source, model, at, key))
-    except OffTheStructure as error:
+        return modal_model.place(model, _point(source, model, at, key))
+    except modal_model.OffTheStructure as error:
         value = list(at) if isinstance(at, tuple) else at
         raise source.wrong(str(error), key, value) from error
 
