@@ -77,3 +77,9 @@ def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
         spindamp.compare(soft_and_stiff[0])
     with pytest.raises(BadInput, match="holds no run"):
         spindamp.compare(soft_and_stiff[0], tmp_path)
+
+
+def test_all_runs_are_read_before_any_scene_is_run(monkeypatch):
+    monkeypatch.setattr(report, "solved", lambda *_: pytest.fail("a scene was run"))
+    with pytest.raises(BadInput, match="no such scene"):
+        spindamp.compare("structure", "nowhere.toml")

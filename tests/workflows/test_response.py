@@ -94,6 +94,14 @@ def test_the_range_holds_at_the_levels_followed(known, estimated, followed, usef
     assert found == pytest.approx(expected, nan_ok=True)
 
 
+def test_a_peak_at_the_end_of_the_speeds_is_said(known, monkeypatch):
+    (through,) = known.passed
+    said = f"{report.place(through.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
+    assert said not in report.sentences(known)
+    monkeypatch.setattr(report, "peak", lambda *_: (0, 0))
+    assert said in report.sentences(known)
+
+
 def test_document(known):
     found = report.document(known)
     for entry in found["crossings"]:

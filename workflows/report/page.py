@@ -166,7 +166,6 @@ def render(results: Results, drawings: Drawings) -> str:
         errors=remarks.worst(results),
         error_parts=remarks.PARTS,
         mode_columns=min(len(results.speeds[0].modes), _MODES_AT_MOST),
-        orders=verdict.of_orders(results),
         tilts=any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in results.speeds),
         first_notes=remarks.FIRST,
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
+
+if TYPE_CHECKING:
+    from damper.contact import Contact
 
 PRINTED = "the equations as printed do not conserve energy"
 WEIGHT = "the ball's weight, which is neglected, exceeds the load"
@@ -151,25 +154,28 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     )
 
 
+def _contacts(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[SpeedPoint, Contact]]:
+    """The contact of the resting ball at the points, where its materials are known."""
+    return [(point, each) for point in points if (each := limits.contact(results.scene, point)) is not None]
+
+
 def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     """That the contact of the resting ball flows at some speeds, and how flat it becomes."""
-    pressed = [contact for point in points if (contact := limits.contact(results.scene, point)) is not None]
-    damper = results.scene.damper
-    if not pressed or damper is None:
+    pressed = [contact.hardness_ratio for _, contact in _contacts(results, points)]
+    if not pressed:
         return "ball or floor yields fully under the load"
-    last = max(pressed, key=lambda contact: contact.hardness_ratio)
-    times = span(min(contact.hardness_ratio for contact in pressed), last.hardness_ratio, 2)
+    widest = max(contact.dent_radius for _, contact in _contacts(results, points))
     return (
-        f"the mean contact pressure of the resting ball is {times} times the hardness of the softer material, and the"
-        f" contact yields to a width of up to {significant(2e3 * last.dent_radius, 2)} mm"
+        f"the mean contact pressure of the resting ball is {span(min(pressed), max(pressed), 2)} times the hardness of"
+        f" the softer material, and the contact yields to a width of up to {significant(2e3 * widest, 2)} mm"
     )
 
 
 def dents(results: Results) -> str | None:
     """What the resting ball does to its floor where that yields, or the floor to the ball."""
     damper, material = results.scene.damper, results.scene.material
-    every = [(point, limits.contact(results.scene, point)) for point in results.speeds]
-    pressed = [(point, c) for point, c in every if c is not None and c.dent_radius > 0 and not c.hardness_ratio >= 1]
+    every = _contacts(results, results.speeds)
+    pressed = [(point, c) for point, c in every if c.dent_radius > 0 and not c.hardness_ratio >= 1]
     if not pressed or damper is None:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
@@ -186,10 +192,7 @@ def dents(results: Results) -> str | None:
 def unknown_floor(results: Results) -> str | None:
     """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
     damper, material, made_of = results.scene.damper, results.scene.material, limits.solids(results.scene)
-    every = [
-        (point, contact) for point in results.speeds if (contact := limits.contact(results.scene, point)) is not None
-    ]
-    every = [(point, contact) for point, contact in every if not contact.hardness_ratio >= 1]
+    every = [(point, c) for point, c in _contacts(results, results.speeds) if not c.hardness_ratio >= 1]
     if damper is None or made_of is None or not math.isnan(made_of[1].hardness) or not every:
         return None
     point, most = max(every, key=lambda pair: pair[1].peak_pressure)

@@ -21,7 +21,6 @@ from workflows.report.remarks import (
     stretch,
     tilt,
 )
-from workflows.scene import paper
 from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
 from workflows.solve.results import Reason, Results, SpeedPoint, VibrationReduction
@@ -33,26 +32,16 @@ _KNOWN = 0.05
 """Relative error of a peak that is worth a word."""
 
 
-def known_within(point: SpeedPoint) -> str:
-    """How well a best figure is known, where it is not known well."""
-    error = 0.0 if point.damping_curve is None else point.damping_curve.error
-    return f" (±{percent(min(error, 1.0))} %)" if error > _KNOWN else ""
-
-
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
-    useful = {
-        point.omega: best.useful
+    able = [
+        (point, figures, best.useful)
         for point in points
-        if (best := limits.best(results, point)) is not None and not math.isnan(best.useful[0])
-    }
-    working = [(p, w) for p in points if p.omega in useful and (w := p.damping_curve) is not None]
-    if not working:
-        return []
-    ends = [working[0]] if len(working) == 1 else [working[0], working[-1]]
-    ranges: list[str] = []
-    for point, figures in ends:
-        low, high = useful[point.omega]
+        if (best := limits.best(results, point)) is not None and (figures := point.damping_curve) is not None
+    ]
+    able = [each for each in able if not math.isnan(each[2][0])]
+    ends, ranges = able[:1] + able[1:][-1:], list[str]()
+    for point, figures, (low, high) in ends:
         loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
         in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = f", the limit of what the {carrier(results)} endures" if high < figures.half[1] else ""
@@ -61,11 +50,11 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     sustained = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
-        for p, w in ends
+        for p, w, _ in ends
         if w.cutoff > 0
     ]
-    rests = [f"The load holds the ball at rest {', '.join(sustained)}."] if sustained else []
-    return [f"{capital(', '.join(ranges))}.", *rests]
+    rests = f"The load holds the ball at rest {', '.join(sustained)}."
+    return [*([f"{capital(', '.join(ranges))}."] if ranges else []), *([rests] if sustained else [])]
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
@@ -205,9 +194,6 @@ def _friction(results: Results, point: SpeedPoint) -> float:
     return 0.0 if best is None else limits.friction_demand(results, point, best.amplitude)
 
 
-_NEAR = 0.1
-"""Relative difference of cut-offs that are called reproduced; a cycle at ζ = 0.01 resolves 6 %."""
-
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
@@ -249,9 +235,8 @@ def answer(results: Results) -> Answer:
     judged, none, where = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".partition("; no verdict ")
     by_itself = f"Compared with the damping by air alone: {judged.replace(': ', ', ', 1)}{none}{where}."
     estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
-    more = (" ".join(rest),) if rest else ()
-    others_said = map(" ".join, others)
-    return Answer(first.removesuffix("."), (*more, *others_said, estimated, by_itself, *alone.sentences))
+    said = [" ".join(each) for each in (rest, *others) if each]
+    return Answer(first.removesuffix("."), (*said, estimated, by_itself, *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -282,7 +267,6 @@ def _alone(results: Results) -> Answer:
         way_out if works else None,
         reach_of(results, speaking),
         tilt(results, speaking),
-        _beside_the_paper(results),
         None if remarks.met(results) else remarks.sentence(results),
     )
     verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
@@ -337,9 +321,11 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[
     if not ratios:
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
+    error = 0.0 if at.damping_curve is None else min(at.working.error, 1.0)
+    within = f" (±{percent(error)} %)" if error > _KNOWN else ""
     text = (
         f"In a slowly growing vibration the ball adds an equivalent damping ratio of up to"
-        f" {percent(top.damping_ratio)} %{known_within(at)},"
+        f" {percent(top.damping_ratio)} %{within},"
         f" {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm; this is"
         f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration energy per cycle"
     )
@@ -397,29 +383,6 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str
     return "Undecided: no damping by the ball was found", tuple(part for part in (text, slope) if part)
 
 
-def _beside_the_paper(results: Results) -> str | None:
-    rows = [(row, p) for p in results.speeds if (row := paper.row(results.scene, p.load_g)) is not None]
-    if not rows:
-        return None
-    low, high = (round(100 * value) for value in paper.SDC_RANGE)
-    text = f"The paper reports losses of {low} to {high} % in a cycle for this plate. "
-    if results.scene.damper is not None and results.scene.damper.formulation == "consistent":
-        text += "That is impossible: a bound on the work of the ball in this cavity rules it out."
-    else:
-        text += "The ball does not reach that, even by the printed equations."
-    tilts = results.effects["floor_tilt"].on
-    off = [(abs(p.damper.cutoff_g / row.cutoff - 1), p.load_g) for row, p in rows if p.damper and p.damper.cutoff_g]
-    near = [pair for pair in off if pair[0] <= _NEAR]
-    if near and not tilts:
-        loads = [load for _, load in near]
-        text += (
-            f" Its cut-offs, for a floor that does not tilt, are reproduced to {100 * max(near)[0]:.0f} % at"
-            f" {len(near)} of {len(rows)} loads"
-        )
-        text += "." if len(near) == len(rows) else f" ({span(min(loads), max(loads), 5)} g)."
-    return text
-
-
 SHORT_WAY = "Estimated from free vibration; `spindamp response` computes the forced motion."
 
 TOO_LOOSE = (
@@ -461,14 +424,11 @@ def _orders(results: Results) -> list[list[str]]:
             *met,
             ["Engine orders need at least two speeds: crossings are sought between the lowest and the highest."],
         ]
-    nowhere = f"meets no mode between {low} and {high} rpm"
-    return met + [[f"Engine order {order} {nowhere}{_beyond(results, order)}."] for order in unmet]
-
-
-def _beyond(results: Results, order: int) -> str:
-    """Where an order would meet the first mode."""
-    rpm = engine_orders.crossing_beyond(results.speeds, order)
-    return "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
+    for order in unmet:
+        rpm = engine_orders.crossing_beyond(results.speeds, order)
+        where = "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
+        met.append([f"Engine order {order} meets no mode between {low} and {high} rpm{where}."])
+    return met
 
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str, overload: str) -> list[str]:
