@@ -321,7 +321,7 @@ def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[
     if not ratios:
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
-    error = 0.0 if at.damping_curve is None else min(at.working.error, 1.0)
+    error = 0.0 if at.damping_curve is None else min(at.damping_curve.error, 1.0)
     within = f" (±{percent(error)} %)" if error > _KNOWN else ""
     text = (
         f"In a slowly growing vibration the ball adds an equivalent damping ratio of up to"
