@@ -298,7 +298,10 @@ def largest_drive(i: int, system: Record, z: Floats, rate: Floats) -> tuple[floa
 
 @part
 def seek(g: int, it: Record) -> None:
-    """Write into a group when its next event happens, at the latest the end of its step, and what it is."""
+    """Write into a group when its next event happens, at the latest the end of its step, and what it is.
+
+    Where nothing moves, and never will, that is inf.
+    """
     system, motion, axes = it.system, it.motion, it.axes
     end, event, axis = 1.0, NOTHING, system.first[g]
     for i in range(system.first[g], system.last[g]):
@@ -314,7 +317,18 @@ def seek(g: int, it: Record) -> None:
             end, event, axis = x, kind, i
     motion.settled[g] = event == NOTHING and settled(g, it)
     motion.at[g], motion.kind[g], motion.axis[g] = end, event, axis
-    motion.next[g] = motion.start[g] + end * system.span[g]
+    stands = motion.settled[g] != 0 and _stands(motion.series[g, : system.high[g] - system.low[g]])
+    motion.next[g] = np.inf if stands else motion.start[g] + end * system.span[g]
+
+
+@part
+def _stands(series: Floats) -> bool:
+    """Whether nothing moves on a flight: it then needs no further steps."""
+    for c in series:
+        for k in range(1, TERMS):
+            if c[k] != 0.0:
+                return False
+    return True
 
 
 @part
