@@ -157,7 +157,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
 
 
 def test_the_printed_equations_have_no_design(slow):
-    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the equations as printed do not conserve energy"):
+    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the printed equations do not conserve energy"):
         space_of(changed(slow, damper__formulation="printed"))
 
 
@@ -241,7 +241,7 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
         return [Scored(v, v, used=(("mass", v),), why=Obstacle("held", rpm=v)) for v in np.sin(7 * shares).sum(axis=1)]
 
     def searched(seed=1):
-        return study.search(space, score, seed, lambda _: None, study.Kept(path, space.source, seed))
+        return study.search(space, score, seed, lambda _: None, study.Checkpoint(path, space.source, seed))
 
     with pytest.raises(KeyboardInterrupt):
         searched()

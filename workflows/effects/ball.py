@@ -96,7 +96,8 @@ def _slip_assumed(_: Scene, on: bool, __: str) -> Assumption:
     """How the ball moves on the floor."""
     if on:
         return Assumption(
-            "The ball never lifts off the cavity's floor; after a wall hit it slides there until it rolls.", "ours"
+            "The ball never lifts off the cavity's floor; after a wall hit it slides there until it rolls.",
+            "assumption",
         )
     return Assumption(
         "The ball rolls on the cavity's floor, never lifts off and never slides except at walls.", "paper, II.A"
@@ -134,7 +135,7 @@ def _tilt_assumed(_: Scene, on: bool, __: str) -> Assumption:
     if on:
         return Assumption(
             "The cavity's floor tilts with the structure's slope, by small angles; the load is normal to it at rest.",
-            "ours",
+            "assumption",
         )
     return Assumption("The cavity's floor stays perpendicular to the load.", "paper, II.A")
 
@@ -176,7 +177,7 @@ def _dent_assumed(_: Scene, on: bool, __: str) -> Assumption:
             " and the cut-off, not in ring-downs and forced motion, in which the ball moves.",
             "Johnson, Contact Mechanics (1985), section 6.3, less elastic recovery",
         )
-    return Assumption("The floor stays as smooth as it was made: no dent holds the ball.", "ours")
+    return Assumption("The floor stays as smooth as it was made: no dent holds the ball.", "assumption")
 
 
 def _structural_modes(case: Case) -> Called:
@@ -224,7 +225,7 @@ def _modes_assumed(scene: Scene, on: bool, _: str) -> Assumption:
             "The structure vibrates in the modes that move the cavity, without Coriolis forces; the"
             " ball's own figures are those in the leading ones, the others damped by 0.1 % or more."
         )
-        return Assumption(text, "ours")
+        return Assumption(text, "assumption")
     if scene.given is not None:
         return Assumption("The structure vibrates in one mode along each axis.", "paper, II.A")
     return Assumption(
@@ -279,9 +280,9 @@ def _cavity_assumed(scene: Scene, on: bool, _: str) -> Assumption | None:
     if scene.plate is None or scene.damper is None or not scene.damper.cut:
         return None
     if not on:
-        return Assumption("The mass of the plate includes the metal that the cavities remove.", "ours")
+        return Assumption("The mass of the plate includes the metal that the cavities remove.", "assumption")
     return Assumption(
-        "The mass around the damper's place lacks the volume of the cavities; the stiffness is unchanged.", "ours"
+        "The mass around the damper's place lacks the volume of the cavities; the stiffness is unchanged.", "assumption"
     )
 
 

@@ -168,15 +168,17 @@ def _deflection_assumed(scene: Scene, on: bool, theory: str) -> Assumption | Non
     if scene.plate is None:
         return None
     if not on:
-        return Assumption("The centrifugal stress is that of the flat plate; vibrations are small about it.", "ours")
+        return Assumption(
+            "The centrifugal stress is that of the flat plate; vibrations are small about it.", "assumption"
+        )
     if theory == "kirchhoff":
         text = (
             "Vibrations are small about the plate as the load bends it, in von Kármán's theory of moderate deflections,"
             " which is off by about 0.4 θ² in frequency where the plate turns by θ."
         )
-        return Assumption(text, "ours")
+        return Assumption(text, "assumption")
     text = "Vibrations are small about the plate as the load deflects it, by finite rotations; its material is linear."
-    return Assumption(text, "ours")
+    return Assumption(text, "assumption")
 
 
 def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
