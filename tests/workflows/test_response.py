@@ -376,7 +376,7 @@ def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     assert first.startswith(f"At engine order 3 ({rpm:.0f} rpm, flap mode): up to {less:.2g} % less vibration")
     assert first.endswith("Not useful at 20 N: such levels overstress the root.")
     assert nowhere.startswith("Engine order 50 meets no mode between 1200 and 2600 rpm; it would meet the first near")
-    assert f"{best.force:g} N is added" in added
+    assert f"{best.force:g} N is evaluated too" in added
     (short,) = found.results.reductions
     assert short.ratio == pytest.approx(best.ratio, abs=0.03)
     assert best.ratio < 0.6
