@@ -449,8 +449,8 @@ def check_readings(curve: DampingCurve, samples: Floats) -> None:
     near = np.column_stack([np.searchsorted(middle, place - reach), np.searchsorted(middle, place + reach)]).ravel()
     least, most = (each.reduceat(np.append(lost, lost[-1]), near)[::2] for each in (np.minimum, np.maximum))
     law = "a mean lies between the extremes"
-    require(law, "damping ratio", ratio, most + EXACT * abs(most))
-    require(law, "negative damping ratio", -ratio, -least + EXACT * abs(least))
+    require(law, "damping ratio", ratio, most + EXACT * abs(most) + TINY)
+    require(law, "negative damping ratio", -ratio, -least + EXACT * abs(least) + TINY)
 
 
 def check_steady_states(m: Motions, figures: dict[str, Any]) -> None:
