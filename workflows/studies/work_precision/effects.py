@@ -401,7 +401,7 @@ def write(switches: Switches, out: Path) -> None:
         "effects.json": dumps(switches) + "\n",
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
-        "report.html": from_template("effects.html.j2", found=switches, figure=figure, **constant),
+        "report.html": from_template("effects.html.j2", result=switches, figure=figure, **constant),
     }
     write_study(out, contents)
 
