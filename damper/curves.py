@@ -51,21 +51,21 @@ class DampingCurve:
         damping_ratio: -ln(1 - Psi) / (4 pi) at A, Psi being the share of the energy taken in a cycle, shape (n,) [-].
         cutoff: amplitude up to which the ball stays at rest in the middle, a_r / |omega_1^2 - E|, where E u is how the
             load pulls it down the tilting floor: a_r / omega_1^2 on a level one [m].
-        peak: largest damping ratio that lasts where the amplitude is held [-]; 0 where the ball takes nothing.
+        peak: largest damping ratio at a prescribed amplitude [-]; 0 where the ball dissipates nothing.
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
             peak, or both from what faster sweeps show, or the sweeps up from each other [-].
-        from_above: the same on the way down, where a ball in motion keeps bouncing; None: these are of that way.
-        slow_ramp: the same as the mean of the sweeps up from rest, which may bounce before that is certain; None: as
+        from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
+        slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
-        abrupt_start: the same of amplitudes that are there at once, the ball at rest in the middle, the structure at a
-            crest, in the thirteenth to 36th cycle; None: as `from_above`.
+        abrupt_start: the same for an abrupt start at the full amplitude, the ball at rest in the middle and the
+            structure at a crest, in cycles 13 to 36; None: as `from_above`.
         folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
             where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
             all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
-        jump: where the first and the last of the sweeps up from rest begin to bounce [m]. Nothing brings a rolling ball
-            back to the middle of a level floor, so that this goes by how the vibration grows.
+        jump: where the first and the last of the sweeps up from rest begin to bounce [m]. No force
+            returns a rolling ball to the middle of a level floor, so this depends on how the vibration grows.
     """
 
     amplitude: Floats

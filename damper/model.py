@@ -351,36 +351,36 @@ class ParticleDamper:
         ball_mass: m_p, mass of all balls together [kg]; they move in step.
         ball_radius: r [m].
         cavity: l1 and l2, the cavity's length along x and width along y [m].
-        centrifugal_acceleration: Omega**2 R, what presses the ball onto the floor [m/s^2].
+        centrifugal_acceleration: Omega**2 R, which presses the ball onto the floor [m/s^2].
         restitution: e, ratio of the normal relative speeds after and before a wall hit [-].
         restitution_by_speed: pairs of impact speed [m/s] and e, speeds ascending, the first with `restitution`, which
             holds up to that speed. Between two pairs e is linear in the logarithm of the speed; above the last it falls
             as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
-            One pair thus stands for a yield speed; none: e is the same at all speeds.
-        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It counts in the way
-            up of `damping_curve`, whose cut-off it raises; a ball in motion does not feel it, nor do ring-downs.
-        lateral_acceleration: part of the load along x and y, which pulls the ball along the floor at all times, as on a
-            floor that is not square to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
-            Displacements are counted from where the structure stands with the ball in the middle of its cavity.
+            A single pair is thus a yield speed; without pairs e is constant.
+        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It raises the cut-off
+            of `damping_curve` for growing vibration; balls in motion and ring-downs neglect it.
+        lateral_acceleration: component of the load along x and y that always pulls the ball along the floor, as on a
+            floor that is not perpendicular to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
+            Displacements are relative to the equilibrium with the ball in the middle of its cavity.
         friction: mu, cap on the ratio of tangential to normal impulse in a wall hit [-].
         rolling_friction: mu_r, lever arm of the rolling resistance [m].
         damping_ratio: zeta, the structure's own damping without the ball [-].
         sticking_ratio: epsilon, relative to structural speed below which a hit ends in sticking [-].
         formulation: which equations of rolling are used.
-        floor_friction: coefficient of sliding friction on the floor [-]. Given, the ball keeps its spin in a wall
-            hit but for what the wall's friction takes of it, since the floor's finite force has no time to change it,
-            and slips until it rolls again. None: the spin follows the new rolling velocity at once, as in the paper.
+        floor_friction: coefficient of sliding friction on the floor [-]. If given, the ball keeps its spin in a
+            wall hit except for the change by wall friction, since the floor's finite force has no time to act, and
+            slips until it rolls again. None: the spin follows the new rolling velocity at once, as in the paper.
         floor_tilt: kappa, slope of the cavity's floor along x and y over the structure's displacement [1/m]; the load
             then pulls the ball down the slope, by Omega**2 R kappa u.
         floor_radius: of the cavity's floor along x and y [m], more than the ball's; None: flat. A bowl of radius rho_c
             draws the ball back to its middle by Omega**2 R s / (rho_c - r).
-        rotation: Omega [rad/s], which draws a ball outwards in the plane of rotation by Omega**2 times its way
-            in it; 0: leave that out.
+        rotation: Omega [rad/s], which pulls a ball outwards in the plane of rotation by Omega**2 times its offset
+            in it; 0: neglected.
         stagger: angle by which the axis of rotation is tilted from x towards y [rad]; at 0 the plane of rotation
-            holds y, at pi/2 it holds x. Only what `rotation` does depends on it.
+            holds y, at pi/2 it holds x. It only affects the pull by `rotation`.
         modes: structural modes that move the cavity, in place of one along x and one along y; `modal_mass` and
-            `stiffness` then only say what amplitudes, cycles and bounds refer to: those of the mode that yields most
-            along x (and y), scaled to 1 there. None: these two make the structure, and `floor_tilt` is theirs.
+            `stiffness` then only define the reference of amplitudes, cycles and bounds: the mode that moves the cavity
+            most along x (and y), scaled to 1 there. None: these two and `floor_tilt` define the structure.
 
     Raises:
         ValueError: a quantity has no physical sense; the message names it.

@@ -190,7 +190,7 @@ TERMS = 24
 """Of a series, in rows of eight."""
 
 STEP = 1.5
-"""Radians of the fastest motion in a step: 1.25**24 / 24! is below rounding, and so it is for second derivatives."""
+"""Radians of the fastest motion in a step: 1.5**24 / 24! is below rounding, and so it is for second derivatives."""
 
 MODES = 8
 """Most modes of a structure."""

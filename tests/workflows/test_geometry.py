@@ -119,7 +119,7 @@ MISFITS: list[tuple[dict[str, Any], str, str]] = [
     ({"damper__cavity": ["3 mm", "8 cm"]}, "cavity", "expected less than 80 mm, the room at its place"),
     ({"damper__at": ["20 cm", "39 mm"]}, "cavity", "expected less than 2 mm, the room at its place"),
     ({"damper__at": ["1.5 mm", "0 mm"]}, "radius", "between the root and its place: expected less than 0.75 mm"),
-    ({"damper__count": 4 * 33 * 100 + 1}, "count", "no more than 13200 cavities of this size"),
+    ({"damper__count": 4 * 33 * 100 + 1}, "count", "room for 13200 cavities of this size"),
     (THICK | {"damper__housing": "1e-12 g"}, "housing", "of plastic foil"),
 ]
 
