@@ -6,6 +6,7 @@ import importlib
 import math
 import pickle
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +22,7 @@ from damper import (
     RingDown,
     Start,
     capacity,
+    curve_measurement,
     damping_curve,
     forced,
     laws,
@@ -271,6 +273,22 @@ def test_a_curve_read_wrongly(
     monkeypatch.setattr(laws, "check_readings", lambda *_: None)
     wrong = [line.figure for line in self_check.lines("curves", damping_curve) if line.error > self_check.EXACT]
     assert wrong.count(figure) == len(self_check.FAMILIES["curves"])
+
+
+@needs_compiler
+def test_a_damping_ratio_of_rounding_breaks_no_law() -> None:
+    """A ball that loses nothing: samples one last bit below zero, and their mean two."""
+    curve = damping_curve(DAMPER, sweeps=2, stay=30)
+    samples = curve_measurement.samples_of(DAMPER, 0.5 * curve.amplitude[0], 2 * curve.amplitude[-1], 8, 300, 1)
+    low = 0.01 * curve.amplitude[0]
+    before = math.log(low) + np.linspace(-0.05, 0.05, 20)
+    idle = np.column_stack([before, np.nextafter(before, 0), np.zeros(20)])
+    samples = np.vstack([samples, idle])
+    for share, holds in ((-2.0, True), (-1e4, False)):
+        place = np.append(low, curve.amplitude)
+        ratio = np.append(share * np.spacing(abs(math.log(low))) / (2 * math.pi), curve.damping_ratio)
+        with nullcontext() if holds else pytest.raises(LawViolation, match="a mean lies between the extremes"):
+            laws.check_readings(replace(curve, amplitude=place, damping_ratio=ratio), samples)
 
 
 @needs_compiler
