@@ -28,7 +28,7 @@ from fem.linalg import lowest_modes, orthonormal
 from fem.modal_model import ModalModel, ModesAtSpeed, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
-from fem.statics import check_speed, equilibrium, settle, tangent, unbalanced
+from fem.statics import NoEquilibrium, check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -312,10 +312,20 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
 
 
 def _rest(operators: SolidOperators, omega: float, start: Array | None) -> Array:
-    """The state (n,) at a speed in rad/s; start: one like it."""
+    """The state (n,) at a speed in rad/s; start: one like it.
+
+    Raises:
+        Divergence: under the stress of the linear state the stiffness is indefinite.
+        NoEquilibrium: it is not, and no state was found all the same.
+    """
     if operators.prestress is not None:
         return omega**2 * operators.prestress
-    return equilibrium(operators, omega, start)
+    try:
+        return equilibrium(operators, omega, start)
+    except NoEquilibrium:  # far beyond a critical load Newton's method need not meet the unstable state
+        linear = omega**2 * operators.solver(operators.stiffness).solve(operators.load)
+        solve_real(operators, omega, tangent(operators, omega, linear), 1, linear)
+        raise
 
 
 def _about(operators: SolidOperators, omega: float, state: Array) -> csc_array:
