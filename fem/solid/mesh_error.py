@@ -34,9 +34,10 @@ SIMPLICES = frozenset({"tetra10", "wedge15"})
 """Cells of which the stress at the points of integration tells the error."""
 
 SAFETY = {"simplices": 4.2, "one layer": 0.15, "layers": 2.5, "others": 3.3}
-"""Factors on the estimate, fitted at rest on 8 modes of six blades (against frequencies that CalculiX' meshes lead to) and
-of eleven random ones (against a fine mesh), some of them with the error of one mesh only. The largest true error seen is
-1.6 times the estimate, on 6 x 3 x 1 hexahedra; the median is half of it (tetrahedra, wedges) or a fifth."""
+"""Factors on the estimate, fitted at rest on 8 modes of six blades (against frequencies that CalculiX' meshes lead
+to) and of eleven random ones (against a fine mesh), some of them with the error of one mesh only. The largest true
+error seen is 1.6 times the estimate, on 6 x 3 x 1 hexahedra; the median is half of it (tetrahedra, wedges) or a fifth.
+"""
 
 
 def mesh_errors(operators: SolidOperators, shapes: Array, values: Array, state: Array | None = None) -> Array:
