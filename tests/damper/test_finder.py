@@ -136,12 +136,18 @@ def test_scale_has_no_part_in_it(scale: float) -> None:
 
 
 @kernel
+def end_of_roll(s, guard, axis):
+    """The end of a flight within its step, and what it is."""
+    return _end_of_roll(s, guard, axis, 1.0)
+
+
+@kernel
 def missed(flights, axis, guard, samples, kinds):
     """How far beyond a wall or back a ball is before the event that ends its flight, at worst; or off it then."""
     worst = 0.0
     for n in range(len(flights)):
         s = flights[n]
-        end, kind = _end_of_roll(s, guard, axis, 1.0)
+        end, kind = end_of_roll(s, guard, axis)
         d, end = axis.direction, min(end, 1.0)
         kinds[n], scale = (kind if end < 1.0 else NOTHING), sizes(s, 0, 0, 1.0)
         for k in range(1, samples):
@@ -178,4 +184,4 @@ def test_a_flight_that_begins_at_its_turning_point_reverses_at_once(side: int) -
     axis["half_gap"], axis["direction"] = 1.0, side
     swing = 0.3 * side * 1.5**k * np.cos(0.5 * np.pi * k)  # cos(1.5 x): at its extreme, speed zero to the last bit
     swing[1::2] = 0.0
-    assert _end_of_roll(swing, np.zeros(TERMS), axis, 1.0) == (0.0, REVERSAL)
+    assert end_of_roll(swing, np.zeros(TERMS), axis) == (0.0, REVERSAL)

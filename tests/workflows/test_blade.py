@@ -109,7 +109,10 @@ REFUSED = {
     "no origin": (('origin = ["0 m", "0 m", "0 m"]\n', ""), r"\[rotor\] origin: missing: a point on the spin axis"),
     "in mm": (('root = "nroot"', 'unit = "mm"'), r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m"),
     "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
-    "an effect": (("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"), r"\[effects\] coriolis = true: of solid"),
+    "an effect": (
+        ("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"),
+        r"\[effects\] coriolis = true: for solid blades",
+    ),
     "a pressure": (
         ("[accuracy]", "[excitation]\norders = [2]\npressure = '1 Pa'\n[accuracy]"),
         r"\[excitation\] pressure.*: modes do not describe the surface",
@@ -301,7 +304,7 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
     )
     number = [mode.family for mode in lag.points[0].modes].index("lag")
     said = remarks.other_mode(lag.results(stages=stages))
-    assert f"mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
+    assert f"Mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
     assert remarks.other_mode(bending.results(stages=stages)) is None
 
 

@@ -450,7 +450,7 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     with (tmp_path / "out" / "effects.csv").open() as file:
         cells = {row["effect"]: row["failed"] for row in csv.DictReader(file)}
     assert cells["coriolis"] == "no plate in the scene"
-    assert "know no slip" in cells["ball_slip"]
+    assert "have no slip" in cells["ball_slip"]
     assert cells["impact_friction"] == ""
     drawn = (tmp_path / "out" / "effects.svg").read_text()
     assert all(name.replace("_", " ") in drawn for name in NAMES)

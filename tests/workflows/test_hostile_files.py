@@ -37,7 +37,7 @@ SCENES: dict[str, tuple[bytes, str]] = {
     "brackets without end": (b"a = " + b"[" * 200_000, "not a scene"),
     "braces without end": (b"a = " + b"{a = " * 100_000, "not a scene"),
     "a number of a million digits": (PAPER.replace('"20 cm"', "1" * 900_000, 1).encode(), "too many digits"),
-    "two megabytes of comment": (b"#" * 2_000_000, "larger than"),
+    "two megabytes of comment": (b"#" * 2_000_000, "a file of more than"),
 }
 
 

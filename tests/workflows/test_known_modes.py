@@ -146,7 +146,7 @@ def test_files_that_contradict_their_speeds_are_remarked_on(spindamp: Command, f
     fewer = text[: text.rindex("    1PSTEP", 0, text.index("3MODAL"))] + " 9999\n"
     (files / "few.frd").write_text(fewer)
     said = {
-        "stands for 2 speeds": {"0 rpm": "rest.frd", "10000 rpm": "rest.frd"},
+        "is given for 2 speeds": {"0 rpm": "rest.frd", "10000 rpm": "rest.frd"},
         "does it belong to another speed?": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
         "The files hold 2 to 4 modes; the first 2, common to all": {"0 rpm": "few.frd", "10000 rpm": "fast.frd"},
     }
@@ -366,7 +366,7 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("along the load", {"damper__direction": [1, 0, 0]}, "along the load"),
     ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
     ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),
-    ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "know no surface"),
+    ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "do not describe the surface"),
     ("force at no set", {"excitation": FORCE | {"at": "TOP"}}, "[excitation] at = 'TOP': expected one of its sets"),
     ("force off", {"excitation": FORCE | {"at": ["400 mm", "0 mm", "0 mm"]}}, "[excitation] at"),
     ("no direction", {"excitation": {**ORDER, "force": "1 N", "at": 9}}, "[excitation] direction: missing"),

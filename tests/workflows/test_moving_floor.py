@@ -222,7 +222,7 @@ def test_a_load_that_leans_is_said(paper: Scene) -> None:
     """Off the centre line the load leans by atan(y cos(stagger) / R) from the plate's length."""
     scene = changed(paper, rotor__speeds=["5000 rpm"], release__cycles=3, damper__at=["20 cm", "3.5 cm"], **ROUGH)
     notes = " ".join(workflows.run(scene).notes)
-    assert f"leans by {math.degrees(math.atan(0.035 / 0.2)):.2g}°" in notes
+    assert f"points {math.degrees(math.atan(0.035 / 0.2)):.2g}° away from the plate's length" in notes
     assert "would roll to a wall" in notes
     assert "leans" not in " ".join(workflows.run(changed(scene, damper__at=["20 cm", "0 cm"])).notes)
 

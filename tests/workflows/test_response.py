@@ -95,8 +95,8 @@ def test_the_range_holds_at_the_levels_followed(known, estimated, followed, usef
 
 
 def test_a_peak_at_the_end_of_the_speeds_is_said(known, monkeypatch):
-    (through,) = known.passed
-    said = f"{report.place(through.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
+    (passage,) = known.passages
+    said = f"{report.place(passage.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
     assert said not in report.sentences(known)
     monkeypatch.setattr(report, "peak", lambda *_: (0, 0))
     assert said in report.sentences(known)
@@ -167,11 +167,11 @@ def test_a_moving_base():
         ({"excitation": None}, r"\[excitation\].*orders"),
         ({"rotor__speeds": ["3000 rpm"]}, "two speeds at least"),
         ({"excitation": {"orders": [3], "pressure": "1 Pa"}}, "belongs to a plate"),
-        ({"damper__formulation": "printed"}, "know no force"),
+        ({"damper__formulation": "printed"}, "support no force"),
         # At resonance it has no bound: neither `check` nor `response` begins.
         (
             {"damper__damping_ratio": 0},
-            r"\[damper\] damping_ratio = 0: .* no bound at resonance: give .* such as 0.001",
+            r"\[damper\] damping_ratio = 0: .* at resonance is unbounded: give .* such as 0.001",
         ),
     ],
 )

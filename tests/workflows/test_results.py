@@ -225,7 +225,7 @@ def test_nothing_spins(paper: Scene) -> None:
 def test_coriolis_forces_that_the_damper_does_not_feel(paper: Scene, stagger: str, said: bool) -> None:
     """Bending in the plane of rotation is lowered by 0.4 % at 17500 rpm, bending across it not at all."""
     scene = changed(paper, rotor__speeds=["17500 rpm"], rotor__stagger=stagger, release__cycles=2)
-    assert ("of a real mode" in " ".join(workflows.run(scene).notes)) is said
+    assert ("is that of the real mode" in " ".join(workflows.run(scene).notes)) is said
 
 
 def test_what_comes_back_is_what_was_written(finished: Path, document: dict[str, Any], tmp_path: Path) -> None:
