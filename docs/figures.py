@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import tomllib
 from pathlib import Path
 from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the pictures are the same on any number of cores
 
 HERE = Path(__file__).resolve().parent
 EXAMPLE = {"campbell": "campbell", "working": "damping"}

@@ -25,6 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     _open_streams()
     if arguments is None:
         _collect_seldom()
+        _one_thread()
     try:
         with folder.orderly_end(to_the_end=arguments is None):
             return _run(arguments)
@@ -94,6 +95,15 @@ def _fail(message: str, status: int) -> int:
     except OSError:  # no room for the message: the status still says it
         _silence("stderr")
     return status
+
+
+def _one_thread() -> None:
+    """Let numpy's linear algebra use one thread, unless the user says how many: its last bits depend on their number.
+
+    A chaotic ring-down depends on the last bits, and sweeps use one thread too. Nothing is slower for it.
+    """
+    if "OMP_NUM_THREADS" not in os.environ:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _collect_seldom() -> None:
