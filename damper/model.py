@@ -513,8 +513,12 @@ class ParticleDamper:
 
     @property
     def leaving_threshold(self) -> float:
-        """Drive along x above which a ball leaves where it rests for good: with a lateral pull, at a wall [m/s^2]."""
-        return self.rolling_threshold + abs(self.lateral_pull[0])
+        """Drive along x above which a ball leaves where it rests for good [m/s^2].
+
+        With a lateral pull that is at a wall, on a hollow floor only if it pulls the ball that far up.
+        """
+        restoring = self.centrifugal_acceleration * float(path_curvature(self.parameters)[0, 0]) * self.half_gap[0]
+        return self.rolling_threshold + max(abs(self.lateral_pull[0]) - restoring, 0.0)
 
     @property
     def break_away_threshold(self) -> float:

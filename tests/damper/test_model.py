@@ -214,3 +214,13 @@ def test_a_tilt_by_which_the_load_outweighs_the_spring_is_refused() -> None:
     for tilt in ((1.01 * limit, 0.0), (-1.01 * limit, 0.0)):
         with pytest.raises(ValueError, match="floor_tilt must be at most stiffness"):
             dataclasses.replace(small, floor_tilt=tilt)
+
+
+def test_a_hollow_floor_holds_a_ball_off_the_wall() -> None:
+    """A pull g moves its place of rest by g rho / a_c; only what would carry it beyond the wall holds it there."""
+    path, gap, load = 0.05 - BASE.ball_radius, BASE.half_gap[0], BASE.centrifugal_acceleration
+    for share in (0.5, 1.5):
+        pull = share * load * gap / path
+        hollow = dataclasses.replace(BASE, floor_radius=(0.05, 0.05), lateral_acceleration=(pull, 0.0))
+        held = max(share - 1.0, 0.0) * load * gap / path
+        assert hollow.leaving_threshold == pytest.approx(hollow.rolling_threshold + held, rel=1e-12)

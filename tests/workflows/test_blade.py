@@ -1,5 +1,6 @@
 """Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
 
+import dataclasses
 import re
 import tomllib
 from pathlib import Path
@@ -17,7 +18,7 @@ from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report.verdict import answer
 from workflows.scene.load import SceneFile, load, parse
-from workflows.solve import resources
+from workflows.solve import limits, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
 
@@ -352,6 +353,23 @@ def test_a_leaning_ball_is_remarked_and_its_normal_looks_outwards(bricks):
     (bricks / "coned.toml").write_text(text.replace("normal = [1", "normal = [-1"), encoding="utf-8")
     with pytest.raises(BadInput, match=r"\[damper\] normal = \[-1.0, 0.0, 0.0\]: the load does not press"):
         pipeline.run(load(bricks / "coned.toml"))
+
+
+def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(bricks, spindamp):
+    """What the load pulls it along the floor stays, whatever the rolling friction; `check` shows load and floor."""
+    text = (bricks / on_bricks(bricks).name).read_text(encoding="utf-8")
+    text = text.replace('speeds = ["10000 rpm"]', CONED).replace("count = 20", "count = 1\nnormal = [1, 0, 0]")
+    (bricks / "coned.toml").write_text(text, encoding="utf-8")
+    source = load(bricks / "coned.toml")
+    results = pipeline.run(source)
+    remedy = limits.what_moves(results, results.speeds[0])
+    state = pipeline.structure(source, Stages(visible=False))
+    system = particle_damper(source.scene, state.effects, state.points[0])
+    moved = dataclasses.replace(system, rolling_friction=remedy.rolling_friction)
+    assert moved.amplitude_of(moved.leaving_threshold) == pytest.approx(limits.endured(results), rel=1e-3)
+    said = spindamp("check", bricks / "coned.toml").out
+    assert "load along (0.99619, 0, -0.087156)" in said
+    assert "° from the load, which pulls the ball along the floor" in said
 
 
 def test_the_scene_of_the_guide_is_read():

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import tomllib
+from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ import pytest
 import spindamp
 from damper import DampingCurve, damping_curve, work_bound
 from tests.workflows.browser import findings
-from tests.workflows.conftest import changed, write
+from tests.workflows.conftest import changed, on_mesh, write
 from workflows.errors import BadInput
 from workflows.scene.load import SHIPPED, as_scene_file, load, parse
 from workflows.solve.excitation import is_well_held
@@ -33,6 +35,9 @@ FREE = {
     "mass": "0.4 g",
     "amplitude": ["4 mm", "8 mm"],
 }
+
+
+MESHES = Path(__file__).parents[2] / "meshes"
 
 
 @pytest.fixture
@@ -303,6 +308,17 @@ def test_why_none_works(slow, here):
     assert found.grid is None
     assert not found.toml
     assert not found.document()["works"]
+
+
+def test_the_best_scene_names_its_files_from_anywhere(paper, shaken, tmp_path):
+    """A mesh, or files of modes, beside the scene that was given: by their full paths."""
+    (tmp_path / "a.msh").write_bytes(MESHES.joinpath("plate_coarse.msh").read_bytes())
+    source = load(write(on_mesh(paper, "a.msh"), tmp_path / "a.toml"))
+    assert source.with_full_paths().scene.plate.mesh == str(tmp_path / "a.msh")
+    known = {"structure": {"modes": {"0 rpm": "rest.frd", "9000 rpm": "fast.frd"}}}
+    scene = changed(shaken | known, rotor__radius=None, damper__at="TIP")
+    modes = replace(as_scene_file(scene), folder=tmp_path).with_full_paths().scene.structure.modes
+    assert modes == {"0 rpm": str(tmp_path / "rest.frd"), "9000 rpm": str(tmp_path / "fast.frd")}
 
 
 def test_from_the_command_line(spindamp, slow, tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import asdict
 from typing import Any
 
@@ -108,7 +109,7 @@ def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructu
 
 
 _IN_SPACE = """\
-      ^ axis 1           The cavity's floor is across the load, which presses the ball on it.
+      ^ axis 1           The load presses the ball onto the cavity's floor.
   +---|---+              cavity[0] and displacement[0] are along axis 1, cavity[1] and
   |   o---|--> axis 2    displacement[1] along axis 2.
   +-------+              Seen from the spin axis."""
@@ -127,14 +128,19 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
             for pair, scale, digits in ((mode.mass, 1e3, 5), (mode.stiffness, 1e-3, 4), (mode.floor_tilt, 1.0, 4))
         ]
         rows.append((str(mode.number), significant(mode.frequency_hz, 5), mode.family, *cells))
-    place, load, first, second = (
+    directions = [(1.0, each) for each in (seated.load, seated.normal, *seated.axes)]
+    place, load, normal, first, second = (
         ", ".join(f"{scale * round(part, 9) + 0.0:.5g}" for part in vector)
-        for scale, vector in ((1e3, seated.place), (1.0, seated.load), (1.0, seated.axes[0]), (1.0, seated.axes[1]))
+        for scale, vector in ((1e3, seated.place), *directions)
     )
+    leaning = ""
+    if load != normal:
+        angle = math.degrees(math.acos(min(sum(a * b for a, b in zip(seated.load, seated.normal, strict=True)), 1.0)))
+        leaning = f"; floor's normal ({normal}), {angle:.2g}° from the load, which pulls the ball along the floor"
     return [
         "",
         *_IN_SPACE.splitlines(),
-        f"Place ({place}) mm, {seated.how}; load along ({load})",
+        f"Place ({place}) mm, {seated.how}; load along ({load}){leaning}",
         f"Axis 1 ({first}), axis 2 ({second})",
         f"At {revolutions([min(source.scene.rotor.speeds)])}, without the ball:",
         *aligned(rows),

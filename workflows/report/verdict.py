@@ -104,6 +104,8 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
         without = f"without its dent it would move above {millimetres(remedy.without_dent)} mm"
         return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
+    if not steps and point.lean[0]:
+        return f"{moves}: the load pulls it along the floor to a wall and holds it there."
     if not steps:
         return f"{moves}: its own dent holds it, and a harder floor or a lighter ball would reduce the dent."
     would = f"at the {millimetres(limit)} mm that the {carrier(results)} endures, it would move {listed(steps, 'or')}"
@@ -463,10 +465,10 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str, overlo
 def _at_no_level(results: Results, reduction: VibrationReduction, unit: str) -> str:
     """That the ball is of no use at any level that was evaluated, and why."""
     evaluated = "at any level"
-    if math.isfinite(reduction.endured_level):
-        evaluated += f" that the {carrier(results)} endures (up to {significant(reduction.endured_level)} {unit})"
-    elif reduction.detail:
+    if reduction.detail:
         evaluated = f"at {reduction.detail}"
+    elif math.isfinite(reduction.endured_level):
+        evaluated += f" that the {carrier(results)} endures (up to {significant(reduction.endured_level)} {unit})"
     if not math.isfinite(reduction.moves_from) or not reduction.levels:
         return f"{evaluated}: the ball never moves"
     if reduction.moves_from >= reduction.endured_level:

@@ -24,7 +24,7 @@ from workflows.formatting import revolutions
 from workflows.scene import quantities
 from workflows.scene.materials import PLATES
 from workflows.scene.quantities import Table
-from workflows.scene.scene import Scene
+from workflows.scene.scene import KnownModes, Scene
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,23 @@ class SceneFile:
         if plate is not None and damper is not None and mass:
             plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.on_plate})
         return self.changed(plate=plate, damper=None, release=None)
+
+    def with_full_paths(self) -> SceneFile:
+        """The same with the full paths of the files it names, for a copy in another folder."""
+        plate, blade, structure = self.scene.plate, self.scene.blade, self.scene.structure
+        tables: dict[str, Table] = {}
+        if plate is not None and plate.mesh is not None:
+            tables["plate"] = plate.model_copy(update={"mesh": self._full(plate.mesh)})
+        if blade is not None:
+            tables["blade"] = blade.model_copy(update={"mesh": self._full(blade.mesh)})
+        if isinstance(structure, KnownModes):
+            names = structure.modes
+            full = self._full(names) if isinstance(names, str) else {key: self._full(names[key]) for key in names}
+            tables["structure"] = structure.model_copy(update={"modes": full})
+        return self.changed(**tables)
+
+    def _full(self, name: str) -> str:
+        return str((self.folder / name).resolve())
 
     def wrong(self, problem: str, key: str, value: object = None) -> BadInput:
         """The error of one of its keys."""

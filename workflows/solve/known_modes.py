@@ -77,11 +77,12 @@ class ModeAtSeat:
 
 @dataclass(frozen=True)
 class SeatDescription:
-    """How a cavity lies at a speed: its place [m], unit vectors along load and axes, and what the modes do there."""
+    """How a cavity lies at a speed: place [m], unit vectors of load, floor and axes, and what the modes do there."""
 
     place: tuple[float, ...]
     how: str
     load: tuple[float, ...]
+    normal: tuple[float, ...]
     axes: tuple[tuple[float, ...], ...]
     modes: tuple[ModeAtSeat, ...]
 
@@ -181,6 +182,7 @@ class SpaceStructure:
         return SeatDescription(
             tuple((at.point + 0.0).tolist()),
             at.how,
+            tuple(((floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius + 0.0).tolist()),
             tuple((floor.normal + 0.0).tolist()),
             tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
             tuple(

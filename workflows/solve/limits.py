@@ -360,7 +360,8 @@ class Remedy(NamedTuple):
 
     Attributes:
         amplitude: from which on the ball moves [m].
-        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent holds it.
+        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent, or
+            a floor that leans, holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
         omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
         without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
@@ -386,7 +387,8 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     if limit is None:
         return Remedy(figures.cutoff)
     ease = limit / figures.cutoff
-    slope, rolls = _dent(results, point), lever(results.scene, point) / damper.radius
+    dent, lean, rolls = _dent(results, point), _lean(point), lever(results.scene, point) / damper.radius
+    slope = dent + lean
     radius = (
         math.nan
         if slope > 0
@@ -397,7 +399,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         _eased(results, point, ease),
         radius if 2 * radius < _room(results) else math.nan,
         _slower(results, point, rolls + slope, limit),
-        figures.cutoff * rolls / (rolls + slope) if slope > 0 else math.nan,
+        figures.cutoff * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
     )
 
 
@@ -415,12 +417,17 @@ def _dent(results: Results, point: SpeedPoint) -> float:
     return rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
 
 
+def _lean(point: SpeedPoint) -> float:
+    """Slope of the load along a floor that does not face it, by which it holds a ball at a wall."""
+    return abs(point.lean[0]) / point.pressing
+
+
 def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
     """Rolling friction with which so much of the force that moves a resting ball would do [m]; nan: not even none."""
     damper = results.scene.damper
     if damper is None:
         return math.nan
-    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point)
+    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(point)
     left = ease * (rolls + slope) - slope
     return damper.radius * left if left > 0 or slope == 0 else math.nan
 

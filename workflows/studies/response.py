@@ -17,10 +17,10 @@ from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation
+from workflows.solve import coupling, engine_orders, excitation, limits, resources
 from workflows.solve import damper as damper_stage
-from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import Floats, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import CavityMode, Floats, Results, SpeedPoint, VibrationReduction
 from workflows.solve.structure import StructureSolver
 
 
@@ -262,8 +262,9 @@ def _passage(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcin
         return system
     _, axis, leads = excitation.modes_at_crossing(at, crossing)
     omega = _speeds(solver, crossing, at)
-    dampers, harmonics = _excited_dampers(solver, crossing, forcing, omega)
+    dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
     states = _steady_states(solver, crossing, dampers, harmonics, axis)
+    states = replace(states, without=_without_ball(unloaded, harmonics, axis))
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
         estimate = _estimated_amplitudes(system, dampers, harmonics, states, speaks=leads)
@@ -290,18 +291,49 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floa
 
 def _excited_dampers(
     solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
-) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic]]:
-    """Dampers and what drives them, each speed with all forces after the other."""
-    dampers, harmonics, points = [], [], solver.at(omega).points
+) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic], list[damper.ParticleDamper]]:
+    """Dampers, what drives them, and their structures without the ball's pull, each speed with all forces."""
+    dampers, harmonics, unloaded, points = [], [], list[damper.ParticleDamper](), solver.at(omega).points
     branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
         own = excitation.modes_of(point, branch)
         only = None if own is None else excitation.modes_followed(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
+        used = coupling.damper_modes(source.scene, point) if only is None else only
         dampers += [system] * len(forcing.levels)
+        unloaded += [_unloaded(system, point, used)] * len(forcing.levels)
         harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
-    return dampers, harmonics
+    return dampers, harmonics, unloaded
+
+
+def _unloaded(system: damper.ParticleDamper, point: SpeedPoint, modes: Sequence[CavityMode]) -> damper.ParticleDamper:
+    """The damper on its structure as it is without the ball, whose centrifugal pull stiffens it.
+
+    Modes above those of the scene, which no order asked for meets, keep the pull.
+    """
+    if system.modes is None:
+        share = 1.0 if point.reduced is None else point.reduced.K2 / point.reduced.K1
+        return replace(system, stiffness=(share * system.stiffness[0], share * system.stiffness[1]))
+    free = {k + 1: (2 * math.pi * mode.frequency_hz) ** 2 for k, mode in enumerate(point.modes)}
+    pairs = zip(system.modes, modes, strict=True)
+    return replace(
+        system, modes=tuple(replace(each, stiffness=each.mass * free.get(k.number, k.stiffness)) for each, k in pairs)
+    )
+
+
+def _without_ball(
+    unloaded: Sequence[damper.ParticleDamper], harmonics: Sequence[damper.Harmonic], axis: int
+) -> npt.NDArray[np.complex128]:
+    """Complex amplitudes (n,) at the cavity without the ball."""
+    from damper.equations import structures_by
+    from damper.starts import without_ball
+
+    amplitudes = np.empty(len(harmonics), complex)
+    for k, (system, harmonic) in enumerate(zip(unloaded, harmonics, strict=True)):
+        shape = np.eye(2)[axis] if system.modes is None else np.array([mode.shape[axis] for mode in system.modes])
+        amplitudes[k] = without_ball(structures_by(system, system.parameters), [harmonic])[0] @ shape
+    return amplitudes
 
 
 def _steady_states(

@@ -248,7 +248,7 @@ def design(
     if not optimum.evaluation.works:
         return DesignResult(space, optimum, constraints, best, "", grid, None)
     model = choose_model(best, Stages(visible=False))
-    toml = provenance.as_toml(best.scene, model.effects, model.theory) + "\n"
+    toml = provenance.as_toml(best.with_full_paths().scene, model.effects, model.theory) + "\n"
     response = None if space.goal.of_damping else respond(best, clock)
     return DesignResult(space, optimum, constraints, best, toml, grid, response)
 
