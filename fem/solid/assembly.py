@@ -436,7 +436,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:
-        return places.matrix(np.outer(matrix, inertia))
+        return places.matrix(np.asarray(np.outer(matrix, inertia), dtype=np.float64))
 
     mass = through(np.eye(3)).copy()
     mass.eliminate_zeros()

@@ -62,7 +62,7 @@ def mesh_errors(operators: SolidOperators, shapes: Array, values: Array, state: 
                 missed[number] += np.einsum("cp,cpkij,cpkij->k", volumes, off, _strain(operators, off), optimize=True)
     errors = _fitted(operators, 0.5 * missed / values)
     rates = np.sqrt(values)
-    return np.maximum(errors, 1.0 - np.sort(rates * (1.0 - errors)) / rates)
+    return np.asarray(np.maximum(errors, 1.0 - np.sort(rates * (1.0 - errors)) / rates), dtype=np.float64)
 
 
 def _fitted(operators: SolidOperators, share: Array) -> Array:
