@@ -100,7 +100,8 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if not math.isnan(remedy.omega):
         load = point.load_g * (remedy.omega / point.omega) ** 2
         steps.append(f"below {whole(in_rpm(remedy.omega))} rpm ({whole(load)} g)")
-    moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm"
+    goes_on = _goes_on(results, point, remedy.amplitude)
+    moves = f"{capital(at_load(point))} the ball moves above {millimetres(remedy.amplitude)} mm{goes_on}"
     if not steps and not math.isnan(remedy.without_dent) and remedy.without_dent >= limit:
         without = f"without its dent it would move above {millimetres(remedy.without_dent)} mm"
         return f"{moves}; {without}, still beyond the {millimetres(limit)} mm that the {carrier(results)} endures."
