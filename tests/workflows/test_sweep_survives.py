@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import contextmanager
@@ -213,7 +214,11 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
         says = r"^--out = 'out': cannot be written: No space left on device; what is finished stays"
         with pytest.raises(BadInput, match=says):
             complete(asked, Path("out"))
-    assert not list((tmp_path / "out").rglob("*.partial"))
+    for _ in range(100):  # a thread of zarr's that was writing at the time takes its own away
+        if not (left_behind := list((tmp_path / "out").rglob("*.partial"))):
+            break
+        time.sleep(0.05)
+    assert not left_behind
     assert complete(asked, tmp_path / "out") == undisturbed
 
 
