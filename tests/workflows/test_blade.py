@@ -355,10 +355,11 @@ def test_a_leaning_ball_is_remarked_and_its_normal_looks_outwards(bricks):
         pipeline.run(load(bricks / "coned.toml"))
 
 
-def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(bricks, spindamp):
+@pytest.mark.parametrize("floor", ["", '\nfloor_radius = "5 mm"'])
+def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(floor, bricks, spindamp):
     """What the load pulls it along the floor stays, whatever the rolling friction; `check` shows load and floor."""
     text = (bricks / on_bricks(bricks).name).read_text(encoding="utf-8")
-    text = text.replace('speeds = ["10000 rpm"]', CONED).replace("count = 20", "count = 1\nnormal = [1, 0, 0]")
+    text = text.replace('speeds = ["10000 rpm"]', CONED).replace("count = 20", f"count = 1\nnormal = [1, 0, 0]{floor}")
     (bricks / "coned.toml").write_text(text, encoding="utf-8")
     source = load(bricks / "coned.toml")
     results = pipeline.run(source)

@@ -13,6 +13,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
+from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
 from workflows.solve.results import (
@@ -387,7 +388,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     if limit is None:
         return Remedy(figures.cutoff)
     ease = limit / figures.cutoff
-    dent, lean, rolls = _dent(results, point), _lean(point), lever(results.scene, point) / damper.radius
+    dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
     slope = dent + lean
     radius = (
         math.nan
@@ -417,9 +418,12 @@ def _dent(results: Results, point: SpeedPoint) -> float:
     return rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
 
 
-def _lean(point: SpeedPoint) -> float:
+def _lean(damper: Damper, point: SpeedPoint) -> float:
     """Slope of the load along a floor that does not face it, by which it holds a ball at a wall."""
-    return abs(point.lean[0]) / point.pressing
+    rises = 0.0  # the slope of a hollow floor at the wall
+    if damper.floor_radius is not None:
+        rises = (damper.cavity[0] / 2 - damper.radius) / (damper.floor_radius[0] - damper.radius)
+    return max(abs(point.lean[0]) / point.pressing - rises, 0.0)
 
 
 def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
@@ -427,7 +431,7 @@ def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
     damper = results.scene.damper
     if damper is None:
         return math.nan
-    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(point)
+    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(damper, point)
     left = ease * (rolls + slope) - slope
     return damper.radius * left if left > 0 or slope == 0 else math.nan
 
