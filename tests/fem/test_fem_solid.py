@@ -368,6 +368,12 @@ def broken():
     level = points * [1.0, 1.0, 1e-9]
     tetra = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     swapped = cells[:, [*range(12), *range(16, 20), *range(12, 16)]]
+    crossed = linear.copy()
+    crossed[3, [0, 1]] = linear[3, [1, 0]]
+    corner_alone, wedges = cells.copy(), box("wedge15")
+    corner_alone[3, [6, 7]] = cells[3, [7, 6]]
+    end = wedges.cells[0][1].copy()
+    end[5, [3, 4]] = end[5, [4, 3]]
     coarse, fine = box("hexahedron20", (1, 1, 1)), box("hexahedron20", (1, 2, 2))
     both = np.vstack([coarse.points, np.add(fine.points, [1.0, 0.0, 0.0])])
     _, first, number = np.unique(np.round(both, 9), axis=0, return_index=True, return_inverse=True)
@@ -376,7 +382,14 @@ def broken():
         "hanging nodes": (both[first], ((kind, beside),), r"5 faces inside .* \(hanging nodes\), the first near \(1, "),
         "listed twice": (points, ((kind, cells[[*range(8), 0]]),), "3 faces belong to more than two cells"),
         "one cell twice": (coarse.points, ((kind, coarse.cells[0][1][[0, 0]]),), "listed twice"),
-        "middle off": (bulging, ((kind, cells),), "inverted, flat or too distorted, the first near"),
+        "middle off": (bulging, ((kind, cells),), "inverted, flat or too distorted, the first .* near"),
+        "corners swapped": (
+            box("hexahedron").points,
+            (("hexahedron", crossed),),
+            r"1 of 8 hexahedron cells .*first \(number 4 of these in the file\) near",
+        ),
+        "corners swapped, middles kept": (points, ((kind, corner_alone),), "1 of 8 hexahedron20 cells .*number 4"),
+        "corners of a wedge swapped": (wedges.points, (("wedge15", end),), "1 of 16 wedge15 cells .*number 6"),
         "flat": (level, ((kind, cells),), "nodes lie in one place"),
         "flat cell": (tetra, (("tetra", np.arange(4)[None]),), "1 of 1 tetra cells are inverted, flat"),
         "another order of nodes": (points, ((kind, swapped),), "8 of 8 hexahedron20 cells are inverted"),

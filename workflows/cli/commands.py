@@ -377,7 +377,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
             from workflows.report.page import publish
 
             results = publish(results, out, stages)
-    typer.echo(serialise.dumps(results) if json else text.text(results, out, source.remarks))
+    typer.echo(serialise.dumps(results) if json else text.text(results, out, state.source.remarks))
 
 
 def _of_a_scene(

@@ -56,7 +56,7 @@ def document(
         "scene": resolved_scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
         "radii": {"root": root, "damper": place},
-        "remarks": list(source.remarks),
+        "remarks": [*source.remarks, *(() if space is None else space.remarks)],
     }
     if (known := _varying(source, form)) is not None:
         record["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
