@@ -208,7 +208,7 @@ def _root(f: float, f1: float, f2: float) -> float:
 @fused
 def _least(ball: Record) -> float:
     """Drive that a stuck ball needs to set off."""
-    return float(MARGIN * ball.threshold + _NOTHING)
+    return float(MARGIN * ball.hold + _NOTHING)
 
 
 @part
@@ -259,7 +259,7 @@ def settled(g: int, it: Record) -> bool:
         bias, swing = largest_drive(i, system, it.motion.z, it.motion.rate)
         for d in (-1, 1):
             away = d * it.motion.z[system.place[i]] < axes[i].half_gap
-            if away and d * bias + swing > MARGIN * it.ball.threshold:
+            if away and d * bias + swing > MARGIN * it.ball.hold:
                 return False
     return True
 
@@ -451,7 +451,7 @@ def _both_drive(i: int, it: Record, d: int, x: float) -> bool:
     g = it.system.group[i]
     c, drive = it.motion.series[g, it.system.cavity[i]], it.motion.series[g, drive_lane(i, it)]
     other = drive[0] + derivatives(drive, x)[0] + it.system.excess[i] * derivatives(c, x)[1] / it.system.span[g]
-    return bool(d * other >= it.ball.threshold / MARGIN)
+    return bool(d * other >= it.ball.hold / MARGIN)
 
 
 @part

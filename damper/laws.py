@@ -303,7 +303,7 @@ def check_rest(runs: Records) -> None:
     runs = runs[np.isfinite(runs["clock"]["rest"]) & (runs["clock"]["trembles"] == 0)]
     if len(runs):
         drive = _drive_in_modes(runs)
-        most = runs["ball"]["threshold"][:, None] * (1 + EXACT)
+        most = runs["ball"]["hold"][:, None] * (1 + EXACT)
         require("the load holds a ball at rest", "drive [m/s²]", drive, most, "a ring-down")
 
 
