@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from fem.rotor import in_rpm
 
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Superscripts, for `str.translate`."""
+
+_CODE = re.compile("`([^`\n]+)`")
 
 _SPEEDS_LISTED = 4
 _ROUNDED = 1e-9
@@ -74,9 +81,16 @@ def upwards(error: float) -> str:
     return f"{math.ceil(error / step * (1 - 1e-9)) * step:.1g}"
 
 
-def curly(text: str) -> str:
-    """Typographic apostrophes."""
-    return text.replace("'", "\u2019")
+def plain(text: str) -> str:
+    """A text for a terminal: what `backticks` mark as typed stands as it is typed."""
+    return _CODE.sub(r"\1", text)
+
+
+def prose(text: str) -> Markup:
+    """A text for a page, escaped: typographic apostrophes, and what `backticks` mark as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(text.replace("'", "\u2019")))))
 
 
 def revolutions(speeds: Sequence[float]) -> str:

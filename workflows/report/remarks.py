@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from fem.accuracy.theory_selection import DEAR
 from fem.rotor import in_rpm
-from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
@@ -583,6 +581,8 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
 
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
     """What effects of the plate, or of the damper, take for granted, on or off."""
+    from fem.theory.registry import kind
+
     theory = "" if results.theory is None else kind(results.theory.name).value
     words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
     cases = {
@@ -701,6 +701,8 @@ _DEFLECTED = "[effects] large_deflection = true"
 
 def _remedy(results: Results, part: str) -> str | None:
     """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    from fem.accuracy.theory_selection import DEAR
+
     if results.scene.in_space:
         return "a finer mesh" if part == "mesh" and results.scene.blade is not None else None
     if part in EFFECTS:
@@ -754,6 +756,8 @@ def wide(results: Results) -> str | None:
 
 def frequency_error(results: Results) -> str | None:
     """How far the frequencies can be trusted, and by what they are off."""
+    from fem.theory.registry import THEORIES
+
     if results.diagram is None or results.theory is None:
         return None
     own = THEORIES[results.theory.name].against_solid

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, percent, revolutions, significant
+from workflows.formatting import aligned, amount, fixed, percent, plain, prose, revolutions, significant
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
@@ -125,7 +125,7 @@ def brief(results: Results) -> str:
     accuracy = remarks.sentence(results)
     more = () if results.reductions else answer.sentences[:1]  # a crossing's next sentences are on single levels
     lines = [_head(results), " ".join((f"{answer.verdict}.", *more)), *([] if accuracy is None else [accuracy])]
-    return "\n".join(lines)
+    return plain("\n".join(lines))
 
 
 def brief_html(results: Results) -> str:
@@ -139,7 +139,7 @@ def brief_html(results: Results) -> str:
     more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
     table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
     return (
-        f"<p>{escape(_head(results))}</p><p><b>{escape(answer.verdict)}.</b> {escape(sentences)}</p>"
+        f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
         f"<table>{table}</table>{more}"
     )
 

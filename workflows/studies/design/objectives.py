@@ -117,20 +117,27 @@ class LeastDamping:
     objective: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
     of_damping: ClassVar[bool] = True
 
+    def screened(self, cases: list[DamperCase]) -> Evaluation | None:
+        """What a damper is worth that the load holds at the least amplitude, by formula; None for any other."""
+        cutoff, worst, bound = self._limits(cases)
+        if cutoff < self.low:
+            return None
+        lost = math.log(cutoff / self.low) if math.isfinite(cutoff) else _NEVER
+        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, why=Obstacle("held"))
+
+    def _limits(self, cases: list[DamperCase]) -> tuple[float, float, float]:
+        """Largest cut-off [m], the speed where that is [rad/s], and the bound."""
+        dampers = [(each.verdict_damper, each.point.omega) for each in cases]
+        cutoff, worst = max((cutoff_of(damper), omega) for damper, omega in dampers)
+        return cutoff, worst, min(bound_of(damper, self.high) for damper, _ in dampers)
+
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
-        """What a damper is worth that is placed on its structure at every speed."""
-        low, high = self.low, self.high
-        dampers = [(each, each.verdict_damper) for each in cases]
-        cutoff, worst = max((cutoff_of(damper), each.point.omega) for each, damper in dampers)
-        bound = min(bound_of(damper, high) for _, damper in dampers)
-        if cutoff >= low:
-            lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
-            return Evaluation(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
-        values, falling = [], []
-        for each, damper in dampers:
-            figures = damper_curve(damper, {}, reach=high, **(QUICK if quick else {}))
-            values.append((*least(figures, low, high), each.point.omega))
-            falling.append(least(figures.descending, low, high)[0])
+        """What a damper is worth that moves on its structure at every speed."""
+        (cutoff, _, bound), values, falling = self._limits(cases), [], []
+        for each in cases:
+            figures = damper_curve(each.verdict_damper, {}, reach=self.high, **(QUICK if quick else {}))
+            values.append((*least(figures, self.low, self.high), each.point.omega))
+            falling.append(least(figures.descending, self.low, self.high)[0])
         value, amplitude, speed = min(values)
         why = None if value > 0 else Obstacle("lossless")
         return Evaluation(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
@@ -458,6 +465,10 @@ class LeastAmplitude:
     def speeds(self) -> tuple[float, ...]:
         """Of the crossings [rad/s], each once."""
         return tuple(sorted({crossing.omega for crossing in self.crossings}))
+
+    def screened(self, _: list[DamperCase]) -> Evaluation | None:
+        """None: no formula says what a damper is worth."""
+        return None
 
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that is placed on its structure at every crossing."""

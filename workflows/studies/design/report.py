@@ -184,7 +184,6 @@ def _phrased(macro: str, *values: Any) -> list[str]:
     return page.sentences("design.txt.j2", macro, *values)
 
 
-@plots.style()
 def draw(result: DesignResult) -> list[Picture]:
     """All pictures there are."""
     pictures, goal = [], result.space.goal
@@ -210,16 +209,18 @@ class Curve:
 
 
 def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
-    """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
+    """A curve for each speed at which the best ball moves below the highest amplitude of the goal, up to there."""
     plan = space.plan(optimum.shares[None])
     cases = evaluate.damper_cases(space.source, plan, 0, PlateCache(), evaluate.empty(plan.size), [])
     curves = [
         Curve(each.point.rpm, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
         for each in cases
+        if objectives.cutoff_of(each.verdict_damper) < goal.high
     ]
     return [curve for curve in curves if curve.damping_curve.amplitude.size]
 
 
+@plots.style()
 def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     figure, (axes,) = plots.canvas(3.1)
     colours = map_spread(len(curves) + 1)
@@ -240,6 +241,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     return plots.svg(figure, "best", "Damping ratio of the best damper over amplitude")
 
 
+@plots.style()
 def _map(result: DesignResult, grid: Grid) -> str:
     of_damping = result.space.goal.of_damping
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
@@ -282,13 +284,14 @@ def in_short(result: DesignResult) -> str:
 
 def render(result: DesignResult) -> str:
     """The page."""
+    pictures = draw(result)
     return page.from_template(
         "design.html.j2",
-        plots.shades_css(SHADES),
+        plots.shades_css(SHADES) if pictures else "",
         title=result.space.source.scene.title,
         verdict=verdict(result.space, result.optimum),
         sentences=sentences(result),
-        figures=draw(result),
+        figures=pictures,
         toml=result.toml,
         evaluations=formatting.fixed(result.optimum.evaluations),
     )

@@ -169,25 +169,41 @@ def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
     return Axis(key, tuple(values))
 
 
+def screened(space: Space, shares: Floats, plates: PlateCache) -> list[Evaluation]:
+    """The first designs, up to one whose ball has to be simulated: what formulas say they are worth."""
+    evaluations = list[Evaluation]()
+    for row in shares:
+        (evaluation,) = _evaluations(space, row[None], plates, None)
+        if evaluation is None:
+            break
+        evaluations.append(evaluation)
+    return evaluations
+
+
 def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
     """The designs at rows of shares; `quick` where a few percent do not count."""
+    return [each for each in _evaluations(space, shares, plates, quick) if each is not None]
+
+
+def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool | None) -> list[Evaluation | None]:
+    """The same; without `quick` by formulas alone, and None where these do not say."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
     rows, reasons = evaluate.empty(plan.size), list[str]()
     cases: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
         cases[each.number // speeds].append(each)
-    scores = []
+    scores = list[Evaluation | None]()
     for number, mine in enumerate(cases):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
             scores.append(Evaluation(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
         else:
-            scores.append(_one(space, mine, quick=quick))
+            scores.append(_one(space, mine, quick))
     return scores
 
 
-def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
+def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluation | None:
     """A design on its structure at every speed."""
     scene = cases[0].scene
     mass = max(each.damper.ball_mass for each in cases)
@@ -201,7 +217,10 @@ def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
-    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
+    evaluation = space.goal.screened(cases)
+    if evaluation is None and quick is not None:
+        evaluation = space.goal.worth(cases, quick=quick)
+    return evaluation and replace(evaluation, mass=mass, used=used, endured=endured)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:

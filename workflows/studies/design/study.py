@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
 from itertools import combinations, product
@@ -220,7 +220,7 @@ def design(
     Args:
         scene: with a table [design].
         seed: of the search.
-        pool: the workers; default: the cores of this machine.
+        pool: the workers, entered when the first ball has to be simulated; default: the cores of this machine.
         stages: the clock.
         partial_results: a file of designs that were scored; a design that was stopped goes on from it.
 
@@ -233,8 +233,8 @@ def design(
     clock = stages or Stages()
     space = spaces.design_space(source, clock)
     resumed = nullcontext() if partial_results is None else folder.resumable(_GOES_ON)
-    with resumed, pool or executor.local() as workers, clock("design") as step:
-        score = partial(evaluate_on_workers, workers, executor.digest())
+    with resumed, ExitStack() as started, clock("design") as step:
+        score = Scorer(lambda: started.enter_context(pool or executor.local()))
         designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
         optimum = search(space, designs, seed)
         impossible = optimum.evaluation.impossible
@@ -291,6 +291,26 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[
     executor.require_code(digest)
     executor.ready()
     return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
+
+
+class Scorer:
+    """Scores designs: by formulas in this process until a ball has to be simulated, from then on by the workers.
+
+    Workers take seconds to start. In a space in which the load holds every ball none starts.
+    """
+
+    def __init__(self, start: Callable[[], Workers]) -> None:
+        self._start = start
+        self._workers: Workers | None = None
+
+    def __call__(self, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
+        """Scores at rows of shares."""
+        scores = spaces.screened(space, shares, _plates) if self._workers is None else []
+        if len(scores) == len(shares):
+            return scores
+        self._workers = self._workers or self._start()
+        rest = shares[len(scores) :]
+        return scores + evaluate_on_workers(self._workers, executor.digest(), space, rest, quick)
 
 
 def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
