@@ -93,6 +93,11 @@ def prose(text: str) -> Markup:
     return Markup(_CODE.sub(r"<code>\1</code>", str(escape(text.replace("'", "\u2019")))))
 
 
+def turning(omega: float) -> str:
+    """A rotation speed [rad/s] within a sentence: 3500 rpm."""
+    return f"{whole(in_rpm(omega))} rpm"
+
+
 def revolutions(speeds: Sequence[float]) -> str:
     """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
     each = [f"{in_rpm(speed):.6g}" for speed in speeds]

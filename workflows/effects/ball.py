@@ -6,9 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 from fem.meshes.mesh_sequence import Planform
-from fem.rotor import in_rpm
 from workflows.effects.definition import GIVEN, PRINTED, Called, Case, Definition, Refusal, not_printed
-from workflows.formatting import significant, whole
+from workflows.formatting import significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN
@@ -111,7 +110,7 @@ def _floor_tilt(case: Case) -> Called:
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
-    at = f"{whole(in_rpm(omega))} rpm" + (", estimated for a beam" if scene.given is None else "")
+    at = turning(omega) + (", estimated for a beam" if scene.given is None else "")
     reason = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {reason}")

@@ -10,7 +10,6 @@ import numpy as np
 
 import fem
 from fem.meshes.mesh_sequence import Planform
-from fem.rotor import in_rpm
 from workflows.effects.definition import (
     AT_REST,
     CELLS_PER_MODE,
@@ -22,7 +21,7 @@ from workflows.effects.definition import (
     Refusal,
     everywhere,
 )
-from workflows.formatting import significant
+from workflows.formatting import significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -93,7 +92,7 @@ def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bo
     if shift is None:
         return Called(False, "the plate diverges without it")
     largest, omega = shift.largest
-    why = f"at {in_rpm(omega):.0f} rpm it moves frequencies by up to {_percent(largest, 1)} %"
+    why = f"at {turning(omega)} it moves frequencies by up to {_percent(largest, 1)} %"
     beside = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
     return Called(largest > target, f"{why}, {beside}", LeftOut(shift.omega, shift.shifts))
 
@@ -187,9 +186,9 @@ def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
     if bent is None:
         return Called(False, "the plate diverges with it and without it")
     if math.isinf(bent.shift):
-        return Called(True, f"at {_rpm(bent)} rpm the plate diverges either with it or without it")
+        return Called(True, f"at {turning(bent.omega)} the plate diverges either with it or without it")
     state = (
-        f"at {_rpm(bent)} rpm the load turns parts of the plate by up to {significant(bent.rotation, 2)} rad and"
+        f"at {turning(bent.omega)} the load turns parts of the plate by up to {significant(bent.rotation, 2)} rad and"
         f" strains it by up to {_percent(bent.strain)} %, which moves frequencies by up to {_percent(bent.shift)} %"
     )
     moves = LeftOut(np.array([bent.omega]), bent.shifts[None])
@@ -227,10 +226,6 @@ def _solved_with_deflection(scene: Scene, form: Planform | None) -> Bent | None:
 
 def _percent(part: float, digits: int = 2) -> str:
     return significant(100 * part, digits)
-
-
-def _rpm(bent: Bent) -> str:
-    return f"{in_rpm(bent.omega):.0f}"
 
 
 def _rotary_inertia(case: Case) -> Called:

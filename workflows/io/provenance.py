@@ -88,7 +88,7 @@ def _mesh(form: Planform | None) -> Any:
 
 
 def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructure | None = None) -> list[str]:
-    """What is asked in the words of a person, as comments: speeds in rpm, radii, and how the damper lies."""
+    """What is asked in the words of a person, as comments: speeds, radii, and how the damper lies."""
     scene, (root, place, at) = source.scene, radii(source, form, space)
     lines = [f"{one_line(scene.title)}: {revolutions(scene.rotor.speeds)}", *source.remarks]
     lines += () if space is None else space.remarks

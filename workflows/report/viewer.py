@@ -235,23 +235,15 @@ def _at(source: SceneFile, rpm: float) -> SceneFile:
     return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
 
 
-_STUDIES = (
-    "accuracy.json",
-    "compare.json",
-    "design.json",
-    "effects.json",
-    "reproduce.json",
-    "response.json",
-    "sweep.json",
-)
-"""A file that only the folder of a study has."""
+_STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")
+"""Names of the JSON files that only folders of studies have."""
 
 
 def page_of_study(target: str) -> Path | None:
     """The report of a folder that a study, not a run, has written; None where it is none."""
     folder = Path(target)
     try:
-        whose = any((folder / name).is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
+        whose = any((folder / f"{name}.json").is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
     except (OSError, ValueError):
         return None
     page = folder / "report.html"

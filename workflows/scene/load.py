@@ -365,7 +365,8 @@ def error_text(error: Any, loc: list[str]) -> str:
             return f"expected at most {context['le']:g}"
         case "literal_error":
             value, expected = error["input"], context["expected"]
-            return f"expected {expected}{did_you_mean(value, _quoted(expected)) if isinstance(value, str) else ''}"
+            names = expected.split("'")[1::2]
+            return f"expected {expected}{did_you_mean(value, names) if isinstance(value, str) else ''}"
         case "int_type" | "int_from_float" | "int_parsing":
             return "expected a whole number"
         case "too_long" | "string_too_long":
@@ -410,10 +411,6 @@ def key_name(loc: list[str]) -> str:
     if len(loc) == 1 and loc[0] in Scene.model_fields and loc[0] != "title":
         return f"[{loc[0]}]"
     return loc[0] if len(loc) == 1 else f"[{loc[0]}] {'.'.join(loc[1:])}"
-
-
-def _quoted(text: str) -> list[str]:
-    return text.split("'")[1::2]
 
 
 def _lookup(data: Any, loc: list[str]) -> object:

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.rotor import in_rpm
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
-from workflows.formatting import significant
+from workflows.formatting import significant, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.solve import resources
@@ -124,7 +123,7 @@ def _deflection(request: Request) -> tuple[Called, SolidOperators]:
     operators = _matrices(source).with_deflection(large=False)
     if omega == 0.0:
         return AT_REST, operators
-    shifts, at = deflection_shifts(operators, omega, scene.rotor.modes), f"at {in_rpm(omega):.0f} rpm"
+    shifts, at = deflection_shifts(operators, omega, scene.rotor.modes), f"at {turning(omega)}"
     if shifts is None:
         return Called(True, f"{at} the load bends or untwists the blade too much for a linear prestress"), operators
     called = bool(shifts.max() > scene.budget.rough_shift)

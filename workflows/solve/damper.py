@@ -12,7 +12,7 @@ import numpy as np
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput, during
-from workflows.formatting import whole
+from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
@@ -98,7 +98,7 @@ def simulate(
     with stages("damper", len(points)) as step:
         done = []
         for number, point in enumerate(points):
-            speed = f"{whole(point.rpm)} rpm"
+            speed = turning(point.omega)
             with during(f"at {speed}"):
                 done.append(_simulated(scene, effects, point, keep=number == shown))
             step.advance(speed)

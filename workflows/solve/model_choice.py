@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem.rotor import in_rpm
 from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.errors import NoAnswer
-from workflows.formatting import significant, whole
+from workflows.formatting import significant, turning
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -74,7 +73,7 @@ def _overloaded(source: SceneFile) -> str:
         return ""
     return (
         f"the point mass of {significant(scene.point_mass)} kg ([plate] tip_mass, [damper] housing) pulls at"
-        f" {whole(in_rpm(fastest))} rpm such that it would strain the root by {significant(100 * strain, 2)} %,"
+        f" {turning(fastest)} such that it would strain the root by {significant(100 * strain, 2)} %,"
         " which no plate bears: expected a lighter mass or lower speeds"
     )
 

@@ -841,28 +841,16 @@ def points(
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
-    count = bounds.shape[1]
-    left_out = {name: effect.at(omega, count) for name, effect in discrete.left_out.items()}
+    count, nothing = bounds.shape[1], np.full(bounds.shape, np.nan)
+    parts = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
     if discrete.cavity is not None:
-        left_out["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
-    effects = [left_out.get(name, np.full(bounds.shape, np.nan)) for name in _EFFECTS]
-    theory = over_speeds(operators, diagram)[rows, :count]
-    mesh, *moved = map(_known, (discrete.choice.errors_at(omega), *effects))
+        parts["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
+    known = {name: _known(parts.get(name, nothing)) for name in _EFFECTS}
+    known["mesh"] = _known(discrete.choice.errors_at(omega))
+    known["basis"], known["theory"] = bounds.tolist(), over_speeds(operators, diagram)[rows, :count].tolist()
     turning = operators.gyroscopic is not None
-    damping = np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan)
-    families = diagram.families
-    columns = zip(
-        omega.tolist(),
-        [families[number] for number in rows],
-        diagram.frequencies_hz[rows].tolist(),
-        diagram.branches[rows].tolist(),
-        _known(damping),
-        mesh,
-        bounds.tolist(),
-        theory.tolist(),
-        [list(zip(_EFFECTS, each, strict=True)) for each in zip(*moved, strict=True)],
-        strict=True,
-    )
+    damping = _known(np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan))
+    families, frequencies, branches = diagram.families, diagram.frequencies_hz[rows].tolist(), diagram.branches[rows]
     return tuple(
         SpeedPoint(
             omega=speed,
@@ -871,26 +859,24 @@ def points(
             load_g=speed**2 * radius / rotor.gravity,
             modes=tuple(
                 Mode(
-                    frequency_hz=frequencies[k],
-                    family=names[k],
+                    frequency_hz=frequencies[n][k],
+                    family=families[rows[n]][k],
                     error_parts=ErrorParts(
-                        errors[k], discrete.layers, basis[k], own[k], **{name: shifts[k] for name, shifts in others}
+                        layers=discrete.layers, **{name: each[n][k] for name, each in known.items()}
                     ),
-                    damping_ratio=ratios[k],
-                    branch=branches[k],
+                    damping_ratio=damping[n][k],
+                    branch=int(branches[n, k]),
                 )
                 for k in range(count)
             ),
         )
-        for speed, names, frequencies, branches, ratios, errors, basis, own, others in columns
+        for n, speed in enumerate(omega.tolist())
     )
 
 
 def _known(values: Floats) -> list[list[Any]]:
     """Numbers (k, count) as lists, None where they are not known."""
-    objects = values.astype(object)
-    objects[~np.isfinite(values)] = None
-    return list(objects.tolist())
+    return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
 
 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[int], count: int) -> Surface:

@@ -20,6 +20,7 @@ from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
+from workflows.formatting import turning
 from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -192,7 +193,7 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCach
     cases = list(damper_cases(source, plan, begin, plates, rows, reasons))
     known: dict[ParticleDamper, DampingCurve] = {}
     for each in cases:
-        with during(f"at point {begin + each.number}, {each.point.rpm:.6g} rpm"):
+        with during(f"at point {begin + each.number}, {turning(each.point.omega)}"):
             _measure(rows[each.number], each, known, QUICK if quick else {})
     with during(f"at points {begin} to {end - 1}"):
         _ring_down(rows, cases)

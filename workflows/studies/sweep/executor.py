@@ -16,12 +16,13 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import TypeVar
 
-from damper import Harmonic, ParticleDamper, backbone, damping_curve, forced, ringdowns
+from damper import Harmonic, backbone, damping_curve, forced, ringdowns
+from damper.self_check import RINGDOWNS
 from workflows.errors import BadInput
 from workflows.versions import versions
 
@@ -204,25 +205,15 @@ def ready() -> None:
         return
     with FileLock(done.with_suffix(".lock")):
         if not done.exists():
-            compile_all()
+            _compile()
             done.touch()
 
 
-def compile_all() -> None:
+def _compile() -> None:
     """Run everything once, on level and on tilting floors, without forces and with one."""
-    level = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(1e6, 1e6),
-        ball_mass=1e-2,
-        ball_radius=1e-3,
-        cavity=(3e-3, 3e-3),
-        centrifugal_acceleration=1e3,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-5,
-    )
-    for damper in (level, replace(level, floor_tilt=(1.0, 0.0))):
+    for name in ("level floor", "tilting, hollow floor"):
+        damper, release, *_ = RINGDOWNS[name]
         damping_curve(damper, threads=1, sweeps=2, stay=1)
-        ringdowns(damper, [(1e-3, 0.0)], 1, threads=1)
+        ringdowns(damper, [release], 1, threads=1)
         backbone(damper, threads=1)
-        forced(damper, [Harmonic(1e3, force=(1.0, 0.0))], threads=1, max_cycles=32)
+        forced(damper, [Harmonic(damper.stuck_frequency, force=(1.0, 0.0))], threads=1, max_cycles=32)

@@ -12,10 +12,9 @@ import numpy as np
 import damper
 import fem
 from fem.meshes.mesh_sequence import Planform
-from fem.rotor import in_rpm
 from workflows import pipeline
 from workflows.errors import NoAnswer, read_from
-from workflows.formatting import fixed, significant, whole
+from workflows.formatting import fixed, significant, turning
 from workflows.progress import Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -96,7 +95,7 @@ def damper_study(
     cases.append(("exact events", "no step", partial(damper.ringdown, *start), own))
     study = ConvergenceStudy(
         "damper",
-        f"relative error of the energy that the ball takes in {CYCLES} cycles at {whole(point.rpm)} rpm",
+        f"relative error of the energy that the ball takes in {CYCLES} cycles at {turning(point.omega)}",
         f"the exact events, {confirmed}",
         tuple(replace(row, uncertainty=apart) for row in ladder(step, cases)),
     )
@@ -168,7 +167,7 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
         studies.append(
             ConvergenceStudy(
                 f"whole pipeline: {name}",
-                f"relative error of the {name} at {whole(best.rpm)} rpm",
+                f"relative error of the {name} at {turning(best.omega)}",
                 f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}",
                 tuple(rows),
             )
@@ -323,7 +322,7 @@ def plate_studies(problem: Problem, step: Step) -> tuple[list[ConvergenceStudy],
                 exact, trust_of_exact = known["solid"]
                 row = replace(row, error=_largest_error(frequencies, exact), uncertainty=trust_of_exact)
             solid.append(row)
-    where = f"{problem.count} frequencies at {whole(in_rpm(problem.omega))} rpm"
+    where = f"{problem.count} frequencies at {turning(problem.omega)}"
     trusts = ", ".join(f"{theory} to {significant(error, 1)}" for theory, (_, error) in known.items())
     reference = f"limit of each row's own theory, extrapolated from the two finest meshes ({trusts})"
     studies = [ConvergenceStudy("plate", f"largest relative error of the mesh in {where}", reference, tuple(own))]
@@ -396,7 +395,7 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
     )
     study = ConvergenceStudy(
         "speeds",
-        f"largest relative error of {count} frequencies at {omega.size} speeds up to {whole(in_rpm(top))} rpm",
+        f"largest relative error of {count} frequencies at {omega.size} speeds up to {turning(top)}",
         f"modes solved for at {timed.size} of the speeds on the same mesh, good to rounding",
         ladder(step, [*cases, alone]),
     )
