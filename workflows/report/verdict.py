@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+import numpy as np
+
 from fem.rotor import in_rpm
 from workflows.formatting import significant, span, whole
 from workflows.report import remarks
@@ -23,7 +25,7 @@ from workflows.report.remarks import (
 )
 from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
-from workflows.solve.results import Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Figures, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -42,10 +44,9 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     able = [each for each in able if not math.isnan(each[2][0])]
     ends, ranges = able[:1] + able[1:][-1:], list[str]()
     for point, figures, (low, high) in ends:
-        loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
-        in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = f", the limit of what the {carrier(results)} endures" if high < figures.half[1] else ""
-        amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
+        every = [each for each in humps(figures) if each[1] < low] + [(low, high)]
+        amplitudes = f"amplitudes of {listed([_in_mm_and_g(results, point, *each) for each in every])}{ends_there}"
         half = "" if ranges else "the ball gives at least half of its largest damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     sustained = [
@@ -55,6 +56,22 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ]
     rests = f"The load holds the ball at rest {', '.join(sustained)}."
     return [*([f"{capital(', '.join(ranges))}."] if ranges else []), *([rests] if sustained else [])]
+
+
+def _in_mm_and_g(results: Results, point: SpeedPoint, low: float, high: float) -> str:
+    """A range of amplitudes."""
+    loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
+    in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
+    return f"{span(1e3 * low, 1e3 * high)} mm{in_loads}"
+
+
+def humps(figures: Figures) -> list[tuple[float, float]]:
+    """All ranges of amplitudes over several points of the curve in which the damping is at least half its peak."""
+    enough = np.concatenate([[False], figures.damping_ratio >= figures.peak / 2, [False]])
+    begins, ends = np.flatnonzero(enough[1:] & ~enough[:-1]), np.flatnonzero(enough[:-1] & ~enough[1:]) - 1
+    return [
+        (float(figures.amplitude[b]), float(figures.amplitude[e])) for b, e in zip(begins, ends, strict=True) if b < e
+    ]
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:

@@ -26,6 +26,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
+from workflows.studies.response import without_pull
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, damper_curve
 
 BEYOND, NONE = 100.0, 200.0
@@ -189,13 +190,15 @@ class CrossedDamper:
 
     Attributes:
         crossing: of the order with the structure without a ball.
-        system: the damper there; axis: along which of its axes the amplitude is; harmonic: what drives it there.
+        system: the damper there; unloaded: the same without the ball's pull on the structure; axis: along which of
+            its axes the amplitude is; harmonic: what drives it there.
         leads: whether the mode is the one that yields most along x, of which free vibration tells.
         speeds: between which the order is looked at [rad/s].
     """
 
     crossing: Crossing
     system: ParticleDamper
+    unloaded: ParticleDamper
     axis: int
     harmonic: Harmonic
     leads: bool
@@ -297,8 +300,9 @@ def crossing_objective(
         return None
     followed = None if modes is None else excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
+    bare = without_pull(system, point, followed or coupling.damper_modes(scene, point))
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
-    return CrossedDamper(crossing, system, axis, harmonic, leads, (low, high))
+    return CrossedDamper(crossing, system, bare, axis, harmonic, leads, (low, high))
 
 
 @dataclass(frozen=True)
@@ -325,7 +329,8 @@ def linear(crossed: CrossedDamper) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    _, _, alone, most = _largest(crossed, crossed.without_ball, "without")
+    bare = replace(crossed, system=crossed.unloaded)
+    _, _, alone, most = _largest(bare, bare.without_ball, "without")
     omega, harmonics, answers, k = _largest(crossed, crossed.with_ball, "linear")
     resting, nu, axis = float(np.abs(answers.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))

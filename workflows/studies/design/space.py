@@ -83,6 +83,11 @@ class Space:
         """The keys of a design by name."""
         return {axis.name: axis.at(np.array([share]))[0] for axis, share in zip(self.axes, shares, strict=True)}
 
+    def count(self, shares: Floats) -> int:
+        """Balls of a design."""
+        damper = self.source.scene.damper
+        return int(self.values(shares).get("damper.count", 1 if damper is None else damper.count))
+
     def summary(self, shares: Floats) -> str:
         """A design in words, key by key."""
         return ", ".join(formatted(name, value) for name, value in self.values(shares).items())
@@ -104,6 +109,12 @@ def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:
     return max(over, key=lambda item: item[1], default=None)
 
 
+def has_thickness(scene: Scene) -> bool:
+    """Whether the thickness of what holds the cavity is known: that of a plate without a mesh of its own is."""
+    plate, damper = scene.plate, scene.damper
+    return plate is not None and plate.length is not None and (damper is None or damper.housing is None)
+
+
 def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
     shares, damper, plate = {}, scene.damper, scene.plate
@@ -112,7 +123,7 @@ def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedP
         shares["density"] = damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
         shares["mass"] = ball_mass / design.mass
-    if plate is not None and damper.housing is None and plate.length is not None:
+    if plate is not None and plate.length is not None and damper.housing is None:
         thickness = plate_mesh.plate_thickness(plate, damper.on_plate or (plate.length, 0.0))
         shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
     contact = limits.contact(scene, fastest)
@@ -147,6 +158,12 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
         raise source.wrong(problem, "[damper] formulation", damper.formulation)
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
+    if design.wall and not has_thickness(scene):
+        problem = (
+            "the thickness at the damper is known only of a plate with length and width, not of a housing: leave the"
+            " key out, and limit ball_diameter and clearance to what fits"
+        )
+        raise source.wrong(problem, "[design] wall", design.wall)
     tables = {name: getattr(design, table) for name, table in NAMES.items()}
     axes = tuple(_axis(name, table) for name, table in tables.items() if table is not None)
     if design.amplitude is not None:

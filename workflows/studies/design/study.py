@@ -282,7 +282,8 @@ def winner(space: Space, optimum: Optimum) -> SceneFile:
     values = dict(zip((axis.key for axis in space.axes), space.values(optimum.shares).values(), strict=True))
     data = plan.with_values(plan.base(space.source, list(values)), values)
     scene = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
-    title = f"{space.source.scene.title}, the best damper"[:200]
+    which = "best" if optimum.evaluation.works else "closest"
+    title = f"{space.source.scene.title}, the {which} damper"[:200]
     return replace(scene, scene=scene.scene.model_copy(update={"title": title}))
 
 
@@ -322,16 +323,17 @@ def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Flo
 
 
 def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
-    """What designs are worth over two ranges, all else as in the best."""
+    """What designs are worth over two ranges, the values of the best among them, and all else as in the best."""
     free = space.continuous
     if len(free) < 2:
         return None
     x, y = free[:2]
-    shares = np.linspace(0.0, 1.0, _MAP)
-    rows = np.repeat(optimum.shares[None], _MAP * _MAP, axis=0)
-    rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
+    along = [np.union1d(np.linspace(0.0, 1.0, _MAP), optimum.shares[k]) for k in (x, y)]
+    shape = len(along[1]), len(along[0])
+    rows = np.repeat(optimum.shares[None], math.prod(shape), axis=0)
+    rows[:, x], rows[:, y] = np.tile(along[0], shape[0]), np.repeat(along[1], shape[1])
     every = score(rows, True)
-    xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k in (x, y))
-    values = np.array([each.value if each.works else np.nan for each in every]).reshape(_MAP, _MAP)
-    beyond = np.array([each.impossible for each in every]).reshape(_MAP, _MAP)
+    xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k, shares in zip((x, y), along, strict=True))
+    beyond = np.array([each.impossible for each in every]).reshape(shape)
+    values = np.where(beyond, np.nan, np.array([each.value for each in every]).reshape(shape))
     return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values, beyond)
