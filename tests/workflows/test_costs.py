@@ -97,10 +97,12 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     assert plate is not None
     rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
+    limits = tuple(replace(method, finest=min(method.finest, 8)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(studies, "PLATE_METHODS", few)
+        patch.setattr(studies, "LIMITS", limits)
         patch.setattr(studies, "SPEEDS", 20)
-        patch.setattr(studies, "SOLID_AT_MOST", 12_000)
+        patch.setattr(studies, "SOLID_AT_MOST", 5_000)
         patch.setattr(studies, "ASKED", (1e-2, 1e-3))
         patch.setattr(studies, "FINEST", 1e-4)
         patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
@@ -298,6 +300,7 @@ def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Co
         "rotor__modes": 2,
         "effects__coriolis": False,
         "plate__theory": "mindlin",
+        "accuracy__frequency": 0.02,
     }
     scene = write(changed(paper, **changes), tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--json")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -13,11 +14,11 @@ import pytest
 
 import workflows
 from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
-from tests.workflows.conftest import Command, Scene, changed
+from tests.workflows.conftest import Command, Scene, changed, write
 from workflows import formatting
 from workflows.report import text, verdict
 from workflows.report.page import load_results, save
-from workflows.scene.load import parse
+from workflows.scene.load import SHIPPED, parse
 from workflows.solve import engine_orders
 from workflows.solve.engine_orders import ENGINE_ORDERS
 from workflows.solve.results import Results
@@ -81,7 +82,9 @@ def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
 def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:
-    assert spindamp("run", name, "--out", "out").status == 0
+    scene = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+    few = changed(scene, rotor__speeds=["3500 rpm", "10000 rpm"])
+    assert spindamp("run", write(few, tmp_path / "scene.toml"), "--out", "out").status == 0
     reader = Reader((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
     assert not reader.open
     assert ("img" in reader.tags) == (name != "structure")
@@ -198,16 +201,16 @@ def test_every_frequency_has_a_title(finished: Path, document: dict[str, Any]) -
 
 
 def test_damping_says_what_the_results_say(finished: Path, document: dict[str, Any]) -> None:
-    curve = {
+    curve = [
         (1e3 * point["amplitude"], 100 * point["damping_ratio"])
         for speed in document["speeds"]
         for point in speed["working"]["curve"]
-    }
+    ]
     damping = titles(finished / "report.html", "damping")
     assert len(damping) > 50
     for title in damping:
         mm, percent = re.fullmatch(r".*: (\S+) mm, (\S+) %", title).groups()  # type: ignore[union-attr]
-        assert any((float(mm), float(percent)) == pytest.approx((a, z), rel=SHOWN) for a, z in curve)
+        assert np.isclose(curve, (float(mm), float(percent)), rtol=SHOWN, atol=0.0).all(axis=1).any()
 
 
 @needs_chromium

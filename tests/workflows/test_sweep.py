@@ -227,7 +227,8 @@ def test_speeds_without_a_picture_are_named(here):
     """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
     varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
-    found = spindamp.sweep("paper", varied | {"rotor.speeds": speeds}, quick=True, executor=here)
+    scene = changed(tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8")), accuracy__frequency=0.02)
+    found = spindamp.sweep(scene, varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.map_caption(found, report.HEADLINE, "damper.restitution", "damper.friction")
     assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
 
@@ -237,6 +238,7 @@ def test_divergence_is_a_reason(here):
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["rotor"] |= {"stagger": "90 deg", "speeds": ["3000 rpm"]}
     scene["effects"] = {"stress_stiffening": False, "large_deflection": False, "coriolis": False}
+    scene["accuracy"] = {"frequency": 0.02}
     found = spindamp.sweep(scene, {"rotor.speeds": ["3000 rpm", "60000 rpm"]}, executor=here, quick=True)
     assert str(found.reason.values[0]) == ""
     assert "diverges" in str(found.reason.values[1])
@@ -416,7 +418,7 @@ def test_few_points_with_a_verdict(here):
 def at_full_speed():
     scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
     scene["effects"] = {"structural_modes": False}
-    return changed(scene, rotor__speeds=["17500 rpm"])
+    return changed(scene, rotor__speeds=["17500 rpm"], accuracy__frequency=0.02)
 
 
 def test_what_is_uncertain_unless_it_is_said():
