@@ -1,7 +1,5 @@
 """Whether kernels are compiled here; NUMBA_DISABLE_JIT=1 runs them as plain Python, a hundred times slower."""
 
-from __future__ import annotations
-
 import numba
 import pytest
 

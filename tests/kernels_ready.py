@@ -3,8 +3,6 @@
 With a name only that part: `free` or `forced`.
 """
 
-from __future__ import annotations
-
 import sys
 
 from damper import Harmonic, damping_curve, forced, ringdown, ringdowns, sample, stepped_ringdown

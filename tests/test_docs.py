@@ -1,7 +1,5 @@
 """The documentation: its examples run, the tour works word for word, the reference names every key."""
 
-from __future__ import annotations
-
 import ast
 import importlib.util
 import json

@@ -1,7 +1,5 @@
 """What keeps the tests themselves within bounds: none hangs for ever, and none takes more than one core."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Counterexamples sought, over the same space of scenes as the soak's, and shrunk where one is found."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Sequence

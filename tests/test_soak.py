@@ -1,7 +1,5 @@
 """The soak in short, and that it notices what it is there to notice."""
 
-from __future__ import annotations
-
 import dataclasses
 import tomllib
 from pathlib import Path

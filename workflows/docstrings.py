@@ -1,7 +1,5 @@
 """The docstrings beneath the fields of a class: what JSON schemas and messages say of each."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import sys

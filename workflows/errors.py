@@ -11,8 +11,6 @@ ends (`workflows.laws`); on the way there no handler of other errors takes them.
 line is an internal error: exit 1.
 """
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Where a command or a function of `spindamp` ends: the violation of a law becomes an error that says so."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The versions of the programs behind a number."""
 
-from __future__ import annotations
-
 import platform
 from functools import cache
 

@@ -7,8 +7,6 @@ unbroken tree, the break is not in its way. Chaos magnifies what a break does to
 is said. A break of a kernel takes some minutes, for all kernels have to be compiled anew.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

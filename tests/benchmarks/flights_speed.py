@@ -4,8 +4,6 @@ The paper's damper at 21932 g rings down from 64 releases: on a level floor, on 
 and under further structural modes. One thread, turn by turn, the median of all turns.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from dataclasses import replace

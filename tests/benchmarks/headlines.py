@@ -12,8 +12,6 @@ Prints every sentence to be read, then what does not hold, and ends with 1 where
 twenty minutes of one core, most of them in `response` and `design`.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

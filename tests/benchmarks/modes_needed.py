@@ -7,8 +7,6 @@ compared by the energy that the ball takes in a ring-down through the working ra
 by a few percent, since hits make single ones chaotic. The weight is the ball's mass over the second mode's there.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 

@@ -7,8 +7,6 @@ COUNT points of a Sobol' sequence with a seed of its own are scored quickly, to 
 before; without it, it searches first. SCENE: by the damping, or by the amplitude at the crossings ([excitation]).
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

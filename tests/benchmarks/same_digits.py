@@ -6,8 +6,6 @@
 Random plates and ring-downs of the soak and the shipped scenes, through the public calls alone.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

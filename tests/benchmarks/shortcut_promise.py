@@ -6,8 +6,6 @@ Each scene is driven at the frequency that free vibration has at the largest amp
 What the motion then comes to from three starts is held against the nearest of the answers promised there.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import sys

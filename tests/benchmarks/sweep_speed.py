@@ -8,8 +8,6 @@ sweeps are counted on two blocks. Efficiency is the time with one worker over tw
 a machine with two idle cores only, so that the processor time of all processes is printed beside it.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import time

@@ -5,8 +5,6 @@ a work tree of an earlier commit, say: one process each, a task of one after tha
 machine slows both. It prints the medians and the median of the ratios, and between which half of these lie.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -13,8 +13,6 @@ is to meet the walls. The reference is `tests.damper.ramps`; a second a damper. 
 whether the best is the best, and what it was promised.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import itertools

@@ -3,8 +3,6 @@
 Each motion is computed twice, with different samplings, so that what the reference misses shows.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import sys

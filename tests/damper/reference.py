@@ -8,8 +8,6 @@ narrowed down. What it can miss, two roots within one sample, it misses differen
 and compare.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Dampers that several tests share: the paper's, and random ones over the sensible ranges, each with a number."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

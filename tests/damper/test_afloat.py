@@ -1,7 +1,5 @@
 """Balls that set off next to still and are back at once, against exact laws; and that long runs of them keep energy."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

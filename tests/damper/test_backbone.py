@@ -3,8 +3,6 @@
 More scenes than pytest runs:  python -m tests.benchmarks.shortcut_promise
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

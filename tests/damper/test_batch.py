@@ -1,7 +1,5 @@
 """Batches give what single runs give."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Compiled code is kept where it can be, never used for other sources, and compiled anew where it cannot be read."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

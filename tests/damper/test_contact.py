@@ -1,7 +1,5 @@
 """The contact of ball and floor: against superposed point loads, stresses on the axis, motion in time, and tables."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

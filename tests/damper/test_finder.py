@@ -1,7 +1,5 @@
 """The finder of events against brute force, and where finders miss: near tangents, zeros at the start, any scale."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tilting and curved floors, several modes and harmonic forces against exact laws."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The terms of flights against the matrix exponential; eight numbers at a time against arrays."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

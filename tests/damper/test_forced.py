@@ -1,7 +1,5 @@
 """Steady states under a harmonic force: the textbook's oscillator, published orbits, a dense integration, the books."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

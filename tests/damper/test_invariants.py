@@ -1,7 +1,5 @@
 """What must hold in every ring-down, over random scenes."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

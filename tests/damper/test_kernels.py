@@ -1,7 +1,5 @@
 """The kernels alone, against quadrature, finite differences and dense searches, with floating-point traps set."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Every law lets sound figures pass, and none that violates it."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Linear flights - tilting and curved floors, several modes, harmonic forces - against a dense integration."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

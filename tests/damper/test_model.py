@@ -1,7 +1,5 @@
 """What a damper is made of: what is refused and how, and the derived quantities of the paper."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Damping up to its critical value, where the frequency of the vibration tends to zero and its period to infinity."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from decimal import Decimal, localcontext

@@ -1,7 +1,5 @@
 """Closed-form results of mechanics that the engine must give back."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

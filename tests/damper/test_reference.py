@@ -1,7 +1,5 @@
 """The engine against a dense reference that shares no code with it, and against digits computed elsewhere."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

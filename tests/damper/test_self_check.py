@@ -1,7 +1,5 @@
 """The self-check: its digits, by integrators without our code where these are quick; when it runs, and what it does."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable
 from pathlib import Path

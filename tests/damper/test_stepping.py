@@ -1,7 +1,5 @@
 """The paper's fixed-step algorithm: it tends to the exact events, and how slowly."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The work bound against ring-downs that were not made to obey it, and against a motion that attains it."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """The damper's own figures: against exact orbits, against ring-downs that had no part in them, and against a bound."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

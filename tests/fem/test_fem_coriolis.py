@@ -5,18 +5,7 @@ import pytest
 import scipy.linalg
 from fem_cases import STEEL, paper_plate, rpm
 
-from fem import (
-    Divergence,
-    Effects,
-    Material,
-    Plate,
-    Rotor,
-    assemble,
-    campbell,
-    rectangle,
-    solve_modes,
-    with_coriolis,
-)
+from fem import Divergence, Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes, with_coriolis
 from fem.assembly import point_rows
 
 CORIOLIS = Effects(coriolis=True)

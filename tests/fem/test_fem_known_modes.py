@@ -4,8 +4,6 @@
 200 x 80 x 10 mm with E = 182.6 GPa, nu = 0.3, rho = 7850 kg/m³ at rest and at 10 000 rpm about its z.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -9,18 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import iv, jv, kv, yv
 
-from fem import (
-    Effects,
-    Material,
-    Plate,
-    Rectangle,
-    Rotor,
-    assemble,
-    choose_mesh,
-    equilibrium,
-    rectangle,
-    solve_modes,
-)
+from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, equilibrium, rectangle, solve_modes
 from fem.assembly import point_rows, transfer
 from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given

@@ -3,8 +3,6 @@
 Why a case is hard says its docstring, or the marker where that has other things to say.
 """
 
-from __future__ import annotations
-
 import ast
 import sys
 from collections.abc import Iterator

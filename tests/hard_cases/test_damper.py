@@ -1,7 +1,5 @@
 """Cases in which an event-driven damper is known to stall, lose events or make energy."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """The page of hard cases says what the tests say."""
 
-from __future__ import annotations
-
 from tests.hard_cases.page import PAGE, cases, page
 
 

@@ -1,7 +1,5 @@
 """Plates that lock, lose digits or lose modes in finite elements; more of them in tests/fem."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Run the tests against mutants of `damper`, and say which of them nobody noticed."""
 
-from __future__ import annotations
-
 import argparse
 import ast
 import contextlib

@@ -1,7 +1,5 @@
 """The command: every case against itself, changed by rounding, so many times; a line for each case."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The hard cases of every iterative solver in `fem`, and what is asked of each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Changes that leave a problem the same but for rounding."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The command: try, count, write down what fails, and say what the worst was."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import traceback

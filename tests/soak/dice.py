@@ -1,7 +1,5 @@
 """Where random numbers come from: a seeded generator here, a search for counterexamples in the property tests."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Protocol, TypeVar
 

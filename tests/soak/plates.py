@@ -1,23 +1,10 @@
 """Random plates, over everything that a scene accepts, and what each must keep."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from fem import (
-    Divergence,
-    Effects,
-    Material,
-    NoEquilibrium,
-    Plate,
-    Rotor,
-    assemble,
-    campbell,
-    rectangle,
-    solve_modes,
-)
+from fem import Divergence, Effects, Material, NoEquilibrium, Plate, Rotor, assemble, campbell, rectangle, solve_modes
 from fem.linalg import rounding
 from tests.soak.dice import Dice, power, sometimes
 from workflows.scene.scene import SLOWEST

@@ -1,7 +1,5 @@
 """Random dampers on known structures, over everything that a scene accepts, and what each ring-down must keep."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 It is spoken to in the Chrome DevTools Protocol over a pipe (https://chromedevtools.github.io/devtools-protocol/).
 """
 
-from __future__ import annotations
-
 import atexit
 import base64
 import fcntl

@@ -1,7 +1,5 @@
 """Scenes to bend, and one real run that many tests read."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

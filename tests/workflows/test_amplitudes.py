@@ -1,7 +1,5 @@
 """What the answer says of the amplitudes at which a ball does what it can, and of how well they are known."""
 
-from __future__ import annotations
-
 import math
 import re
 

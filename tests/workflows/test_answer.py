@@ -1,7 +1,5 @@
 """The words above the table must say what the table says."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Large deflection is decided from the static state, not from the stagger; staggered plates through the pipeline."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

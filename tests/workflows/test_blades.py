@@ -1,7 +1,5 @@
 """Scenes of real blades: a thickness that varies."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

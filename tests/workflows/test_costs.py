@@ -1,7 +1,5 @@
 """What accuracy and effects cost: ladders that are true, choices that are kept, effects paid for only when on."""
 
-from __future__ import annotations
-
 import csv
 import json
 import tomllib

@@ -1,7 +1,5 @@
 """The best damper: what is free, what it is worth, that nothing better was overlooked, and why none works."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

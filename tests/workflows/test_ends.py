@@ -1,7 +1,5 @@
 """A folder of results is replaced whole or not at all, however a run ends: killed, interrupted, out of room."""
 
-from __future__ import annotations
-
 import os
 import re
 import resource

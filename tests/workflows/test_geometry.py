@@ -1,7 +1,5 @@
 """Where things lie: ball and cavity in the plate, housings, roots wherever a mesh draws them, units of a mesh."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

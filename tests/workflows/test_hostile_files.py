@@ -1,7 +1,5 @@
 """Scene and mesh files that are no such thing: refused at once, in one line, without waiting for what never comes."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

@@ -1,7 +1,5 @@
 """Scenes whose structure is known by its modes, from CalculiX's files and neutral ones; and files that are spoilt."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import re

@@ -1,7 +1,5 @@
 """A figure that violates a law ends a command with status 1 and one line, and leaves nothing; in Python it raises."""
 
-from __future__ import annotations
-
 import importlib
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ The cases come from the model itself, so that a new key is bent from the day it 
 detail is tested in `test_scene_errors`; here it is that there is one, for everything, and nothing else happens.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass

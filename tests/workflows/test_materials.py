@@ -1,7 +1,5 @@
 """Materials by name, and balls by density: numbers beside names, and what they weigh."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

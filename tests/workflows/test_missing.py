@@ -1,7 +1,5 @@
 """The material that a cavity takes out of the plate: to first order a negative mass, which a positive one witnesses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

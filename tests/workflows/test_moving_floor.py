@@ -1,7 +1,5 @@
 """Floors that tilt or are hollow, and the plate's own modes, from the scene to the verdict."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """As a notebook uses it: scenes in any form, results that show themselves in brief, and calls that write."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The pictures as an engineer sees them: numbers that can be read, nothing cut off, nothing as a solid block."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Each error of the plate is said for what it is, and what is none of them is a defect."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The ball's path in a report: the motion that was computed, every event at its place, and a player that shows it."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

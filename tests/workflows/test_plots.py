@@ -1,7 +1,5 @@
 """`results.plot`: axes and views of modes that hold what the results hold, and that a notebook shows."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from io import BytesIO
 from pathlib import Path

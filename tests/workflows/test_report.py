@@ -1,7 +1,5 @@
 """The report: one file, for a person, that loads nothing and runs only what stands in it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from dataclasses import replace

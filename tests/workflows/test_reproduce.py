@@ -1,7 +1,5 @@
 """The verdicts on the paper's statements, pinned: they would change if a figure moved."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

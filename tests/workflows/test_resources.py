@@ -1,7 +1,5 @@
 """The sizes of a run, and the memory that it takes at least, are known before any of it is done."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

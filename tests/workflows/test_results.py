@@ -1,7 +1,5 @@
 """The files of a run: each readable by whoever will read it, and all of one mind."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Nothing in a scene is ever run, nothing is written outside of DIR, and text stays text."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Scenes that are right: every key and every alternative of the contract."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

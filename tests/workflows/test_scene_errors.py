@@ -1,7 +1,5 @@
 """Scenes that are wrong: exit 2, one line that names file, key and value, no traceback, nothing written."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

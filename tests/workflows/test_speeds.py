@@ -1,7 +1,5 @@
 """Speeds that are solved beside those asked for, so that modes can be followed: only as many as they are worth."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sweeps: what is varied, the points of a study, and that each is what a run of its scene gives."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -1,7 +1,5 @@
 """A study ends as if undisturbed, whatever happens on the way, or refuses."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

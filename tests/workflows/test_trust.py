@@ -1,7 +1,5 @@
 """An accuracy that is not met comes with what would meet it, which is tried."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Units at the boundary: everything arrives in SI or not at all."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

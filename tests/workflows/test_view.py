@@ -1,7 +1,5 @@
 """`spindamp view`: what it says of a mesh, what it shows of a run, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The plate in three dimensions: what is packed into a page, and what a browser makes of it."""
 
-from __future__ import annotations
-
 import base64
 import dataclasses
 import json

@@ -1,7 +1,5 @@
 """The effects of a ball and its cavity: when each is called for, what rules it out, its words and terms."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

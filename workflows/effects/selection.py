@@ -1,7 +1,5 @@
 """Which effects a scene has: each as it asks for it, or as the effect's own rule says, with the reason in words."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from fem.meshes.mesh_sequence import Planform

@@ -5,8 +5,6 @@ Before that they are raised as exceptions. What a handler raises may be lost in 
 that it is raised again until the command ends.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import errno

@@ -1,7 +1,5 @@
 """The neutral file of a structure's modes, and what is printed of them."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

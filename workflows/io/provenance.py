@@ -1,7 +1,5 @@
 """Where numbers come from, for every file of a run: hashes of scene and mesh, versions of what computed them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any

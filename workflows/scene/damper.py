@@ -1,7 +1,5 @@
 """The tables of the damper: [damper], [release]."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal, Self
 

@@ -1,7 +1,5 @@
 """Materials by name, from `workflows/materials.toml`. What a scene resolves to are the numbers."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Table II of the paper, and whether a scene is the plate it speaks of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from workflows.scene.scene import Scene

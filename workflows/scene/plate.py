@@ -1,7 +1,5 @@
 """The tables of the plate: [plate] with its thickness and root, [material]."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self

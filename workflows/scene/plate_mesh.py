@@ -1,7 +1,5 @@
 """From the scene's [plate] to a meshed plate: grids of our own, or the file it names."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import replace
 from typing import Any

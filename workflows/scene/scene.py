@@ -1,7 +1,5 @@
 """The scene: what a user describes, as frozen, validated records in SI; the tables of the rotor stand here too."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """Where engine orders meet natural frequencies: for the pictures of a run, and for the forced response."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

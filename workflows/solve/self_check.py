@@ -1,7 +1,5 @@
 """The self-check: reference plates and reference motions, before a machine's first results and when it is asked for."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Callable, Iterator
 from functools import cache, partial

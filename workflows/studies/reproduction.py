@@ -3,8 +3,6 @@
 Their words are those of `templates/paper.toml`.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

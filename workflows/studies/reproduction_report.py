@@ -1,7 +1,5 @@
 """The reproduction of the paper: its claims judged, and as files: JSON, CSV and one page for a person."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 
@@ -10,14 +8,7 @@ from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.page import from_template
 from workflows.scene.paper import SDC_RANGE
-from workflows.studies.reproduction import (
-    FORMULATIONS,
-    SHOWN,
-    TEXTS,
-    Family,
-    Reproduction,
-    Value,
-)
+from workflows.studies.reproduction import FORMULATIONS, SHOWN, TEXTS, Family, Reproduction, Value
 from workflows.studies.sweep.report import Picture
 
 NAME = "reproduce"

@@ -1,7 +1,5 @@
 """Many points at once: scenes, structures, dampers, and the headline numbers of each, a row for every point."""
 
-from __future__ import annotations
-
 import json
 from collections import OrderedDict, deque
 from collections.abc import Iterator

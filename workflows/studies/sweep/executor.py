@@ -4,8 +4,6 @@ Tasks are handed out a few at a time, in order, and taken as they come: what a w
 worker it is. A worker that dies costs the tasks it had, which are handed out again.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import signal

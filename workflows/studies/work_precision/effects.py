@@ -1,7 +1,5 @@
 """`spindamp effects`: each effect switched against the rest, what that changes and takes; as files and as text."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """The ball's equations integrated by SciPy's `solve_ivp`: independently, sharing no line with `damper`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields

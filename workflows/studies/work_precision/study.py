@@ -1,7 +1,5 @@
 """`spindamp accuracy`: error against time for the plate, the speeds, the damper and the whole pipeline."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Times that can be believed on a machine that does other things too: medians after a warm-up, with their spread."""
 
-from __future__ import annotations
-
 import math
 import os
 import platform
