@@ -77,7 +77,7 @@ def _packed(motion: Floats) -> dict[str, Any]:
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
-_FILTERS = "fixed", "amount", "significant", "percent", "prose", "whole"
+_FILTERS = "fixed", "amount", "significant", "percent", "prose", "share", "whole"
 """Functions of `formatting` by which templates turn values into words."""
 
 
