@@ -90,7 +90,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     if limit is None or not lost:
         return None
     point, figures = lost[0]
-    beyond = remarks.beyond(by_deflection=limits.deflection_governs(results))
+    beyond = remarks.beyond_of(results)
     if what_to_do(results, points) is not None:  # which names both amplitudes
         return f"More than {millimetres(limit)} mm would {beyond}."
     return (
