@@ -73,6 +73,11 @@ def percent(value: float | None, places: int = 2) -> str:
     return significant(100 * value, 2) if hidden else fixed(100 * value, places)
 
 
+def share(value: float | None, digits: int = 3) -> str:
+    """A share as a percentage in few digits, as of what scatters; what rounding leaves is 0."""
+    return significant(None if value is None else 100 * value if abs(value) > _ROUNDED else 0.0, digits)
+
+
 def upwards(error: float) -> str:
     """An error in one digit, not less than it is."""
     step = 10.0 ** math.floor(math.log10(error))

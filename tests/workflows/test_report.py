@@ -14,7 +14,7 @@ import workflows
 from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows import formatting
-from workflows.report import text, verdict
+from workflows.report import remarks, text, verdict
 from workflows.report.page import load_results, save
 from workflows.scene.load import SHIPPED, parse
 from workflows.solve import engine_orders
@@ -50,6 +50,17 @@ def test_what_is_typed_is_code_on_a_page_and_plain_elsewhere(page: str, finished
     results = load_results(finished)
     assert "`" in " ".join(verdict.answer(results).sentences)
     assert "`" not in repr(results) + results._repr_html_()
+
+
+def test_a_limit_that_one_speed_sets_for_all_names_that_speed(coarse: Results) -> None:
+    """The root of a structure in space may be strained more at one speed than at another."""
+    slow, fast = coarse.speeds
+    alike, apart = (
+        replace(coarse, speeds=(replace(slow, root_strain=1.0), replace(fast, root_strain=strain)))
+        for strain in (1.005, 1.3)
+    )
+    assert "limits all speeds" not in remarks.beyond_of(alike)
+    assert f"at {fast.rpm:.0f} rpm, where an amplitude strains the root most" in remarks.beyond_of(apart)
 
 
 _MINUS_NOTHING = re.compile(r"(?<![\d.\w])[-−]0(\.0*)?(?![\d.])")

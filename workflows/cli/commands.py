@@ -176,7 +176,7 @@ def sweep(
     from workflows.studies.sweep import executor, report, store, study
 
     plan = study.of_scene(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
-    out = _folder(out, json, "spindamp-sweep", plan.source)
+    out = _folder(out, json, "spindamp-sweep", _warned(plan.source))
     if out is not None:
         store.check_target(out)
     if not json:
@@ -356,7 +356,14 @@ COMMANDS = tuple(each.callback for each in _commands.registered_commands if each
 def _load(scene: str) -> SceneFile:
     from workflows.scene.load import load
 
-    return load(scene)
+    return _warned(load(scene))
+
+
+def _warned(source: SceneFile) -> SceneFile:
+    """The same, once a terminal, or a log, has what is doubtful in how it is written, whatever is printed otherwise."""
+    for remark in source.remarks:
+        typer.echo(f"spindamp: WARNING: {source.name}: {remark}", err=True)
+    return source
 
 
 def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:

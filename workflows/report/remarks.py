@@ -116,6 +116,23 @@ def beyond(*, by_deflection: bool) -> str:
     return f"strain the root by over {100 * limits.ENDURED:g} %, which no blade metal endures in vibration"
 
 
+def beyond_of(results: Results) -> str:
+    """The same, with the speed by which all are judged where the strain of a structure's root differs between them."""
+    would = beyond(by_deflection=limits.deflection_governs(results))
+    torn = limits.root_stress(results, 1.0) or 0.0
+    held = [p for p in results.speeds if p.root_strain is not None and torn * p.omega**2 <= limits.STRONGEST]
+    strains = [(p.root_strain or 0.0, p.rpm) for p in held]
+    if not strains or max(strains)[0] <= _ALIKE * min(strains)[0]:
+        return would
+    return (
+        f"{would} (at {whole(max(strains)[1])} rpm, where an amplitude strains the root most, which limits all speeds)"
+    )
+
+
+_ALIKE = 1.01
+"""Ratio of strains at different speeds that is not worth a word."""
+
+
 def torn_from(results: Results) -> str | None:
     """From which of the speeds on the plate would tear, and by what stress; None where it holds at all."""
     stress = limits.root_stress(results, 1.0) or 0.0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, percent, plain, prose, revolutions, significant
+from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, share, significant
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
@@ -90,7 +90,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         fixed(verdict.first_frequency(point), 2),
         amount(cutoff.g) + at_rest,
         fixed(cutoff.ratio, 3) + at_rest,
-        percent(remarks.lost_at_most(damping), 3),
+        share(remarks.lost_at_most(damping)),
         significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
