@@ -154,6 +154,7 @@ def thick(*rpm: float, **changes: Any) -> Scene:
         | {"count": None, "mass_ratio": None, "radius": "1.5 mm", "rolling_friction": "0.2 mm"},
         "release": {"displacement": ["1 mm", "0 mm"], "cycles": 2},
         "effects": {"structural_modes": False, "floor_tilt": True, "cavity_mass": False},
+        "accuracy": {"frequency": 0.02},
     }
     del scene["damper"]["count"], scene["damper"]["mass_ratio"]
     return changed(scene, **{"damper__ball_density": 7850.0, "damper__cavity": ["4 mm", "4 mm"]} | changes)

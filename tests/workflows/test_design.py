@@ -25,7 +25,9 @@ from workflows.studies.design.space import Optimum
 from workflows.studies.sweep import evaluate, executor
 from workflows.studies.sweep.evaluate import PlateCache
 
-SHIPPED_DESIGN = (SHIPPED / "design.toml").read_text(encoding="utf-8")
+SHIPPED_DESIGN = tomllib.loads((SHIPPED / "design.toml").read_text(encoding="utf-8")) | {
+    "accuracy": {"frequency": 0.02}
+}
 FREE = {
     "ball_material": ["steel", "tungsten carbide", "lead"],
     "ball_diameter": ["2 mm", "3 mm", "4 mm"],
@@ -135,7 +137,7 @@ def test_limits_bound_and_cutoff(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = spaces.design_space(load("design"))
+    space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
     (found,) = spaces.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
     assert found.value == 0.0
@@ -157,7 +159,7 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
-    space = spaces.design_space(as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), **changes)))
+    space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, **changes)))
     (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
     assert why in report.obstacle(found)
@@ -177,9 +179,7 @@ def test_the_printed_equations_have_no_design(slow):
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
-    space = spaces.design_space(
-        as_scene_file(changed(tomllib.loads(SHIPPED_DESIGN), design__amplitude=["4 mm", "20 mm"]))
-    )
+    space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, design__amplitude=["4 mm", "20 mm"])))
     (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
@@ -187,7 +187,7 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    space = spaces.design_space(load("design"))
+    space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
     found = Optimum(shares, spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
     for each in report.damping_curves(space, found, space.goal):
@@ -549,6 +549,8 @@ name = "Ti-6Al-4V"
 speeds = { start = "5000 rpm", stop = "7000 rpm", count = 2 }
 modes = 2
 hub_radius = "150 mm"
+[accuracy]
+frequency = 0.01
 [damper]
 count = 2
 ball_material = "steel"
