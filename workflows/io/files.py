@@ -191,32 +191,20 @@ def _table(results: Results) -> str:
 
 
 def write_netcdf(results: Results, path: Path) -> None:
-    """All numbers of the run as one labelled data set, that of :func:`dataset`: netCDF-4, as h5py writes it fastest.
+    """All numbers of the run as one labelled data set, that of :func:`dataset`; h5netcdf writes it in half the time.
 
-    That is HDF5 whose dimensions are scales, numbered, with a fixed name where they have no values
-    (https://docs.unidata.ucar.edu/netcdf-c/current/file_format_specifications.html). It is made in memory: HDF5 may end
-    the process where a disk is full.
+    It is made in memory: HDF5 may end the process where a disk is full.
     """
+    import h5netcdf
     import h5py
 
     variables, content = _variables(results), io.BytesIO()
-    sizes = _sizes(variables)
-    with h5py.File(content, "w", track_order=True) as file:
-        for name in (each for each in sizes if each not in variables):
-            unnamed = f"This is a netCDF dimension but not a netCDF variable. {sizes[name]:9d}"
-            file.create_dataset(name, (sizes[name],), ">f4").make_scale(unnamed)
-        for name, (_, values, attributes) in variables.items():
-            known = {"dtype": h5py.string_dtype()} if values.dtype.kind == "O" else {"fillvalue": np.nan}
-            written = file.create_dataset(name, data=values, **known)
-            written.attrs.update(attributes | ({"_FillValue": np.array([np.nan])} if "fillvalue" in known else {}))
-            if name in sizes:
-                written.make_scale(name)
-        for number, name in enumerate(sizes):
-            file[name].attrs["_Netcdf4Dimid"] = np.int32(number)
-        scales = {name: file[name] for name in sizes}
-        for name, (dims, _, _) in variables.items():
-            for axis, dim in enumerate(() if name in sizes else dims):
-                file[name].dims[axis].attach_scale(scales[dim])
+    with h5netcdf.File(content, "w") as file:
+        file.dimensions = _sizes(variables)
+        for name, (dims, values, attributes) in variables.items():
+            missing = np.nan if values.dtype.kind == "f" else None
+            kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
+            file.create_variable(name, dims, kind, data=values, fillvalue=missing).attrs.update(attributes)
         file.attrs.update(global_attributes(results))
         write_unpublished(results, file)
     path.write_bytes(content.getvalue())

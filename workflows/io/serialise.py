@@ -30,7 +30,7 @@ from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationRe
 from workflows.versions import versions
 
 if TYPE_CHECKING:
-    import h5py
+    import h5netcdf
 
 
 SCHEMA_VERSION: Final = 1
@@ -313,7 +313,7 @@ _GROUP = "run"
 """The group that holds it."""
 
 
-def write_unpublished(results: Results, file: h5py.File) -> None:
+def write_unpublished(results: Results, file: h5netcdf.File) -> None:
     """Keep what JSON leaves out of a run in a group of its data set, from which :func:`read` has it back.
 
     Two variables: the records as JSON text, and the bytes of all their arrays, since each variable costs a millisecond.
@@ -335,7 +335,8 @@ def write_unpublished(results: Results, file: h5py.File) -> None:
         ("arrays", np.frombuffer(b"".join(arrays), np.uint8)),
     ):
         if content.size:
-            group.create_dataset(name, data=content, compression="gzip").make_scale(name)
+            group.dimensions[name] = content.size
+            group.create_variable(name, (name,), content.dtype, data=content, compression="gzip")
 
 
 def _unpublished(record: Any) -> dict[str, Any]:
