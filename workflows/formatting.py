@@ -1,5 +1,7 @@
 """Numbers in sentences: as many digits as they deserve, and no powers of ten where a plain number reads well."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Sequence
