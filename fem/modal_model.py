@@ -716,9 +716,15 @@ def faces(model: ModalModel) -> Ints:
 
 
 def thickness(model: ModalModel, point: Array, direction: Array) -> float | None:
-    """How thick the structure is [m] along a line through a point, (3,) each, where the line comes nearest to it.
+    """Thickness of a structure [m] along a line, where the line comes nearest to a point.
 
-    None where no cells have a volume, or the line meets none of them.
+    Args:
+        model: with its cells.
+        point: shape (3,) [m].
+        direction: of the line, shape (3,).
+
+    Returns:
+        None where no cells have a volume, or the line meets none of them.
     """
     solid = replace(model, cells=tuple((name, nodes) for name, nodes in model.cells if cell(name).dimension == 3))
     triangles = faces(solid)
