@@ -191,7 +191,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
 
     def run(**switches: bool) -> tuple[SpeedPoint, ...]:
         """The scene with all effects as decided but those switched, on the mesh of its own run."""
-        scene = source.changed(effects=source.scene.effects.model_copy(update=effects | switches))
+        scene = source.changed(effects=effects | switches)
         return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
     called = selection.called_for(source.scene, choice.form)
