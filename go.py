@@ -90,6 +90,8 @@ def install(extra):
     print("installing spindamp into .venv (once, a minute or two)", file=sys.stderr, flush=True)
     pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
     subprocess.run([*pip, "-c", constraints, "-e", f"{ROOT}{extra}"], check=True)
+    # as pip does for installed packages; Python itself would not where PYTHONDONTWRITEBYTECODE is set
+    subprocess.run([PYTHON, "-m", "compileall", "-q", *(ROOT / name for name in PACKAGES[:4])], check=False)
     stamp.write_text((done if done.startswith(wanted) else wanted) + extra)
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from damper import engine
-from damper.compiled import kernel
+from damper.compiled import kernel, part
 from damper.engine import DONE
 from damper.steady_motion import lost, stored
 
@@ -36,6 +38,7 @@ def run_ramps(block: tuple[int, int], runs: Records, flows: Floats, tables: Tabl
     """Lead ring-downs."""
     for k in range(block[0], block[1]):
         it, flow, energies = runs[k], flows[runs[k].system.flow], ramp.energies[k]
+        it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
         for n in range(len(energies)):
             it.clock.end = (n + 1) * it.cycle.period
             if n == 0:
@@ -50,13 +53,13 @@ def run_ramps(block: tuple[int, int], runs: Records, flows: Floats, tables: Tabl
             energies[n, 2], energies[n, 3] = before, lost(it.books)
 
 
-@kernel
+@part
 def _open(books: Record) -> None:
     """Begin the books anew: what is lost at small amplitudes would drown in what was lost at large ones."""
     books.structure = books.rolling = books.impact = books.slip = 0.0
 
 
-@kernel
+@part
 def _scale(scale: float, it: Record, flow: Floats) -> None:
     """Change the structure's motion, and leave the ball's in its cavity."""
     for m in range(it.system.coordinates):
@@ -67,7 +70,7 @@ def _scale(scale: float, it: Record, flow: Floats) -> None:
         engine.restart(g, it.clock.time, it, flow)
 
 
-@kernel
+@part
 def _of_the_structure(it: Record) -> float:
     """Energy of the structure, the ball counted as stuck to it [J]."""
     system, motion, twice = it.system, it.motion, 0.0

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from damper import laws, self_check
 from damper.equations import at_once
-from damper.model import Floats, Integers, ensemble, stuck_frequency, table, whole
+from damper.model import Floats, Integers, ensemble, resting_place, stuck_frequency, table, whole
 from damper.motion import COUPLED, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
 from damper.state import BOOKS, COUNTED, Counts
@@ -154,6 +154,7 @@ def ringdowns(
         raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     modal = None if amplitudes is None else _amplitudes(damper, amplitudes, start)
     rows = ensemble(damper.parameters, len(displacement), varied)
+    start[:, 2] = resting_place(rows)
     prepared = prepare(rows, start, cycles, max_cycles)
     run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
     kind = kinds(damper, rows, harmonic)

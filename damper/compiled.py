@@ -21,6 +21,9 @@ import llvmlite
 import numba as nb
 import numpy as np
 from llvmlite.binding import get_host_cpu_name
+from numba.core import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -80,6 +83,36 @@ def fresh() -> bool:
     return FOLDER is None or next(FOLDER.glob("*.nbi"), None) is None
 
 
+class _Code(JITCodeLibrary):
+    """Code of a part, which waits to be linked into kernels: there it is optimised and translated."""
+
+    def _optimize_final_module(self) -> None:
+        """Leave it: what one part calls would be optimised again in each that calls it, a quarter of the time."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Null: Python calls no part."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """What is told the environment of the machine code: as there is none, `set_env` here."""
+        return self
+
+    def set_env(self, name: str, env: object) -> None:
+        """Need none: kernels raise nothing."""
+
+
+class _Compiler(Compiler):
+    """The compiler of parts."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, *what: Any) -> None:
+        super().__init__(typing, target, _Code(target.codegen(), "part"), *what)
+
+
 _F = TypeVar("_F", bound="Callable[..., object]")
 
 
@@ -95,10 +128,11 @@ def kernel(function: _F) -> _F:
 
 
 def part(function: _F, **more: object) -> _F:
-    """As `kernel`, to be called by kernels alone: the way in from Python is not compiled, a tenth of the time."""
-    made = _compiled(function, no_cpython_wrapper=True, **more)
+    """As `kernel`, to be called by kernels alone, which optimise and cache it with their own code."""
+    made = _compiled(function, cache=False, no_cpython_wrapper=True, pipeline_class=_Compiler, **more)
     if COMPILES:
         made._insert, made._compile_for_args = _nothing, functools.partial(_refused, function)
+        made.get_call_template = functools.partial(_of_any_value, made.get_call_template)
     return cast("_F", made)
 
 
@@ -128,6 +162,12 @@ def _without_collecting(compile_for: Callable[..., Any], *what: Any, **more: Any
     finally:
         if collects:
             gc.enable()
+
+
+def _of_any_value(template: Callable[..., Any], arguments: Any, named: Any) -> Any:
+    """A call for all values of its numbers: what is known of one, the compiler finds where it sets the part in."""
+    plain = {name: types.unliteral(each) for name, each in named.items()}
+    return template(tuple(types.unliteral(each) for each in arguments), plain)
 
 
 def _nothing(*_: Any, **__: Any) -> None:

@@ -150,9 +150,9 @@ def damping_curve(
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
-    if bare.break_away == 0:
+    if damper.break_away == 0:
         return growing
-    return held_until(growing, bare.amplitude_of(bare.break_away_threshold))
+    return held_until(growing, damper.amplitude_of(damper.break_away_threshold))
 
 
 def falling(
@@ -222,9 +222,9 @@ def _found(
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
-    """The damper on a structure without damping of its own."""
+    """The damper on a structure without damping of its own, the ball out of its dent."""
     modes = None if damper.modes is None else tuple(replace(mode, damping_ratio=None) for mode in damper.modes)
-    return replace(damper, damping_ratio=0.0, modes=modes)
+    return replace(damper, damping_ratio=0.0, modes=modes, break_away=0.0)
 
 
 def _freely(damper: ParticleDamper) -> float:

@@ -210,7 +210,7 @@ def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
 
 
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
-    """The same of a ball at rest that stays so up to an amplitude."""
+    """The same of a ball that lies in its dent up to an amplitude; out of it, it is as one that was never in it."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
     starts: dict[str, Any] = {
         name: held_until(each, amplitude)
@@ -219,6 +219,8 @@ def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     }
     if not ratio.any():
         return replace(nothing(amplitude), from_above=curve.descending, **starts)
+    first, last = (max(each, amplitude) for each in curve.jump)
+    starts |= {"folds": (curve.folds[0], max(curve.folds[1], amplitude)), "jump": (first, last)}
     sustained = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
     return replace(sustained, half=(max(sustained.half[0], amplitude), sustained.half[1]))
 

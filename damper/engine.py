@@ -318,13 +318,14 @@ def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> No
     axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
     clock.time = time
     count(kind, axis, clock)
-    if apart and kind == HIT and ball.friction > 0.0 and other.regime != STUCK:
+    leaves = ball.hold > ball.threshold  # its dent, which held it along the other axis too
+    if apart and (leaves or (kind == HIT and ball.friction > 0.0 and other.regime != STUCK)):
         fly(1 - g, (time - it.motion.start[1 - g]) / it.system.span[1 - g], it)
     before, sliding = axis.w, other.w
     rubbed = resolve(i, kind, it, flow)
     if rubbed or (kind == HIT and not apart):
         _record(1 - i, RUB, sliding, it, tables)
-    if rubbed and apart:
+    if apart and (rubbed or leaves):
         restart(1 - g, time, it, flow)
     restart(g, time, it, flow)
     _record(i, kind, before, it, tables)

@@ -208,7 +208,7 @@ def _root(f: float, f1: float, f2: float) -> float:
 @fused
 def _least(ball: Record) -> float:
     """Drive that a stuck ball needs to set off."""
-    return float(MARGIN * ball.threshold + _NOTHING)
+    return float(MARGIN * ball.hold + _NOTHING)
 
 
 @part
@@ -259,7 +259,7 @@ def settled(g: int, it: Record) -> bool:
         bias, swing = largest_drive(i, system, it.motion.z, it.motion.rate)
         for d in (-1, 1):
             away = d * it.motion.z[system.place[i]] < axes[i].half_gap
-            if away and d * bias + swing > MARGIN * it.ball.threshold:
+            if away and d * bias + swing > MARGIN * it.ball.hold:
                 return False
     return True
 
@@ -306,7 +306,7 @@ def seek(g: int, it: Record) -> None:
     end, event, axis = 1.0, NOTHING, system.first[g]
     for i in range(system.first[g], system.last[g]):
         if axes[i].regime == ROLLING:
-            x, kind = _end_of_roll(motion.series[g, system.lane[i]], motion.guard, axes[i], end)
+            x, kind = _end_of_roll(motion.series[g, system.lane[i]], motion.guard[:], axes[i], end)
         elif axes[i].regime != STUCK:
             x, kind = _end_of_slip(i, it, end)
         elif axes[i].spin == 0.0:
@@ -428,11 +428,11 @@ def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> fl
 @part
 def _set_off(i: int, it: Record, end: float) -> float:
     """Setting off of a stuck ball, its drive above the threshold, away from any wall it rests on."""
-    x, axis, guard, system = np.inf, it.axes[i], it.motion.guard, it.system
+    x, axis, guard, system = np.inf, it.axes[i], it.motion.guard[:], it.system
     drive, least = it.motion.series[system.group[i], drive_lane(i, it)], _least(it.ball)
     for d in (-1, 1):
         if d * it.motion.z[system.place[i]] < axis.half_gap:
-            if stays(drive, 0, least, -d, end):
+            if stays(drive, 0, least, -float(d), end):
                 continue
             _drive(i, it, -d)
             guard[0] += least
@@ -451,13 +451,13 @@ def _both_drive(i: int, it: Record, d: int, x: float) -> bool:
     g = it.system.group[i]
     c, drive = it.motion.series[g, it.system.cavity[i]], it.motion.series[g, drive_lane(i, it)]
     other = drive[0] + derivatives(drive, x)[0] + it.system.excess[i] * derivatives(c, x)[1] / it.system.span[g]
-    return bool(d * other >= it.ball.threshold / MARGIN)
+    return bool(d * other >= it.ball.hold / MARGIN)
 
 
 @part
 def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
     """End of spinning while pressed against a wall: the spin is spent, or the structure pulls the wall away."""
-    system, axis, guard = it.system, it.axes[i], it.motion.guard
+    system, axis, guard = it.system, it.axes[i], it.motion.guard[:]
     side = 1 if it.motion.z[system.place[i]] > 0.0 else -1
     axis.heading = -side
     spent = abs(axis.spin) / (SPIN_UP * it.ball.grip * system.span[system.group[i]])
@@ -473,7 +473,7 @@ def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
 @part
 def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     """Hit of either wall, or the end of sliding before it."""
-    system, axis, guard = it.system, it.axes[i], it.motion.guard
+    system, axis, guard = it.system, it.axes[i], it.motion.guard[:]
     g = system.group[i]
     s, d, span = it.motion.series[g, system.lane[i]], axis.direction, system.span[g]
     x, kind = np.inf, HIT

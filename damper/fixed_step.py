@@ -73,13 +73,14 @@ def stepped_ringdown(
             relative one: not what the paper prints, but what a slip in its program would do.
 
     Raises:
-        ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip, with a floor that
-            is not level or with several modes.
+        ValueError: no step or cycle, a release that is not two finite numbers, or a damper with slip, a dent, a floor
+            that is not level, or several modes.
     """
     from damper.fixed_step_kernel import march
 
-    if damper.floor_friction is not None:
-        raise ValueError("floor_friction: the paper's algorithm has no slip")
+    if damper.floor_friction is not None or damper.break_away > 0:
+        name, what = ("break_away", "dent") if damper.floor_friction is None else ("floor_friction", "slip")
+        raise ValueError(f"{name}: the paper's algorithm has no {what}")
     if damper.modes is not None or not damper.level:
         raise ValueError("the paper's algorithm supports a level floor only, moved by one mode along each axis")
     cycles, steps_per_cycle = whole("cycles", cycles), whole("steps_per_cycle", steps_per_cycle)

@@ -110,6 +110,8 @@ def let_go(it: Record, flow: Floats) -> None:
     """The regimes in which the state in `it.motion` begins at time 0."""
     for i in range(2):
         read(i, it)
+        if it.axes[i].w != 0.0 or it.axes[i].spin != 0.0:
+            _leave_dent(it)
     for i in range(2):
         if it.ball.grip > 0.0 and it.axes[i].spin != it.axes[i].w:
             slip_or_press(it.axes[i])
@@ -119,12 +121,21 @@ def let_go(it: Record, flow: Floats) -> None:
         for i in range(2):
             if it.axes[i].w == 0.0 and (it.ball.grip == 0.0 or it.axes[i].spin == 0.0):
                 settle(i, 0.0, it, flow)
+                if it.axes[i].regime != STUCK:
+                    _leave_dent(it)
+
+
+@part
+def _leave_dent(it: Record) -> None:
+    """From here on the ball rolls in its groove: where it comes to rest, no rim holds it."""
+    it.ball.hold = it.ball.threshold
 
 
 @part
 def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     """What an event along an axis does; whether the ball, hitting a wall, rubbed along it."""
     axis, other, time = it.axes[i], it.axes[1 - i], it.clock.time
+    _leave_dent(it)
     rubs = False
     if kind == START and axis.spin != 0.0:
         slip(axis)

@@ -37,6 +37,7 @@ PARAMETERS = np.dtype(
         ("restitution_by_speed", "f8", (PAIRS, 2)),  # beyond the last pair: infinite speeds
         ("friction", "f8"),
         ("rolling_friction", "f8"),
+        ("break_away", "f8"),
         ("damping_ratio", "f8"),
         ("sticking_ratio", "f8"),
         ("floor_friction", "f8"),  # 0: no slip
@@ -136,6 +137,7 @@ def validate(rows: Parameters) -> None:
         "centrifugal_acceleration",
         "friction",
         "rolling_friction",
+        "break_away",
         "damping_ratio",
         "sticking_ratio",
         "floor_friction",
@@ -223,6 +225,32 @@ def lateral_pull(rows: Parameters) -> Floats:
     """Constant acceleration of the ball along the floor, as of a load not square to it, shape (n, 2) [m/s^2]."""
     pull: Floats = rows["lateral_acceleration"]
     return pull
+
+
+def resting_place(rows: Parameters) -> Floats:
+    """Where a ball lies in its dent, shape (n, 2) [m]: in the middle, or at the wall that the load draws it to.
+
+    As the speed rises the load draws it there before it is pressed in; a hollow floor may hold it on the way.
+    """
+    beyond = np.abs(lateral_pull(rows)) - rolling_threshold(rows)[:, None]
+    steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = np.where(beyond > 0, np.minimum(half_gap(rows), np.where(steep > 0, beyond / steep, np.inf)), 0.0)
+    place: Floats = np.where(rows["break_away"][:, None] > 0, np.sign(lateral_pull(rows)) * far, 0.0)
+    return place
+
+
+def break_away_threshold(rows: Parameters) -> Floats:
+    """Drive along x and y above which a ball leaves where it rests at first, its dent, shape (n, 2) [m/s^2].
+
+    The load's pull along the floor helps it out of the middle, and holds it at a wall. Below 0 the ball is off at once.
+    """
+    place = resting_place(rows)
+    steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
+    pull = np.abs(lateral_pull(rows)) - steep * np.abs(place)
+    held = rolling_threshold(rows) + rows["break_away"] * rows["centrifugal_acceleration"]
+    threshold: Floats = held[:, None] + np.where((place != 0) & (np.abs(place) >= half_gap(rows)), pull, -pull)
+    return threshold
 
 
 def path_curvature(rows: Parameters) -> Floats:
@@ -357,8 +385,9 @@ class ParticleDamper:
             holds up to that speed. Between two pairs e is linear in the logarithm of the speed; above the last it falls
             as (speed / v)^(1/4), as hits do that leave a dent (K. L. Johnson, Contact Mechanics, 1985, section 11.5).
             A single pair is thus a yield speed; without pairs e is constant.
-        break_away: slope that a ball at rest climbs before it rolls, as the rim of its dent [-]. It raises the cut-off
-            of `damping_curve` for growing vibration; balls in motion and ring-downs neglect it.
+        break_away: slope of the rim of the dent in which a ball lies that begins at rest [-]. It is held until its
+            drive exceeds `break_away_threshold`. Once it has moved, it rolls in the groove that its load presses into
+            the floor: this has no rim across the path, and only `leaving_threshold` holds the ball.
         lateral_acceleration: component of the load along x and y that always pulls the ball along the floor, as on a
             floor that is not perpendicular to the load [m/s^2]. Above the rolling threshold the ball leans on a wall.
             Displacements are relative to the equilibrium with the ball in the middle of its cavity.
@@ -421,8 +450,6 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
-        if not 0 <= number("break_away", self.break_away) < math.inf:
-            raise ValueError(f"break_away must be at least 0 and finite, got {self.break_away:g}")
         validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
@@ -522,8 +549,8 @@ class ParticleDamper:
 
     @property
     def break_away_threshold(self) -> float:
-        """The same for a ball in its dent, by Omega**2 R times the slope of the rim more [m/s^2]."""
-        return self.leaving_threshold + self.break_away * self.centrifugal_acceleration
+        """The same for a ball that begins in its dent, whose rim adds Omega**2 R times its slope [m/s^2]."""
+        return max(self.leaving_threshold, float(break_away_threshold(self.parameters)[0, 0]))
 
     def amplitude_of(self, drive: float) -> float:
         """Amplitude along x of a vibration, the ball stuck, that drives the ball by so much [m]; inf: none does.

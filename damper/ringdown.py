@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.model import number, pair, whole
+from damper.model import number, pair, resting_place, whole
 from damper.motion import COUPLED, EnergyBooks, Outcome, RingDown, flights, kinds, outcome_of, prepare
 from damper.state import BOOKS, COUNTED, EVENT, Tables
 
@@ -33,7 +33,7 @@ def ringdown(
     cycles: float | None = None,
     *,
     velocity: tuple[float, float] = (0.0, 0.0),
-    ball_position: tuple[float, float] = (0.0, 0.0),
+    ball_position: tuple[float, float] | None = None,
     ball_velocity: tuple[float, float] = (0.0, 0.0),
     ball_spin: tuple[float, float] | None = None,
     harmonic: Harmonic | None = None,
@@ -43,14 +43,15 @@ def ringdown(
     max_events: int = 50_000_000,
     progress: Callable[[float], None] | None = None,
 ) -> RingDown:
-    """Release structure and ball, by default from rest with the ball at the cavity's centre, and follow them.
+    """Release structure and ball, by default from rest, and follow them.
 
     Args:
         damper: what is simulated.
         release: the structure's displacements along x and y at time 0 [m].
         cycles: length of the run in periods 2 pi / omega_1; None: until the ball rests for good.
         velocity: the structure's velocities then [m/s].
-        ball_position: of the ball's centre from the cavity's centre then [m].
+        ball_position: of the ball's centre from the cavity's centre then [m]; None: in the middle, or where a ball
+            lies in its dent (`damper.model.resting_place`).
         ball_velocity: of the ball relative to the structure then [m/s].
         ball_spin: speed of the ball's surface about its centre then [m/s]; None: the ball rolls.
         harmonic: a force that drives structure and ball; `cycles` must then be given.
@@ -67,7 +68,9 @@ def ringdown(
     """
     if amplitudes is not None:
         release = _moved(damper, amplitudes)
-    start = _Start(release, velocity, ball_position, ball_velocity, ball_velocity if ball_spin is None else ball_spin)
+    x, y = resting_place(damper.parameters)[0] if ball_position is None else pair("ball_position", ball_position)
+    spin = ball_velocity if ball_spin is None else ball_spin
+    start = _Start(release, velocity, (float(x), float(y)), ball_velocity, spin)
     most = whole("max_events", max_events)
     if harmonic is not None and cycles is None:
         raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")

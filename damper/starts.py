@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.equations import forces_on, structures_by
-from damper.model import half_gap, lateral_pull, number, rolling_threshold
+from damper.model import break_away_threshold, half_gap, number, resting_place
 from damper.motion import flights, kinds, prepare
 from damper.state import BATCHES, DRIVEN, MARGIN, TRACE
 
@@ -44,8 +44,9 @@ _HIGHEST = 1e3
 class Start(StrEnum):
     """Where a motion begins: steady states may exist side by side.
 
-    ``UP``: at rest, as when the force is raised slowly; where the ball can stay at rest, it does. ``DOWN``: with the
-    amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the number of the point.
+    ``UP``: at rest, in its dent if it has one, as when the force is raised slowly; where it can stay there, it does.
+    ``DOWN``: with the amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the
+    number of the point.
     """
 
     UP = "up"
@@ -115,7 +116,7 @@ def motions_of(
     repeated = {name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()}
     all_starts = Motions(flows=f.systems.flows, **repeated)
     for column, start in enumerate(starts):
-        _begin(start, slice(column, None, len(starts)), all_starts, begun, half_gap(rows), first)
+        _begin(start, slice(column, None, len(starts)), all_starts, begun, first)
     return all_starts
 
 
@@ -134,11 +135,17 @@ def together(groups: Sequence[Motions]) -> Motions:
 
 @dataclass(frozen=True)
 class _Begun:
-    """What starts are measured by: the linear answer, capped, of the coordinates (n, N) and the cavity (n, 2) [m]."""
+    """What starts are measured by.
+
+    `z`, `cavity`: the linear answer, capped, of the coordinates (n, N) and the cavity (n, 2) [m]; `rest`, `gap`: where
+    the ball rests at first, and how far it can go, (n, 2) [m].
+    """
 
     z: Complex
     cavity: Floats
     frequency: Floats
+    rest: Floats
+    gap: Floats
 
 
 def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
@@ -175,7 +182,7 @@ def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, lo
     traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
     traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
     traces["patience"] = _patience(forgets(all_of), traces["period"], longest)
-    return traces, _Begun(z, cavity, nu)
+    return traces, _Begun(z, cavity, nu, resting_place(rows), half_gap(rows))
 
 
 def _patience(rate: float, period: Floats, longest: int) -> Floats:
@@ -186,20 +193,21 @@ def _patience(rate: float, period: Floats, longest: int) -> Floats:
     return whole
 
 
-def _begin(start: Start, here: slice, m: Motions, begun: _Begun, gap: Floats, first: int) -> None:
+def _begin(start: Start, here: slice, m: Motions, begun: _Begun, first: int) -> None:
     """Put motions into the states of a start."""
     runs = m.runs[here]
     systems, motions = runs["run"]["system"], runs["run"]["motion"]
     n, size = begun.z.shape
     z, s, w = np.zeros((n, size), complex), np.zeros((n, 2)), np.zeros((n, 2))
     if start is Start.UP:
+        s = begun.rest
         runs["envelope"]["verdict"] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
     elif start is Start.DOWN:
         z, w = begun.z, begun.frequency[:, None] * begun.cavity
     else:
         draws = np.array([np.random.default_rng([first + k, 1]).uniform(-1, 1, 6) for k in range(n)])
         z = begun.z * (0.5 + 0.5 * draws[:, :1]) * np.exp(1j * math.pi * draws[:, 1:2])
-        s, w = draws[:, 2:4] * gap, draws[:, 4:] * begun.frequency[:, None] * begun.cavity
+        s, w = draws[:, 2:4] * begun.gap, draws[:, 4:] * begun.frequency[:, None] * begun.cavity
     motions["z"][:, :size], motions["rate"][:, :size] = z.real, -begun.frequency[:, None] * z.imag
     np.put_along_axis(motions["z"], systems["place"], s, axis=1)
     np.put_along_axis(motions["rate"], systems["place"], w, axis=1)
@@ -250,7 +258,7 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
-    left = rolling_threshold(rows)[:, None] - np.abs(lateral_pull(rows))
+    left = break_away_threshold(rows)
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))

@@ -42,6 +42,7 @@ BALL = record(
     ("spin_mass", "f8"),  # 2/5 m_p where spin counts
     ("inertia_ratio", "f8"),  # beta
     ("threshold", "f8"),  # a_r
+    ("hold", "f8"),  # drive above which a ball at rest sets off: more than a_r while it lies in its dent
     ("grip", "f8"),  # deceleration by sliding on the floor; 0: the spin follows the rolling velocity at once
     *((name, PARAMETERS[name]) for name in IMPACT),
     ("wall_spin", "f8"),  # 5/2: what an impulse at the rim gives the surface by spin over what it gives; 0 as printed
@@ -148,6 +149,7 @@ def balls_of(rows: Parameters, reach: Floats) -> Records:
     balls = np.zeros(len(rows), BALL)
     balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
     balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
+    balls["hold"] = threshold + rows["break_away"] * rows["centrifugal_acceleration"]
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
     for name in IMPACT:
         balls[name] = rows[name]

@@ -361,7 +361,7 @@ def _locked(it: Record) -> bool:
         bias, swing = largest_drive(i, system, trace.away[0], trace.away[1])
         for d in (-1, 1):
             free = d * motion.z[system.place[i]] < axes[i].half_gap
-            if free and d * bias + swing + trace.drive[i] > MARGIN * it.run.ball.threshold:
+            if free and d * bias + swing + trace.drive[i] > MARGIN * it.run.ball.hold:
                 return False
     return True
 

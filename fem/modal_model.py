@@ -715,35 +715,11 @@ def faces(model: ModalModel) -> Ints:
     return np.concatenate(triangles)
 
 
-def thickness(model: ModalModel, point: Array, direction: Array) -> float | None:
-    """How thick the structure is [m] along a line through a point, (3,) each, where the line comes nearest to it.
-
-    None where no cells have a volume, or the line meets none of them.
-    """
+def outside(model: ModalModel, points: Array) -> Array | None:
+    """How far points (p, 3) lie outside the structure, (p,) [m]; None where no cells have a volume."""
     solid = replace(model, cells=tuple((name, nodes) for name, nodes in model.cells if cell(name).dimension == 3))
-    triangles = faces(solid)
-    if not triangles.size:
-        return None
-    corners = model.points[triangles] - point
-    one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    across = np.cross(direction, other)
-    size = (across * one).sum(axis=1)
-    crossed = np.abs(size) > _GRAZES * np.linalg.norm(np.cross(one, other), axis=1)
-    corner, one, other, across, size = (each[crossed] for each in (corners[:, 0], one, other, across, size))
-    along = np.cross(-corner, one)
-    u, v = (across * -corner).sum(axis=1) / size, along @ direction / size
-    met = (u >= -_GRAZES) & (v >= -_GRAZES) & (u + v <= 1.0 + _GRAZES)
-    places = np.sort((along * other).sum(axis=1)[met] / size[met])
-    apart = np.diff(places) > _GRAZES * model.size
-    begins, ends = places[:-1][apart][::2], places[1:][apart][::2]
-    if not begins.size:
-        return None
-    nearest = np.maximum(np.maximum(begins, -ends), 0.0).argmin()
-    return float(ends[nearest] - begins[nearest])
-
-
-_GRAZES = 1e-9
-"""Sine of an angle, and share of a triangle or of the structure, that count as rounding."""
+    nearest = [_in_cells(solid, point) for point in points]
+    return np.array([each[2] for each in nearest if each is not None]) if solid.cells else None
 
 
 def _triangles(ring: int) -> list[tuple[int, int, int]]:

@@ -1,12 +1,21 @@
 """Numbers in sentences: as many digits as they deserve, and no powers of ten where a plain number reads well."""
 
+from __future__ import annotations
+
 import math
+import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from fem.rotor import in_rpm
 
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Superscripts, for `str.translate`."""
+
+_CODE = re.compile("`([^`\n]+)`")
 
 _SPEEDS_LISTED = 4
 _ROUNDED = 1e-9
@@ -66,15 +75,27 @@ def percent(value: float | None, places: int = 2) -> str:
     return significant(100 * value, 2) if hidden else fixed(100 * value, places)
 
 
+def share(value: float | None, digits: int = 3) -> str:
+    """A share as a percentage in few digits, as of what scatters; what rounding leaves is 0."""
+    return significant(None if value is None else 100 * value if abs(value) > _ROUNDED else 0.0, digits)
+
+
 def upwards(error: float) -> str:
     """An error in one digit, not less than it is."""
     step = 10.0 ** math.floor(math.log10(error))
     return f"{math.ceil(error / step * (1 - 1e-9)) * step:.1g}"
 
 
-def curly(text: str) -> str:
-    """Typographic apostrophes."""
-    return text.replace("'", "\u2019")
+def plain(text: str) -> str:
+    """A text for a terminal: what `backticks` mark as typed stands as it is typed."""
+    return _CODE.sub(r"\1", text)
+
+
+def prose(text: str) -> Markup:
+    """A text for a page, escaped: typographic apostrophes, and what `backticks` mark as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(text.replace("'", "\u2019")))))
 
 
 def turning(omega: float) -> str:

@@ -176,15 +176,30 @@ def _check_kinds(kinds: list[str]) -> None:
 
 
 def _check_volumes(kind: str, corners: Array) -> None:
-    """Cells with nodes (ncell, nnode, 3) that are turned inside out, or flat."""
-    _, sizes = cell(kind).gradients(corners, _inside(kind))
-    bad = ~(sizes > 0.0).all(axis=1)
-    if bad.any():
-        x, y, z = corners[np.flatnonzero(bad)[0]].mean(axis=0)
-        raise MeshError(
-            f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells are inverted, flat or too distorted,"
-            f" the first near ({x:.6g}, {y:.6g}, {z:.6g}) m"
-        )
+    """Cells with nodes (ncell, nnode, 3) that are turned inside out, flat, or whose corners are listed out of order.
+
+    The mapping of the cell at places where it is integrated, and at its corners that of the straight cell between them.
+    """
+    straight = next(name for name in FIRST_ORDER if kind.startswith(name))
+    ends = cell(straight).nodes
+    sizes = cell(straight).sizes(corners[:, : len(ends)], ends)
+    twisted = (sizes < -FLAT * np.abs(sizes).max(axis=1, keepdims=True)).any(axis=1)
+    inverted = ~(cell(kind).sizes(corners, _inside(kind)) > 0.0).all(axis=1)
+    for bad, what in (
+        (inverted, "are inverted, flat or too distorted"),
+        (twisted, "have corners listed out of order, or faces folded over"),
+    ):
+        if bad.any():
+            first = int(np.flatnonzero(bad)[0])
+            x, y, z = corners[first].mean(axis=0)
+            raise MeshError(
+                f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells {what}, the first (number {first + 1} of these"
+                f" in the file) near ({x:.6g}, {y:.6g}, {z:.6g}) m"
+            )
+
+
+FLAT = 1e-6
+"""Volume at a corner relative to the largest of its cell, negative, up to which the corner counts as flat."""
 
 
 def _inside(kind: str) -> Array:
@@ -299,8 +314,7 @@ def cell_dimension(kind: str) -> int:
 
 def _upright(kind: str, cells: Indices, points: Array) -> Indices:
     """Cells that are all listed as mirror images, as some writers do with wedges, the right way round."""
-    _, sizes = cell(kind).gradients(points[cells], _inside(kind))
-    if (sizes > 0.0).any():
+    if (cell(kind).sizes(points[cells], _inside(kind)) > 0.0).any():
         return cells
     nodes = cell(kind).nodes
     image = nodes[:, [1, 0, 2]] if kind.startswith("tetra") else nodes * [1.0, 1.0, -1.0]

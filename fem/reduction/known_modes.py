@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
+    from fem.plate import Material
 
     Array = NDArray[np.float64]
 
@@ -73,12 +74,7 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
     Raises:
         NoMotion: there is no load's direction there, it does not press on the floor, or axis 1 would be its normal.
     """
-    deformed = np.eye(3)
-    point = at.point
-    if modes.static is not None:
-        still = type(modes)(modes.omega, np.ones(1), modes.static[None])
-        deformed = deformed + at.gradient(still)[0][0]
-        point = point + at.displacement(still.shapes)[0]
+    deformed, point = _deformed(at, modes)
     arm = model.load(point)
     radius = float(np.linalg.norm(arm))
     if radius <= STILL * model.size:
@@ -98,6 +94,14 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
     slope = -np.einsum("i,kij,aj->ak", normal, gradient @ np.linalg.inv(deformed), axes)
     unsure = np.einsum("i,kij,aj->ak", np.abs(normal), spread, np.abs(axes))
     return Floor(normal, axes, radius, lean, moved, slope, unsure)
+
+
+def _deformed(at: Place, modes: ModesAtSpeed) -> tuple[Array, Array]:
+    """The gradient (3, 3) of the deformation at a place, and where it then is (3,) [m], as far as that is known."""
+    if modes.static is None:
+        return np.eye(3), at.point
+    still = type(modes)(modes.omega, np.ones(1), modes.static[None])
+    return np.eye(3) + at.gradient(still)[0][0], at.point + at.displacement(still.shapes)[0]
 
 
 def frame(normal: Array, direction: Array) -> Array:
@@ -195,6 +199,28 @@ def reduced_modes(
     moved, slope, drawn = (np.asarray(part) for part in motion)
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned
     return reduced, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
+
+
+def cavity_shifts(modes: ModesAtSpeed, pull: Pull, material: Material, volume: float, weakens: float) -> Array:
+    """What cavities at a place that the modes know nothing of do to frequencies, relatively, without sign, (k,).
+
+    To first order: by the mass that they take out with its load, and by the strain energy of as much material.
+
+    Args:
+        modes: at a speed.
+        pull: what the load of 1 kg does there.
+        material: what is cut.
+        volume: of all cavities [m³].
+        weakens: stiffness that they take over that of as much material, at most.
+    """
+    moved, (gradient, _) = pull.place.displacement(modes.shapes), pull.place.gradient(modes)
+    turned = _deformed(pull.place, modes)[0].T @ gradient
+    strain = 0.5 * (turned + turned.swapaxes(1, 2))
+    spread = material.poissons_ratio / (1.0 - 2.0 * material.poissons_ratio) * np.trace(strain, axis1=1, axis2=2) ** 2
+    energy = 2.0 * material.shear_modulus * ((strain**2).sum(axis=(1, 2)) + spread)
+    drawn = modes.omega**2 * np.diagonal(pull.stiffness(modes)) / modes.squares
+    lighter = material.density * np.abs((moved**2).sum(axis=1) - drawn)
+    return np.asarray(0.5 * volume * (lighter + weakens * energy / modes.squares))
 
 
 def _stuck(stiffness: Array, ball: float, pull: Pull, modes: ModesAtSpeed, index: int) -> float:

@@ -43,9 +43,6 @@ if TYPE_CHECKING:
     Rule = tuple[Array, Array]
 
 
-BENT = 0.01
-"""Displacement, relative to the mesh's extent, by which a change of stiffness is found."""
-
 AT_ONCE = 2_000_000
 """Pairs of nodes, nine numbers each, whose stiffness is summed at once."""
 
@@ -232,8 +229,7 @@ class SolidState:
         moved = self.operators.spread(step)
         ahead = []
         for cells, f, s in zip(self.operators.cells, self.deformation, self.stress, strict=True):
-            turned = f.swapaxes(-1, -2) @ _gradient(cells, moved)
-            ahead.append(s + self.operators.stress(0.5 * (turned + turned.swapaxes(-1, -2))))
+            ahead.append(s + self.operators.stress(_symmetric(f.swapaxes(-1, -2) @ _gradient(cells, moved))))
         return ahead
 
     def stiffness(self, stress: list[Array] | None = None) -> csc_array:
@@ -278,6 +274,10 @@ def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[f
 def _gradient(cells: Cells, moved: Array) -> Array:
     """Displacement gradients (ncell, npoint, 3, 3), du_i / dX_k, of nodes moved (nnode, 3)."""
     return np.asarray(np.einsum("cpkn,cni->cpik", cells.gradients, moved[cells.nodes], optimize=True))
+
+
+def _symmetric(gradient: Array) -> Array:
+    return np.asarray(0.5 * (gradient + gradient.swapaxes(-1, -2)))
 
 
 def _add(total: Array, nodes: Indices, own: Array) -> None:
@@ -358,20 +358,20 @@ class SolidOperators:
             stress.append(self.stress(0.5 * (f.swapaxes(-1, -2) @ f - np.eye(3))))
         return SolidState(self, deformation, stress)
 
-    def bending(self, state: Array, shapes: Array) -> Array:
-        """What a displacement changes of the stiffnesses of shapes (n, k) about a state (n,): (n, k), in N/m per m.
-
-        The elastic energy is of fourth degree: the second difference of its forces is exact but for rounding.
-        """
-        there = self.stressed(state).force()
-        steps = BENT * self.blade.mesh.size / np.abs(shapes).max(axis=0)
-        ends = [
-            [self.stressed(state + end * step * shape).force() for end in (-1.0, 1.0)]
-            for step, shape in zip(steps, shapes.T, strict=True)
-        ]
-        return np.column_stack(
-            [(low - 2.0 * there + high) / step**2 for (low, high), step in zip(ends, steps, strict=True)]
-        )
+    def bending(self, state: Array, step: Array, shapes: Array) -> Array:
+        """What a step (n,) from a state (n,) changes of the modal stiffness of shapes (n, k), to first order, (k,)."""
+        rest, moved, waves = self.spread(state), self.spread(step), self.spread(shapes)
+        total = np.zeros(shapes.shape[1])
+        for cells in self.cells:
+            back = (_gradient(cells, rest) + np.eye(3)).swapaxes(-1, -2)
+            turned = _gradient(cells, moved)
+            stress = self.stress(_symmetric(back @ turned))
+            for k in range(total.size):
+                wave = _gradient(cells, waves[..., k])
+                strain, more = _symmetric(back @ wave), _symmetric(turned.swapaxes(-1, -2) @ wave)
+                density = 2.0 * self.stress(strain) * more + stress * (wave.swapaxes(-1, -2) @ wave)
+                total[k] += np.einsum("cpij,cp->", density, cells.weights)
+        return total
 
     def factorise(self, matrix: csc_array) -> Factor:
         """Factor of a matrix of this pattern, whose order is good as it is."""

@@ -2,23 +2,23 @@
 
 State, eigenvalues and the space of the lowest modes are smooth functions of Omega², singular where a negative Omega²
 would buckle the blade, at some -c. They are therefore polynomials in log(1 + Omega² / c), c by how much the ends'
-frequencies differ, and go through nested Chebyshev-Lobatto points of it. The first four are solved: the two ends with
-factors of their own, those between with one factor each, by Davidson's method from the modes predicted
-(`fem.linalg.lowest_modes`). At the others state and modes are sought among the modes of speeds that are solved, and
-what their states change by speed, under the stiffness that is there: what this leaves of the frequencies is known by
-its residuals, and where it is too much, the speed is solved. The modes at each are turned, within their space, to be as
-like those of one speed as they can (Amsallem and Farhat, SIAM J. Sci. Comput. 33 (2011) 2169): through these and their
-small stiffnesses the polynomials go, past crossings and veerings.
+frequencies differ, and go through points that are added one by one, each where the product of its distances from those
+before is largest (Leja), out of Chebyshev-Lobatto points. The two ends are solved with factors of their own. At each
+further point state and modes are sought among the modes of speeds that are solved, and what their states change by
+speed, under the stiffness that is there: what this leaves of the frequencies is known by its residuals. Where it is too
+much, the speed is solved with one factor, by Davidson's method from these modes (`fem.linalg.lowest_modes`). The modes
+at each are turned, within their space, to be as like those of one speed as they can (Amsallem and Farhat, SIAM J. Sci.
+Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
 
-How well the speeds known so far foretell those that come next is measured; points are added until the tolerance is met.
-The points that measured it then belong to the result too: the error that is left is taken to have fallen with each of
-them as it fell with each of those before, geometrically, as such polynomials do, but for a factor of five.
+How far the frequencies at a new point are from those foretold is the error of the polynomial through those before,
+about where it is largest. Points are added until it is within the tolerance; the last of them only makes it better. The
+error at one end of the range need not be that at the other: part of the error at the point before counts too.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,11 +45,17 @@ if TYPE_CHECKING:
 SPARE = 2
 """Modes solved beyond those asked for, so that one that comes down with speed is known before."""
 
-FIRST = 3
-"""Parts into which Chebyshev's points divide the range at first, solved from above, where a state leads to the next."""
+MOST = 25
+"""Points at most."""
 
-FINEST = 24
-"""Parts into which Chebyshev's points divide the range at most."""
+PLACES = 96
+"""Parts into which Chebyshev-Lobatto points divide the range, out of which these are taken."""
+
+TIED = 1e-9
+"""Relative difference of products that are the same."""
+
+FADED = 0.3
+"""Part of an interpolation's error that the next two points are trusted to leave at most: up to 0.16 on six blades."""
 
 PROJECTED = 0.1
 """Part of the tolerance that may be left at a speed whose modes are sought among those of others."""
@@ -57,8 +63,14 @@ PROJECTED = 0.1
 MENDED = 0.01
 """Error at such a speed up to which what its modes lack, by the last factor, is added to those of others."""
 
-SPREAD = 2.5
-"""What errors at the speeds known may become between them: Lebesgue's constant of some 20 Chebyshev points."""
+FAR = 0.1
+"""Relative change of a squared frequency from what was predicted from which on a speed is solved without more ado."""
+
+STRAIGHT = 0.1
+"""Part of the error that may be left up to which what a corrected state does to the stiffness counts as an error."""
+
+SPREAD = 5.0
+"""What errors at the speeds known may become between them: Lebesgue's constant of up to 15 such points."""
 
 CORRECTIONS = 3
 """Newton steps of a state among the modes of other speeds, with one stiffness."""
@@ -81,9 +93,6 @@ FLOOR = 1e-7
 
 NEIGHBOURS = 5
 """Speeds by whose states, and their slopes, another state is predicted."""
-
-CAUTION = 5.0
-"""Factor on what more points leave of the error: modes exchange theirs where they cross."""
 
 LINEAR = 0.1
 """Growth of squared frequencies up to which a state is as good as linear in Omega²."""
@@ -232,6 +241,20 @@ class _Solved:
         turned = weights * off * (bend + np.array(near) - low)
         return np.asarray(weights * (1.0 - 2.0 * off * (1.0 / apart).sum(axis=1)) @ states + turned @ slopes)
 
+    def aligned(self, mass: csc_array) -> tuple[list[float], list[Array], Array]:
+        """The speeds, turns (q, q) that make their modes like those in the middle, and the stiffness between these."""
+        squares = sorted(self.states)
+        heavy = mass @ self.shapes[squares[len(squares) // 2]]
+        turns = [polar(self.shapes[each].T @ heavy)[0] for each in squares]
+        small = [turn.T @ (self.values[each][:, None] * turn) for each, turn in zip(squares, turns, strict=True)]
+        return squares, turns, np.array(small)
+
+    def guess(self, square: float, mass: csc_array) -> Array:
+        """Squared circular frequencies (q,) at another speed, by the polynomial through those known."""
+        squares, _, small = self.aligned(mass)
+        weights = _weights(np.array(squares), square, self.bend)
+        return np.asarray(np.linalg.eigvalsh(np.tensordot(weights, small, 1)))
+
     @property
     def bend(self) -> float:
         """What Omega² beyond the lowest doubles an eigenvalue, by the modes at the ends."""
@@ -270,28 +293,32 @@ def sweep_blade(
     if requested.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
-    reach = float(np.log1p((high - low) / bend))
-    parts, errors, missed, had = FIRST, np.full(count, np.inf), np.ones(count), 1
-    while parts <= FINEST:
-        prediction, have = _gathered(operators, known, count, errors), len(known.states)
-        before, missed, left = missed, np.zeros(count), 0.0
-        for k in range(parts - 1, 0, -1 if parts == FIRST else -2):
-            square = low + bend * float(np.expm1(reach * 0.5 * (1.0 - np.cos(np.pi * k / parts))))
-            guess = prediction.modes(square**0.5)[0]
-            off = _project(operators, square, known, prediction, PROJECTED * tolerance)
-            if not off <= PROJECTED * tolerance:
-                _solve_between(operators, square, count, known)
-                off = 0.0
-            left = max(left, off)
-            missed = np.maximum(missed, np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0))
-            if progress is not None:
-                progress(len(known.states))
-        falling = float(missed.max() / before.max()) ** ((len(known.states) - have) / (have - had))
-        errors = np.full(count, FLOOR + SPREAD * left + min(CAUTION * falling, 1.0) * float(missed.max()))
+    missed, left, errors = np.array([np.inf]), 0.0, np.full(count, np.inf)
+    for place in _places():
+        square = low + bend * float(np.expm1(np.log1p((high - low) / bend) * place))
+        guess = known.guess(square, operators.mass)[:count]
+        off = _project(operators, square, known, guess, PROJECTED * tolerance)
+        if not off <= PROJECTED * tolerance:
+            _solve_between(operators, square, count, known)
+            off = 0.0
+        left, before = max(left, off), missed.max()
+        missed = np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0)
+        errors = np.full(count, FLOOR + SPREAD * left + max(float(missed.max()), FADED * before))
+        if progress is not None:
+            progress(len(known.states))
         if errors.max() <= tolerance:
             break
-        parts, had = 2 * parts, have
     return _gathered(operators, known, count, errors)
+
+
+@cache
+def _places() -> tuple[float, ...]:
+    """Where points between 0 and 1 are added one by one."""
+    grid, places = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, PLACES) / PLACES), [0.0, 1.0]
+    while len(places) < MOST:
+        apart = np.abs(grid[:, None] - places).prod(axis=1)
+        places.append(float(grid[np.flatnonzero(apart > (1.0 - TIED) * apart.max())[-1]]))
+    return tuple(places[2:])
 
 
 def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> None:
@@ -343,37 +370,50 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(operators: SolidOperators, square: float, known: _Solved, prediction: BladeSweep, enough: float) -> float:
+def _project(operators: SolidOperators, square: float, known: _Solved, guess: Array, enough: float) -> float:
     """Know a speed by state and modes among the modes and slopes of solved speeds, and what these lack there.
 
-    Returns the largest relative error that this leaves of a wanted frequency, to first order; enough: what may be left.
+    Returns the largest relative error that this leaves of a wanted frequency, to first order; infinity where the modes
+    are far from those predicted. guess: their squares (wanted,). enough: what may be left.
     """
     omega, mass = square**0.5, operators.mass
     basis, image = known.space(square, mass)
     linear = operators.prestress is not None
-    count, wanted = prediction.shapes.shape[2], prediction.count
+    count, wanted = known.shapes[max(known.shapes)].shape[1], guess.size
     state, off = known.predicted(square), np.inf
+    stiffness = _about(operators, omega, state)
+    pushed = stiffness @ basis
     while True:
+        reduced, bent = basis.T @ pushed, np.zeros(wanted)
+        values, vectors = np.linalg.eigh(reduced)
         if not linear:
-            reduced = basis.T @ (tangent(operators, omega, state) @ basis)
+            begin, residual = state, unbalanced(operators, square, state, operators.stressed(state))
             for _ in range(CORRECTIONS):
-                residual = unbalanced(operators, square, state, operators.stressed(state))
                 state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
-        pushed = _about(operators, omega, state) @ basis
-        values, vectors = np.linalg.eigh(basis.T @ pushed)
+                residual = unbalanced(operators, square, state, operators.stressed(state))
+            bent = operators.bending(begin, state - begin, basis @ vectors[:, :wanted])
+            if (np.abs(bent) > STRAIGHT * enough * values[:wanted]).any():
+                stiffness = _about(operators, omega, state)
+                pushed, bent = stiffness @ basis, np.zeros(wanted)
+                values, vectors = np.linalg.eigh(basis.T @ pushed)
         values, vectors = values[:count], vectors[:, :count]
         shapes = basis @ vectors
-        residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
-        residual = np.zeros_like(state) if linear else unbalanced(operators, square, state, operators.stressed(state))
-        steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
-        changes = np.einsum("nk,nk->k", residuals, steps[:, :-1])
-        bent = np.zeros(wanted) if linear else steps[:, -1] @ operators.bending(state, shapes[:, :wanted])
-        before, off = off, float((0.5 * (np.abs(changes) + np.abs(bent)) / values[:wanted]).max())
         known.add(square, state, None, values, shapes)
+        if np.abs(values[:wanted] / guess - 1.0).max() > FAR:
+            return np.inf
+        residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
+        if linear:
+            steps = operators.known[-1].solve(residuals)
+        else:
+            steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
+            bent = np.abs(bent) + np.abs(operators.bending(state, steps[:, -1], shapes[:, :wanted]))
+        changes = np.einsum("nk,nk->k", residuals, steps[:, :wanted])
+        before, off = off, float((0.5 * (np.abs(changes) + bent) / values[:wanted]).max())
         if off <= enough or before < np.inf or not off <= MENDED:
             return off
         block, heavy, _, _ = orthonormal(steps, basis, image, mass)
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
+        pushed = np.hstack([pushed, stiffness @ block])
 
 
 def _solve_between(operators: SolidOperators, square: float, count: int, known: _Solved) -> None:
@@ -396,12 +436,8 @@ def _solve_between(operators: SolidOperators, square: float, count: int, known: 
 
 def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Array) -> BladeSweep:
     """What goes through all that is solved."""
-    squares = sorted(known.states)
-    middle = known.shapes[squares[len(squares) // 2]]
-    heavy = operators.mass @ middle
-    turns = [polar(known.shapes[each].T @ heavy)[0] for each in squares]
+    squares, turns, small = known.aligned(operators.mass)
     shapes = np.array([known.shapes[each] @ turn for each, turn in zip(squares, turns, strict=True)])
-    small = [turn.T @ (known.values[each][:, None] * turn) for each, turn in zip(squares, turns, strict=True)]
     beside = shapes.swapaxes(0, 1).reshape(shapes.shape[1], -1)
     sides = (len(squares), shapes.shape[2]) * 2
     products = (beside.T @ (operators.mass @ beside)).reshape(sides)
@@ -409,7 +445,7 @@ def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Arr
     if operators.gyroscopic is not None:
         turned = (beside.T @ (operators.gyroscopic @ beside)).reshape(sides)
     states = np.array([known.states[each] for each in squares])
-    return BladeSweep(np.array(squares), known.bend, states, shapes, np.array(small), products, turned, count, errors)
+    return BladeSweep(np.array(squares), known.bend, states, shapes, small, products, turned, count, errors)
 
 
 MILD = 1.0

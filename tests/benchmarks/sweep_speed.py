@@ -11,7 +11,9 @@ a machine with two idle cores only, so that the processor time of all processes 
 import sys
 import tempfile
 import time
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import psutil
@@ -52,15 +54,17 @@ def main(masses: int = 16, clearances: int = 16, speeds: int = 10) -> None:
 def events_of_a_point(asked: study.Study) -> float:
     """Events of a point on average, over the first block and the last."""
     seen = []
-    real = damper.motion.prepare
+    real = damper.motion.flights
 
-    def watched(*arguments: object, **more: object) -> object:
-        found = real(*arguments, **more)  # type: ignore[arg-type]
-        seen.append(found["clock"])
+    def watched(*arguments: Any, **more: Any) -> damper.motion.Flights:
+        found = real(*arguments, **more)
+        seen.append(found.runs["clock"])
         return found
 
     count = 0
-    with mock.patch("damper.curve_measurement.prepare", watched), mock.patch("damper.batch.prepare", watched):
+    with ExitStack() as stack:
+        for module in ("curve_measurement", "batch", "ringdown"):
+            stack.enter_context(mock.patch(f"damper.{module}.flights", watched))
         for region in (asked.regions()[0], asked.regions()[-1]):
             evaluate.block(asked.source, asked.plan, region.begin, region.end, PlateCache(), quick=asked.quick)
             count += region.end - region.begin

@@ -80,6 +80,7 @@ class Reference:
         v = [[self.potential(a + b) - self.potential(a) - self.potential(b) for b in unit] for a in unit]
         self.gradient = np.array(v)  # the potential is a quadratic form
         self.a_r = d.rolling_friction / d.ball_radius * self.load
+        self.hold = self.a_r + d.break_away * self.load  # of a ball at rest, while it lies in its dent
         self.grip = (d.floor_friction or 0.0) * self.load
         self.gap = [c / 2 - d.ball_radius for c in d.cavity]
         self.rate = math.sqrt(d.stiffness[0] / (d.modal_mass + d.ball_mass))
@@ -205,7 +206,7 @@ class Reference:
                 found.append(Guard(i, "grip", 0, -math.copysign(1, turning) * spin[None], 0.0))
             elif self.regime[i] == "stuck":
                 ways = [way for way in (-1, 1) if way * at < self.gap[i]]
-                found += [Guard(i, "start", way, way * self.pull(i), self.a_r) for way in ways]
+                found += [Guard(i, "start", way, way * self.pull(i), self.hold) for way in ways]
             elif self.regime[i] == "roll":
                 found += [Guard(i, "hit", d, d * s[None], self.gap[i]), Guard(i, "reversal", 0, -d * w[None], 0.0)]
             else:
@@ -293,9 +294,12 @@ class Reference:
 
     def roll(self, i: int, direction: int) -> None:
         self.regime[i], self.direction[i] = ("roll" if direction else "stuck"), direction
+        if direction:  # out of the dent, along both axes
+            self.hold = self.a_r
 
     def slide(self, i: int) -> None:
         self.regime[i], self.direction[i] = "slide", 1 if self.x[self.w[i]] > self.x[self.spin[i]] else -1
+        self.hold = self.a_r
 
     def settle(self, i: int) -> None:
         """Stuck, or off the way that the ball is driven."""

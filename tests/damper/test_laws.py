@@ -29,6 +29,7 @@ from damper import (
     self_check,
     work_bound,
 )
+from damper.curves import DampingCurve, at_bin
 from damper.equations import structures_by
 from damper.laws import bounds_of
 from damper.motion import APART, Flights
@@ -287,6 +288,35 @@ def test_a_damping_ratio_of_rounding_breaks_no_law() -> None:
         ratio = np.append(share * np.spacing(abs(math.log(low))) / (2 * math.pi), curve.damping_ratio)
         with nullcontext() if holds else pytest.raises(LawViolation, match="a mean lies between the extremes"):
             laws.check_readings(replace(curve, amplitude=place, damping_ratio=ratio), samples)
+
+
+@needs_compiler
+def test_nothing_is_promised_where_no_loss_lasts_and_that_breaks_no_law() -> None:
+    """Of 60 balls of 1 mm in a fan blade at 1500 rpm, which rotation draws to a wall where the sweeps down leave them.
+
+    Below that the sweeps up lose something on their way there, which the curve does not count. A zero elsewhere is
+    refused.
+    """
+    flap = Mode(1.0, 446977.0, (-3.11227, -1.2e-4), (-24.1265, 2.04617))
+    twist = Mode(1.0, 6.3136e6, (1.57064, -1.80976), (65.0592, -27.3614))
+    damper = replace(
+        ParticleDamper(0.10324, (46145.6, 652842.0), 2.46615e-4, 5e-4, (1.8e-3,) * 2, 7899.57, 0.6, 0.2, 1e-6),
+        rotation=157.08,
+        stagger=0.798578,
+        modes=(flap, twist),
+    )
+    curve = damping_curve(damper, sweeps=4, stay=60, reach=5e-4)
+    rests = curve.amplitude < curve.descending.amplitude[0]
+    assert rests.sum() > 2
+    assert not curve.damping_ratio[rests].any()
+    at = np.geomspace(1e-3, 4e-3, 25)
+    lost = np.interp(at, [1e-3, 1.5e-3, 2e-3, 4e-3], [1e-4, 1e-3, 8e-4, 1e-4])
+    above = DampingCurve(at[3:], lost[3:], 0.0, 0.0, 0.0, (0.0, 0.0), 0.0)
+    samples = np.column_stack([np.log(at) + math.pi * lost, np.log(at) - math.pi * lost, np.zeros(25)])
+    for zeros, holds in ((at < at[3], True), (at > at[-2], False)):
+        read = at_bin(replace(above, amplitude=at, damping_ratio=np.where(zeros, 0.0, lost), from_above=above), 7)
+        with nullcontext() if holds else pytest.raises(LawViolation, match="negative damping ratio is -0"):
+            laws.check_readings(read, samples)
 
 
 @needs_compiler

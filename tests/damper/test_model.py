@@ -31,6 +31,7 @@ OUTSIDE = {
     "restitution": [-1e-9, 1 + 1e-9, math.nan],
     "friction": [-0.1, 1e7],
     "rolling_friction": [-1e-4],
+    "break_away": [-1e-4, math.inf],
     "damping_ratio": [-0.1, 1.0],
     "sticking_ratio": [-1e-2],
     "floor_friction": [0.0, -0.1, 1e7],

@@ -122,7 +122,9 @@ def test_standstill_does_not_decide() -> None:
     assert still.speeds[0].damping_curve.peak > 2 * still.speeds[1].damping_curve.peak, (
         "chaotic, but far from the other"
     )
-    assert text(still).replace(", turning, at", ", at") == text(results(speeds="3500"))
+    assert text(still).replace("While the rotor turns,", "In a slowly growing vibration") == text(
+        results(speeds="3500")
+    )
 
 
 def test_amplitudes_that_the_plate_does_not_endure_are_no_range(finished: Path, document: dict[str, Any]) -> None:
@@ -264,7 +266,7 @@ def test_a_ball_that_loses_nothing_lends(structure: Scene) -> None:
     """
     scene = changed(structure, damper__restitution=1, damper__friction=0, damper__rolling_friction=0)
     scene = changed(scene, damper__sticking_ratio=1e-9, release__displacement=["2 mm", 0], rotor__speeds=["0 rpm"])
-    for zeta, loses in ((0.0, "0.000"), (0.001, f"{-100 * math.expm1(-4e-3 * math.pi / 1.006**0.5):.3f}")):
+    for zeta, loses in ((0.0, "0"), (0.001, f"{-100 * math.expm1(-4e-3 * math.pi / 1.006**0.5):.3g}")):
         run = workflows.run(changed(scene, damper__damping_ratio=zeta))
         (point,) = run.speeds
         assert point.damper.peak_sdc > point.damper.intrinsic_sdc + 0.005

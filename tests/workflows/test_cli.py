@@ -28,6 +28,7 @@ from tests.workflows.conftest import Command, Outcome, Scene, changed, python, r
 from workflows import cli, progress
 from workflows.cli.commands import COMMANDS
 from workflows.progress import Stages
+from workflows.scene.load import SHIPPED
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -375,6 +376,21 @@ def test_packages_and_light_commands_load_nothing_heavy() -> None:
     calls = [f"main({line.split()})" for line in ("--version", "--help", "check paper", "check paper --json")]
     code = ["import damper, fem, workflows", "from workflows.cli.main import main", *calls]
     assert not _loaded("\n".join(code)) & set(HEAVY.split())
+
+
+def test_a_design_space_that_the_load_locks_starts_nothing(tmp_path: Path) -> None:
+    """A formula answers: no worker starts, no kernel is compiled, and no chart is drawn on the page."""
+    scene = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    del scene["release"]
+    scene["design"] = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm"], "amplitude": ["1 um", "2 um"]}
+    scene["damper"] |= {"ball_density": "7850 kg/m^3"}
+    del scene["damper"]["mass_ratio"], scene["damper"]["count"]
+    arguments = ["design", str(write(scene, tmp_path / "locked.toml")), "--out", str(tmp_path / "out")]
+    loaded = _loaded(f"from workflows.cli.main import main\nassert main({arguments!r}) == 3")
+    assert not loaded & {"loky", "matplotlib", "numba", "scipy.sparse", "skfem"}
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "the load holds every ball at rest" in page
+    assert "<svg" not in page
 
 
 def test_a_damper_alone_loads_no_plate() -> None:

@@ -12,6 +12,7 @@ import spindamp
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.io.files import write_study
+from workflows.report import remarks
 from workflows.scene.load import SHIPPED
 from workflows.studies import comparison as report
 
@@ -62,6 +63,23 @@ def test_files(found, tmp_path: Path):
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 1
     assert "damper.restitution" in page
+
+
+def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: Path):
+    """A folder's name is no title; a mark of a run's table stands in this one, with its meaning."""
+    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
+    other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
+    found = spindamp.compare(soft_and_stiff[2], other)
+    write_study(report, found, tmp_path / "out")
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<h1>stiff · slow</h1>" in page
+    for text in (report.text(found), page):
+        assert "damper.radius, mm" in text
+        assert "rotor.speeds, rpm" in text
+        assert "9000" in text
+        assert "*" in text
+        assert remarks.AT_REST_MEANS in text
 
 
 def test_runs_of_the_same_name_are_numbered(soft_and_stiff):

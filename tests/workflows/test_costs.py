@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
@@ -478,6 +479,27 @@ def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool)
     assert row.within_noise is noise
     assert ("within noise" in effects_report.text(EffectStudy("", 1e-3, (row,)))) is noise
     assert ("within noise" in effects_report.draw(EffectStudy("", 1e-3, (row,)))) is noise
+
+
+def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A free ball's largest loss in a cycle changes by percents with any hair's breadth, which no effect does.
+
+    Whatever is switched, a change is an effect's only beyond twice that; the damper's own figures do not scatter.
+    """
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    scene: Scene = tomllib.loads((load.SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    free = {"damper__rolling_friction": "0.01 mm", "damper__restitution": 0.8, "damper__ball_density": "7850 kg/m^3"}
+    free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
+    scene = changed(scene, damper__count=5, damper__mass_ratio=None, **free)
+    rows = {row.effect: row for row in effect_study(load.as_scene_file(scene), QUIET).rows}
+    scatter = rows["ball_slip"].scatter
+    assert scatter["peak_sdc"] > 1e-3, "a billionth of the cavity moves it by thousandths"
+    assert scatter["ball_damping_ratio"] < 1e-6
+    for change, beyond in ((1.9 * scatter["peak_sdc"], False), (2.1 * scatter["peak_sdc"], True)):
+        row = replace(rows["ball_slip"], changes={"peak_sdc": -change, "ball_damping_ratio": 1e-5})
+        assert row.largest == (("peak_sdc", -change) if beyond else ("ball_damping_ratio", 1e-5))
+        said = effects_report.text(EffectStudy("", 1e-3, (row,)))
+        assert ("within the scatter of chaotic motion: peak_sdc" in said) is not beyond
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,13 @@ import pytest
 import workflows
 from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
 from tests.workflows.conftest import Command, Scene, changed, write
+from workflows import formatting
+from workflows.report import remarks, text, verdict
+from workflows.report.page import load_results, save
 from workflows.scene.load import SHIPPED, parse
 from workflows.solve import engine_orders
 from workflows.solve.engine_orders import ENGINE_ORDERS
+from workflows.solve.results import Results
 
 TEMPLATES = Path(workflows.__file__).parent / "templates"
 
@@ -32,6 +37,55 @@ def test_self_contained(page: str) -> None:
     assert {reference[1:] for reference in reader.references} <= set(reader.ids)
     assert not set(reader.tags) & {"iframe", "object", "embed"}
     assert not re.search(r"https?:|@import|url\((?!#)|fetch\(|XMLHttpRequest|\beval\(", page)
+
+
+def test_what_is_typed_is_code_on_a_page_and_plain_elsewhere(page: str, finished: Path) -> None:
+    """A page may hold backticks in its scripts alone; a scene's text stays escaped."""
+    said = "The ball's own: rely on `spindamp response`, <b>not</b> on this."
+    code = "The ball’s own: rely on <code>spindamp response</code>, &lt;b&gt;not&lt;/b&gt; on this."
+    assert formatting.prose(said) == code
+    assert formatting.plain(said) == said.replace("`", "")
+    assert "<code>spindamp response</code> computes the forced motion." in page
+    assert "`" not in re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
+    results = load_results(finished)
+    assert "`" in " ".join(verdict.answer(results).sentences)
+    assert "`" not in repr(results) + results._repr_html_()
+
+
+def test_a_limit_that_one_speed_sets_for_all_names_that_speed(coarse: Results) -> None:
+    """The root of a structure in space may be strained more at one speed than at another."""
+    slow, fast = coarse.speeds
+    alike, apart = (
+        replace(coarse, speeds=(replace(slow, root_strain=1.0), replace(fast, root_strain=strain)))
+        for strain in (1.005, 1.3)
+    )
+    assert "limits all speeds" not in remarks.beyond_of(alike)
+    assert f"at {fast.rpm:.0f} rpm, where an amplitude strains the root most" in remarks.beyond_of(apart)
+
+
+_MINUS_NOTHING = re.compile(r"(?<![\d.\w])[-−]0(\.0*)?(?![\d.])")
+
+
+def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
+    """Losses that are -0.0, or below 0 by rounding alone, in the printed table, every CSV, and on the page."""
+    point = next(each for each in coarse.speeds if each.damper is not None)
+    own = point.damping_curve
+    assert point.damper is not None
+    assert own is not None
+    books = replace(point.damper.energy, structure=-0.0, rolling=-0.0, impact=-1e-20, slip=-0.0, residual=-0.0)
+    for loss in (-0.0, -1e-15):
+        none = replace(point.damper, energy=books, peak_sdc=loss, intrinsic_sdc=loss, cutoff_g=-0.0, cutoff_ratio=-0.0)
+        curve = replace(own, damping_ratio=np.append(loss, own.damping_ratio[1:]))
+        mine = replace(point, damper=none, damping_curve=curve)
+        results = replace(coarse, speeds=tuple(mine if each is point else each for each in coarse.speeds))
+        printed = "\n".join(" ".join(row) for row in text.rows(results))
+        assert "0.000" in printed
+        assert not _MINUS_NOTHING.findall(printed)
+        out = save(results, tmp_path / "out")
+        for path in out.glob("*.csv"):
+            assert not _MINUS_NOTHING.findall(path.read_text(encoding="utf-8")), path.name
+        cells = re.findall(r"<td[^>]*>([^<]*)", (out / "report.html").read_text(encoding="utf-8"))
+        assert not [cell for cell in cells if _MINUS_NOTHING.fullmatch(cell.strip())]
 
 
 @pytest.mark.usefixtures("quickly")

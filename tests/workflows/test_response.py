@@ -75,6 +75,17 @@ def test_the_short_way_stands_beside(known):
         assert abs(row.difference) < 0.02
 
 
+def test_the_last_line_says_what_the_table_shows(known):
+    """The damping ratio of the best row, which free vibration at that amplitude has too, bouncing or not."""
+    (best,) = report.best_rows(known)
+    said = report.text(known).splitlines()[-1]
+    match = re.search(r"at ([\d.]+) N the \d+ balls together reduce .* damping ratio of ([\d.]+) % would", said)
+    assert float(match[1]) == pytest.approx(best.force, rel=1e-2)
+    curve = best.passage.figures.descending
+    free = float(np.interp(best.mean, curve.amplitude, curve.damping_ratio))
+    assert float(match[2]) == pytest.approx(100 * free, rel=0.06)
+
+
 @pytest.mark.parametrize(
     ("estimated", "followed", "useful", "best", "expected"),
     [

@@ -69,7 +69,10 @@ def test_speeds_without_a_unit_are_remarked_on(
     speeds: object, remark: str | None, structure: Scene, spindamp: Command, tmp_path: Path
 ) -> None:
     scene = write(changed(structure, rotor__speeds=speeds), tmp_path / "scene.toml")
-    said = spindamp("check", scene).out
+    checked = spindamp("check", scene)
+    said = checked.out
+    assert ("scene.toml: Speeds without a unit" in checked.err) == (remark is not None)
+    assert spindamp("ringdown", scene, "--json").err == checked.err, "of every command"
     assert ("Speeds without a unit are in rad/s" in said) == (remark is not None)
     assert remark is None or remark in said.splitlines()[1]
     remarks = json.loads(spindamp("check", scene, "--json").out)["remarks"]

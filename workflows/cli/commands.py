@@ -7,7 +7,8 @@ light commands start fast.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -21,6 +22,7 @@ from workflows.versions import versions
 if TYPE_CHECKING:
     from workflows.io.files import StudyReport
     from workflows.scene.load import SceneFile
+    from workflows.studies.sweep.executor import Workers
 
 Scene = Annotated[
     str,
@@ -169,11 +171,12 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
+    from workflows.formatting import plain
     from workflows.io.files import as_json
     from workflows.studies.sweep import executor, report, store, study
 
     plan = study.of_scene(scene, vary or (), count=sample, seed=seed, quick=quick, uncertain=uncertain)
-    out = _folder(out, json, "spindamp-sweep", plan.source)
+    out = _folder(out, json, "spindamp-sweep", _warned(plan.source))
     if out is not None:
         store.check_target(out)
     if not json:
@@ -187,7 +190,7 @@ def sweep(
         if out is not None:
             with stages("report"):
                 report.write(data, out)
-    _show(as_json(report.document(data)) if json else report.text(data), out, json)
+    _show(as_json(report.document(data)) if json else plain(report.text(data)), out, json)
     if problem := report.no_answer(data):
         raise NoAnswer(f"{plan.source.name}: {problem}")
 
@@ -212,14 +215,13 @@ def design(
     from workflows.studies.sweep.executor import workers_of
 
     def solve(source: SceneFile, stages: Stages) -> report.DesignResult:
-        return study.design(
-            source, seed=seed, pool=workers_of(workers, dask), stages=stages, partial_results=partial_results
-        )
+        pool = _announced(workers_of(workers, dask))
+        return study.design(source, seed=seed, pool=pool, stages=stages, partial_results=partial_results)
 
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
     partial_results = None if out is None else out.with_name(f"{out.name}.partial")
-    best = _of_a_scene(source, solve, report, out, json)
+    best = _study(partial(solve, source), report, out, json, damper=False)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.optimum.evaluation.works:
@@ -354,12 +356,20 @@ COMMANDS = tuple(each.callback for each in _commands.registered_commands if each
 def _load(scene: str) -> SceneFile:
     from workflows.scene.load import load
 
-    return load(scene)
+    return _warned(load(scene))
+
+
+def _warned(source: SceneFile) -> SceneFile:
+    """The same, once a terminal, or a log, has what is doubtful in how it is written, whatever is printed otherwise."""
+    for remark in source.remarks:
+        typer.echo(f"spindamp: WARNING: {source.name}: {remark}", err=True)
+    return source
 
 
 def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     from workflows import pipeline
+    from workflows.formatting import plain
     from workflows.io import files, folder, serialise
     from workflows.report import text
     from workflows.report.remarks import remarked
@@ -377,7 +387,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
             from workflows.report.page import publish
 
             results = publish(results, out, stages)
-    typer.echo(serialise.dumps(results) if json else text.text(results, out, source.remarks))
+    typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
 def _of_a_scene(
@@ -395,6 +405,7 @@ def _study(
     solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
 ) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned."""
+    from workflows.formatting import plain
     from workflows.io import files, folder
 
     if out is not None:
@@ -406,7 +417,7 @@ def _study(
         if out is not None:
             with stages("report"):
                 files.write_study(report, result, out)
-    _show(files.as_json(report.document(result)) if json else report.text(result), out, json)
+    _show(files.as_json(report.document(result)) if json else plain(report.text(result)), out, json)
     return result
 
 
@@ -427,6 +438,14 @@ def _print_json(document: Mapping[str, Any]) -> None:
     from json import dumps
 
     typer.echo(dumps(document, indent=1, allow_nan=False))
+
+
+@contextmanager
+def _announced(pool: AbstractContextManager[Workers]) -> Iterator[Workers]:
+    """Workers, announced before the first of them starts."""
+    _announce_compiler()
+    with pool as workers:
+        yield workers
 
 
 def _announce_compiler() -> None:

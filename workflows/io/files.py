@@ -167,7 +167,7 @@ def write_csv(results: Results, folder: Path) -> None:
     A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
     for curve in all_curves(results):
-        rows = np.column_stack([curve.x, curve.y])
+        rows = np.column_stack([curve.x, curve.y]) + 0.0  # no -0
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
     (folder / f"{TABLE}.csv").write_text(_table(results), encoding="utf-8")
@@ -291,12 +291,13 @@ def as_json(document: Mapping[str, Any]) -> str:
 
 
 def as_table(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """A table as CSV; what a row has beyond the columns is left out, a list has spaces between its items."""
+    """A table as CSV: without -0, nor what a row has beyond the columns; a list has spaces between its items."""
     text = io.StringIO(newline="")
     table = csv.DictWriter(text, list(columns), extrasaction="ignore")
     table.writeheader()
     for row in rows:
-        table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in row.items()})
+        cells = {k: v + 0.0 if isinstance(v, float) else v for k, v in row.items()}
+        table.writerow({k: " ".join(map(str, v)) if isinstance(v, list) else v for k, v in cells.items()})
     return text.getvalue()
 
 

@@ -11,7 +11,7 @@ from fem.meshes.planform import clamped_length
 from workflows import versions
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
-from workflows.formatting import aligned, revolutions, significant
+from workflows.formatting import DASH, aligned, revolutions, significant
 from workflows.scene import plate_mesh
 from workflows.scene.damper import PICTURE
 from workflows.scene.load import SceneFile
@@ -54,7 +54,7 @@ def document(
         "scene": resolved_scene(source.scene, effects, theory),
         "effects": {name: {"on": effect.on, "why": effect.why} for name, effect in effects.items()},
         "radii": {"root": root, "damper": place},
-        "remarks": list(source.remarks),
+        "remarks": [*source.remarks, *(() if space is None else space.remarks)],
     }
     if (known := _varying(source, form)) is not None:
         record["thickness"] = dict(zip(("least", "greatest", "damper"), known, strict=True))
@@ -120,8 +120,9 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
         return []
     rows: list[tuple[str, ...]] = [("mode", "Hz", "family", *_COLUMNS, *(f"{name}, axis 2" for name in _COLUMNS))]
     for mode in seated.modes:
+        idle = [(each or 0.0) > _IDLE * min(mass or math.inf for mass in mode.mass) for each in mode.mass]
         cells = [
-            "–" if pair[axis] is None else significant(scale * (pair[axis] or 0.0), digits)
+            DASH if (value := pair[axis]) is None or idle[axis] else significant(scale * value, digits)
             for axis in range(2)
             for pair, scale, digits in ((mode.mass, 1e3, 5), (mode.stiffness, 1e-3, 4), (mode.floor_tilt, 1.0, 4))
         ]
@@ -144,6 +145,9 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
         *aligned(rows),
     ]
 
+
+_IDLE = 1e6
+"""Effective mass of a mode over that along its other axis from which on it does not move the cavity there."""
 
 _COLUMNS = ("M2 g", "K2 N/mm", "tilt 1/m")
 """Of each axis."""

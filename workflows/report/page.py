@@ -77,7 +77,7 @@ def _packed(motion: Floats) -> dict[str, Any]:
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
-_FILTERS = "fixed", "amount", "significant", "percent", "curly", "whole"
+_FILTERS = "fixed", "amount", "significant", "percent", "prose", "share", "whole"
 """Functions of `formatting` by which templates turn values into words."""
 
 
@@ -171,7 +171,7 @@ def render(results: Results, drawings: Drawings) -> str:
         has_table=any(paper.row(results.scene, p.load_g) for p in results.speeds),
         air=limits.AIR,
         endured=limits.endured(results),
-        beyond=remarks.beyond(by_deflection=limits.deflection_governs(results)),
+        beyond=remarks.beyond_of(results),
         marks=remarks.legend(results),
         at_rest=remarks.cutoff_legend(results),
         cells_drawn=results.surface is not None and figures.cells_are_drawn(results.surface),

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -28,11 +29,12 @@ WIDTH = 4.5
 INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
 """Text and axes, secondary text, grid, and the page itself: placeholders, which a page replaces by its variables."""
 
-CATEGORIES = ("#0072b2", "#d55e00", "#009e73", "#a0568c", "#c48a00", "#3f9bd1", "#7f7f7f")
-"""After Okabe and Ito (2008): told apart with any kind of colour vision."""
+_CSS = (Path(__file__).parents[1] / "templates" / "report.css").read_text(encoding="utf-8")
+_LIGHT = dict(re.findall(r"(--[\w-]+): (#\w+)", _CSS.partition("@media")[0])) | {"--paper": "#ffffff"}
+"""The colours of a light page, whose style sheet is their one source; a picture by itself lies on white."""
 
-_WRITTEN = ("#0072b2", "#b34f00", "#00795a", "#a0568c", "#8a6000", "#2474a6", "#6b6b6b")
-"""The same for text on a light page: with a contrast of 4.5 and more."""
+CATEGORIES = tuple(colour for name, colour in _LIGHT.items() if name.startswith("--line-"))
+"""After Okabe and Ito (2008): told apart with any kind of colour vision; `--text-N` are the same for text."""
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
@@ -44,8 +46,6 @@ _FAMILIES = ("flap", "twist", "lag", "chord", "axial")
 _VARIABLES = {INK: "--ink", MUTED: "--muted", RULE: "--rule", PAPER: "--paper"} | {
     colour: f"--line-{i}" for i, colour in enumerate(CATEGORIES)
 }
-_LIGHT = {"--ink": "#1c1d20", "--muted": "#6b6d73", "--rule": "#e2dfd6", "--paper": "#ffffff"}
-"""The colours of a light page."""
 
 _NAMED_AT_MOST, _NAMED_OF_MANY = 16, 9
 """Curves that a legend names all, and how many it names of more: from the first to the last, evenly."""
@@ -232,8 +232,7 @@ def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (
 
 def standalone(drawn: str, count: int = 1) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page, `count` of them shades."""
-    light = _LIGHT | {"--sans": "sans-serif"} | {f"--line-{i}": colour for i, colour in enumerate(CATEGORIES)}
-    light |= {f"--text-{i}": colour for i, colour in enumerate(_WRITTEN)}
+    light = _LIGHT | {"--sans": "sans-serif"}
     light |= dict(re.findall(r"(--shade-\d+):(#\w+);", shades_css(count).partition("@")[0]))
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)

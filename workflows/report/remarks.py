@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from fem.accuracy.theory_selection import DEAR
 from fem.rotor import in_rpm
-from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import significant, span, upwards, whole
 from workflows.scene import paper, plate_mesh
@@ -116,6 +114,23 @@ def beyond(*, by_deflection: bool) -> str:
     if by_deflection:
         return f"bend the plate by over {100 * limits.SMALL:g} % of its length, beyond the range of the theory"
     return f"strain the root by over {100 * limits.ENDURED:g} %, which no blade metal endures in vibration"
+
+
+def beyond_of(results: Results) -> str:
+    """The same, with the speed by which all are judged where the strain of a structure's root differs between them."""
+    would = beyond(by_deflection=limits.deflection_governs(results))
+    torn = limits.root_stress(results, 1.0) or 0.0
+    held = [p for p in results.speeds if p.root_strain is not None and torn * p.omega**2 <= limits.STRONGEST]
+    strains = [(p.root_strain or 0.0, p.rpm) for p in held]
+    if not strains or max(strains)[0] <= _ALIKE * min(strains)[0]:
+        return would
+    return (
+        f"{would} (at {whole(max(strains)[1])} rpm, where an amplitude strains the root most, which limits all speeds)"
+    )
+
+
+_ALIKE = 1.01
+"""Ratio of strains at different speeds that is not worth a word."""
 
 
 def torn_from(results: Results) -> str | None:
@@ -583,6 +598,8 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
 
 def _of_effects(results: Results, of: str) -> list[tuple[str, str]]:
     """What effects of the plate, or of the damper, take for granted, on or off."""
+    from fem.theory.registry import kind
+
     theory = "" if results.theory is None else kind(results.theory.name).value
     words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
     cases = {
@@ -701,6 +718,8 @@ _DEFLECTED = "[effects] large_deflection = true"
 
 def _remedy(results: Results, part: str) -> str | None:
     """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    from fem.accuracy.theory_selection import DEAR
+
     if results.scene.in_space:
         return "a finer mesh" if part == "mesh" and results.scene.blade is not None else None
     if part in EFFECTS:
@@ -754,6 +773,8 @@ def wide(results: Results) -> str | None:
 
 def frequency_error(results: Results) -> str | None:
     """How far the frequencies can be trusted, and by what they are off."""
+    from fem.theory.registry import THEORIES
+
     if results.diagram is None or results.theory is None:
         return None
     own = THEORIES[results.theory.name].against_solid

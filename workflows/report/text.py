@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, percent, revolutions, significant
+from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, share, significant
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
@@ -90,7 +90,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         fixed(verdict.first_frequency(point), 2),
         amount(cutoff.g) + at_rest,
         fixed(cutoff.ratio, 3) + at_rest,
-        percent(remarks.lost_at_most(damping), 3),
+        share(remarks.lost_at_most(damping)),
         significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
@@ -125,7 +125,7 @@ def brief(results: Results) -> str:
     accuracy = remarks.sentence(results)
     more = () if results.reductions else answer.sentences[:1]  # a crossing's next sentences are on single levels
     lines = [_head(results), " ".join((f"{answer.verdict}.", *more)), *([] if accuracy is None else [accuracy])]
-    return "\n".join(lines)
+    return plain("\n".join(lines))
 
 
 def brief_html(results: Results) -> str:
@@ -139,7 +139,7 @@ def brief_html(results: Results) -> str:
     more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
     table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
     return (
-        f"<p>{escape(_head(results))}</p><p><b>{escape(answer.verdict)}.</b> {escape(sentences)}</p>"
+        f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
         f"<table>{table}</table>{more}"
     )
 

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+import numpy as np
+
 from fem.rotor import in_rpm
 from workflows.formatting import significant, span, whole
 from workflows.report import remarks
@@ -23,7 +25,7 @@ from workflows.report.remarks import (
 )
 from workflows.solve import engine_orders, limits
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
-from workflows.solve.results import Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Figures, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -42,10 +44,9 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     able = [each for each in able if not math.isnan(each[2][0])]
     ends, ranges = able[:1] + able[1:][-1:], list[str]()
     for point, figures, (low, high) in ends:
-        loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
-        in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
         ends_there = f", the limit of what the {carrier(results)} endures" if high < figures.half[1] else ""
-        amplitudes = f"amplitudes of {span(1e3 * low, 1e3 * high)} mm{in_loads}{ends_there}"
+        every = [each for each in humps(figures) if each[1] < low] + [(low, high)]
+        amplitudes = f"amplitudes of {listed([_in_mm_and_g(results, point, *each) for each in every])}{ends_there}"
         half = "" if ranges else "the ball gives at least half of its largest damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     sustained = [
@@ -55,6 +56,22 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ]
     rests = f"The load holds the ball at rest {', '.join(sustained)}."
     return [*([f"{capital(', '.join(ranges))}."] if ranges else []), *([rests] if sustained else [])]
+
+
+def _in_mm_and_g(results: Results, point: SpeedPoint, low: float, high: float) -> str:
+    """A range of amplitudes."""
+    loads = [in_g(results, point.reduced, value) for value in (low, high) if point.reduced and point.load_g]
+    in_loads = f" ({whole(loads[0])} to {whole(loads[1])} g)" if loads else ""
+    return f"{span(1e3 * low, 1e3 * high)} mm{in_loads}"
+
+
+def humps(figures: Figures) -> list[tuple[float, float]]:
+    """All ranges of amplitudes over several points of the curve in which the damping is at least half its peak."""
+    enough = np.concatenate([[False], figures.damping_ratio >= figures.peak / 2, [False]])
+    begins, ends = np.flatnonzero(enough[1:] & ~enough[:-1]), np.flatnonzero(enough[:-1] & ~enough[1:]) - 1
+    return [
+        (float(figures.amplitude[b]), float(figures.amplitude[e])) for b, e in zip(begins, ends, strict=True) if b < e
+    ]
 
 
 def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> str:
@@ -73,7 +90,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     if limit is None or not lost:
         return None
     point, figures = lost[0]
-    beyond = remarks.beyond(by_deflection=limits.deflection_governs(results))
+    beyond = remarks.beyond_of(results)
     if what_to_do(results, points) is not None:  # which names both amplitudes
         return f"More than {millimetres(limit)} mm would {beyond}."
     return (
@@ -263,7 +280,7 @@ def _alone(results: Results) -> Answer:
         None if dense is None else dense[1],
         None if works else way_out,
         _fed(points),
-        *_how_much(results, speaking, "turning, " if len(loaded) < len(points) else ""),
+        *_how_much(results, speaking, turning=len(loaded) < len(points)),
         *between(results, speaking),
         *way_down(results, speaking),
         remarks.unknown_floor(results),
@@ -318,24 +335,27 @@ def _how_little(results: Results, points: list[SpeedPoint]) -> str:
     return f"at most {percent(most)} % equivalent damping ratio ({at_load(at)}){where}"
 
 
-def _how_much(results: Results, points: list[SpeedPoint], turning: str) -> list[str]:
-    """The best and the least; `turning` where there is a speed without a load, which is not among the points."""
+def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> list[str]:
+    """The best and the least; `turning`: there is a speed without a load, which is not among the points."""
     ratios = [(b, p) for p in points if (b := limits.best(results, p)) is not None]
     if not ratios:
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     error = 0.0 if at.damping_curve is None else min(at.damping_curve.error, 1.0)
     within = f" (±{percent(error)} %)" if error > _KNOWN else ""
+    damper = results.scene.damper
+    count = 1 if damper is None else damper.count
+    ball, it = ("the ball adds", "it adds") if count == 1 else (f"the {count} balls together add", "they add")
     text = (
-        f"In a slowly growing vibration the ball adds an equivalent damping ratio of up to"
-        f" {percent(top.damping_ratio)} %{within},"
-        f" {turning}at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm; this is"
+        f"{'While the rotor turns,' if turning else 'In a slowly growing vibration'} {ball} an equivalent damping"
+        f" ratio of up to {percent(top.damping_ratio)} %{within},"
+        f" at {at_speed(at)} and an amplitude of {millimetres(top.amplitude)} mm; this is"
         f" {percent(limits.energy_loss(top.damping_ratio))} % of the vibration energy per cycle"
     )
     least, there = min(ratios, key=lambda pair: pair[0].damping_ratio)
     if there is not at and least.damping_ratio < 0.9 * top.damping_ratio:
         within = f", within what the {carrier(results)} endures," if least.limited else ""
-        text += f". {capital(at_load(there))}{within} it adds up to {percent(least.damping_ratio)} %"
+        text += f". {capital(at_load(there))}{within} {it} up to {percent(least.damping_ratio)} %"
     air, friction = (f"{percent(low)} to {percent(high)} %" for low, high in (AIR, FRICTION_DAMPERS))
     return [f"{text}.", f"For comparison, air alone gives turbine blades {air}, and friction dampers add {friction}."]
 
@@ -463,6 +483,10 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str, overlo
     return [text, *parts]
 
 
+_NOTICED = 1e-3
+"""Reduction of the amplitude below which it has no number."""
+
+
 def _at_no_level(results: Results, reduction: VibrationReduction, unit: str) -> str:
     """That the ball is of no use at any level that was evaluated, and why."""
     evaluated = "at any level"
@@ -478,9 +502,9 @@ def _at_no_level(results: Results, reduction: VibrationReduction, unit: str) -> 
         if math.isnan(friction):
             return f"{at_rest}, in its own dent"
         return f"{at_rest}; it would move with a rolling friction below {_rounded(1e3 * friction)} mm"
-    if not math.isfinite(reduction.ratio):
-        return f"{evaluated}: the ball does not reduce the amplitude"
-    return f"{evaluated}: the ball reduces the amplitude by {percent(max(1 - reduction.ratio, 0.0))} % at most"
+    if not reduction.ratio <= 1 - _NOTICED:  # nan where there is none
+        return f"{evaluated}: the ball does not reduce the amplitude by as much as {percent(_NOTICED)} %"
+    return f"{evaluated}: the ball reduces the amplitude by {percent(1 - reduction.ratio)} % at most"
 
 
 def listed(items: Sequence[float | str], joint: str = "and") -> str:

@@ -113,6 +113,15 @@ class Damper(Table):
         """Volume that all cavities together take out of the plate [m³]; none where they have a housing."""
         return 0.0 if self.housing else self.count * 2 * self.radius * self.cavity[0] * self.cavity[1]
 
+    @property
+    def weakens(self) -> float:
+        """Stiffness that a cavity takes over that of as much material, at most.
+
+        A round hole in shear takes 4 times its volume, one across it more.
+        """
+        sides = (2 * self.radius, *self.cavity)
+        return 1 + 3 * max(sides) / min(sides)
+
     def density(self, mass: float) -> float:
         """Of each ball where all of them weigh so much [kg/m³]."""
         return mass / self.count / (4 / 3 * math.pi * self.radius**3)

@@ -17,11 +17,17 @@ from workflows.solve import resources
 from workflows.solve.known_modes import Request, SpaceStructure, about_spin_axis, seat_of, space_structure
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import fem
     from fem.meshes.volume import VolumeMesh
+    from fem.modal_model import ModesAtSpeed
     from fem.solid.assembly import SolidOperators
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
+    from workflows.scene.scene import Scene
+    from workflows.solve.known_modes import Seat
+    from workflows.solve.results import Floats
 
 
 def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
@@ -59,7 +65,18 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
         root_stress=root_stress(solved.operators),
+        cut=_cavities(scene, seat, solved.operators.blade.material),
     )
+
+
+def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callable[[ModesAtSpeed], Floats] | None:
+    """What gives the shifts by cavities that the mesh does not have; None where it has them, or they do not count."""
+    from fem.reduction.known_modes import cavity_shifts
+
+    damper = scene.damper
+    if damper is None or seat is None or not seat.filled or scene.effects.cavity_mass is False:
+        return None
+    return lambda modes: cavity_shifts(modes, seat.pull, material, damper.cut, damper.weakens)
 
 
 def root_stress(operators: SolidOperators) -> float | None:

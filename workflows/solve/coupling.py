@@ -178,7 +178,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: damper.Particl
     elif release.ratio is not None:
         start = release.ratio * point.omega**2 * point.radius / squares[0], 0.0
     else:
-        begin = system.amplitude_of(system.leaving_threshold)
+        begin = system.amplitude_of(system.break_away_threshold)
         freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
         start = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if start[1] != 0.0 and point.cavity_modes and leading_mode(point.cavity_modes, 1) is None:

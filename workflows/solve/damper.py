@@ -164,7 +164,7 @@ def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dam
 
 
 def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:
-    """Cut-off over g and over the load of a ring-down so slow that it is resolved; nan where the ball never moves.
+    """Cut-off over g and over the load of a ring-down so slow that it is resolved; nan where nothing drives the ball.
 
     It begins at twice the amplitude at which the ball begins to move.
     """
@@ -173,7 +173,8 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, fl
     begin = system.amplitude_of(system.leaving_threshold)
     if not begin < coupling.OUT_OF_REACH:
         return math.nan, math.nan
-    motion = ringdown(replace(system, damping_ratio=_RESOLVING), (2 * begin, 0.0), progress=_look_up)
+    moving = replace(system, damping_ratio=_RESOLVING, break_away=0.0)
+    motion = ringdown(moving, (2 * begin, 0.0), progress=_look_up)
     cutoff, load = capacity(motion).cutoff, point.omega**2 * point.radius
     return (math.nan, math.nan) if cutoff is None else (cutoff * point.load_g / load, cutoff / load)
 

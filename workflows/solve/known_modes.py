@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,8 @@ if TYPE_CHECKING:
 class Seat:
     """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the normal, its pull.
 
-    `normal`: of the floor (3,) at rest; None: along the load.
+    `normal`: of the floor (3,) at rest; None: along the load. `filled`: whether the cavity's middle is in a cell, so
+    that the mesh does not have it cut.
 
     `force`: where and in which direction (3,) a force shakes the structure; None: not elsewhere than here.
     """
@@ -52,6 +54,7 @@ class Seat:
     pull: Pull
     force: tuple[Place, Floats] | None = None
     normal: Floats | None = None
+    filled: bool = False
 
     def load(self, modes: ModesAtSpeed) -> Floats | None:
         """What a unit of the force is on the modes (count,)."""
@@ -100,6 +103,7 @@ class SpaceStructure:
         coriolis: relative shifts of the frequencies at a speed [rad/s] by Coriolis forces, which are left out; None:
             not known.
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
+        cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
     """
 
     model: ModalModel
@@ -110,6 +114,7 @@ class SpaceStructure:
     sha256: str | None
     coriolis: Callable[[float], Floats] | None = None
     root_stress: float | None = None
+    cut: Callable[[ModesAtSpeed], Floats] | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -128,12 +133,13 @@ class SpaceStructure:
         turned = None if self.coriolis is None else self.coriolis(omega)
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
+        cut = None if self.cut is None else self.cut(modes)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
             radius=self.radius,
             load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned, bent) for k, name in enumerate(names[: scene.rotor.modes])),
+            modes=tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes])),
             root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
         )
         damper = scene.damper
@@ -264,16 +270,21 @@ def _known(pair: Floats) -> tuple[float | None, float | None]:
     return one, other
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str, turned: Floats | None, bent: Floats | None) -> Mode:
-    """A mode as results have it; its error is that of the file, where it says one, and of interpolation."""
+def _mode(modes: ModesAtSpeed, k: int, family: str, *left_out: Floats | None) -> Mode:
+    """A mode as results have it; its error is that of the file, where it says one, and of interpolation.
+
+    left_out: what Coriolis forces, large deflection and cavities would move, each relative, (modes,).
+    """
+    turned, bent, cut = (None if each is None else float(each[k]) for each in left_out)
     between = modes.interpolation
     parts = ErrorParts(
         mesh=None if modes.errors is None else float(modes.errors[k]),
         layers=0.0,
         basis=float("nan") if between is None else float(between[k]),
         theory=0.0,
-        large_deflection=None if bent is None else float(bent[k]),
-        coriolis=None if turned is None else float(turned[k]),
+        large_deflection=bent,
+        coriolis=turned,
+        cavity_mass=cut,
     )
     return Mode(
         frequency_hz=float(modes.frequencies_hz[k]),
@@ -672,7 +683,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
             f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
-    remarks += _misfits(damper, model, at, seen)
+    misfits, filled = _fit(damper, model, at, seen)
+    remarks += misfits
     lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, 0])
@@ -692,20 +704,34 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    return Seat(at, direction, modal_model.pull(model, at), force, normal), tuple(remarks)
+    return Seat(at, direction, modal_model.pull(model, at), force, normal, filled), tuple(remarks)
 
 
-def _misfits(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> list[str]:
-    """Sides of the cavity that are larger than what the structure is thick there, a ball's radius further in."""
-    middle = at.point - damper.radius * seen.normal
-    room = [modal_model.thickness(model, middle, axis) for axis in seen.axes]
+def _fit(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> tuple[list[str], bool]:
+    """A remark on a cavity that sticks out of the structure, and whether its middle is in a cell.
+
+    Its box stands on the floor. Where its middle is in no cell, the mesh has the cavity cut: then its corners count.
+    """
+    sides = np.array([*damper.cavity, 2 * damper.radius])
+    grid = np.array(list(product((-0.5, 0.0, 0.5), repeat=3)))
+    points = at.point - damper.radius * seen.normal + (grid * sides) @ np.vstack([seen.axes, seen.normal])
+    off = None if damper.housing is not None else modal_model.outside(model, points)
+    if off is None:
+        return [], False
+    filled = bool(off[len(grid) // 2] < _STICKS * sides.min())
+    off = np.where(filled | (grid != 0.0).all(axis=1), off, 0.0)
+    if (far := float(off.max())) < _STICKS * sides.min():
+        return [], filled
+    box = " x ".join(significant(1e3 * each) for each in sides)
+    there = ", ".join(f"{each:.4g}" for each in 1e3 * points[off.argmax()])
     return [
-        f"Unless the mesh has the cavity cut or housed, it does not fit: along axis {axis} it measures"
-        f" {significant(1e3 * side)} mm, and the structure is {significant(1e3 * thick)} mm thick there."
-        for axis, (side, thick) in enumerate(zip(damper.cavity, room, strict=True), 1)
-        if thick is not None and side >= thick
-    ]
+        f"Unless the mesh has the cavity cut or housed, it does not fit: its box of {box} mm on the floor sticks out of"
+        f" the structure by up to {significant(1e3 * far, 2)} mm, near ({there}) mm."
+    ], filled
 
+
+_STICKS = 0.01
+"""Part of its smallest side by which a cavity may stick out of the structure."""
 
 _OFF = 1e-4
 """Distance from the place asked for, relative to the structure, from which on it is said."""

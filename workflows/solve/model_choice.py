@@ -34,17 +34,17 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
     Raises:
         NoAnswer: the plate diverges, has no equilibrium, or is too thin for its theory in double precision.
     """
-    from fem import Divergence, NoEquilibrium, NotConverged, SingularMatrix, Unresolved
+    import fem  # its names are looked up, and its modules imported, only where something is raised
 
     try:
         yield
-    except Divergence as error:
+    except fem.Divergence as error:
         why = _overloaded(source) or "no speed asked for is below the critical one"
         raise NoAnswer(". ".join((f"{source.name}: [rotor] speeds: {error}; {why}", *source.remarks))) from error
-    except NoEquilibrium as error:
+    except fem.NoEquilibrium as error:
         key = "stagger" if source.scene.blade is None else "axis"
         raise NoAnswer(f"{source.name}: [rotor] speeds, {key}: {error}") from error
-    except Unresolved as error:
+    except fem.Unresolved as error:
         if source.scene.blade is not None:
             raise NoAnswer(
                 f"{source.name}: [blade] root: in double precision the blade is all but loose: rounding leaves nothing"
@@ -52,7 +52,7 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
             ) from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
-    except (SingularMatrix, NotConverged) as error:
+    except (fem.SingularMatrix, fem.NotConverged) as error:
         why = _overloaded(source) or str(error)
         body = "plate" if source.scene.blade is None else "blade"
         raise NoAnswer(

@@ -336,12 +336,11 @@ def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect])
     scene, damper = source.scene, source.scene.damper
     if damper is None or not damper.cut or scene.effects.cavity_mass is False:
         return None
-    sides = (2 * damper.radius, *damper.cavity)
     return Cavity(
         at=plate_mesh.place(source, discrete.choice.operators.plate.mesh),
         volume=damper.cut,
         depth=damper.cavity[0],
-        weakens=1 + 3 * max(sides) / min(sides),  # a round hole in shear takes 4 times its volume, one across it more
+        weakens=damper.weakens,
         single=damper.count == 1,
         counted=effects["cavity_mass"].on,
     )

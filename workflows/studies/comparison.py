@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed, significant, whole
@@ -22,6 +23,7 @@ from workflows.report.text import run as solved
 from workflows.scene.load import SceneLike, as_scene_file
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
+from workflows.studies.sweep import plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,11 @@ class Comparison:
         keys = dict.fromkeys(key for scene in scenes for key in scene)
         values = {key: tuple(scene.get(key) for scene in scenes) for key in keys if key != "title"}
         return {key: each for key, each in values.items() if any(value != each[0] for value in each[1:])}
+
+    @property
+    def title(self) -> str:
+        """The titles of the scenes, each once."""
+        return " · ".join(dict.fromkeys(each.scene.title for each in self.results))
 
     @property
     def points(self) -> list[tuple[float, list[SpeedPoint | None]]]:
@@ -106,10 +113,10 @@ _QUANTITIES = {
 _HEADS = ("rpm", "run", *_QUANTITIES.values())
 
 
-def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | None]:
-    """The figures of a run at a speed; None where it has none."""
+def _figures(results: Results, point: SpeedPoint | None) -> dict[str, Any]:
+    """The figures of a run at a speed, None where it has none, and the marks of its cut-off and its damping."""
     if point is None:
-        return dict.fromkeys(_QUANTITIES)
+        return dict.fromkeys(_QUANTITIES) | {"marks": ("", "")}
     own = point.damping_curve
     return {
         "load_g": point.load_g,
@@ -117,6 +124,7 @@ def _figures(results: Results, point: SpeedPoint | None) -> dict[str, float | No
         "cutoff_g": limits.cutoff(results, point).g,
         "damping_ratio_percent": None if own is None else 100 * own.peak,
         "at_amplitude_mm": None if own is None else finite(1e3 * own.peak_amplitude),
+        "marks": (remarks.cutoff_mark(results, point), remarks.mark(results, point)),
     }
 
 
@@ -138,29 +146,57 @@ def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
     runs = zip(comparison.names, comparison.results, strict=True)
     lines = [line for name, results in runs for line in (f"{name}: {headline(results)}", "")]
-    differences = [(key, *map(_value, values)) for key, values in comparison.differences.items()]
+    differences = [(key, *values) for key, values in _differences(comparison)]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
-    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))])])
+    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *_legend(comparison)])
+
+
+def _legend(comparison: Comparison) -> list[str]:
+    """What the marks in the table stand for."""
+    runs = [results for results in comparison.results if results.scene.damper is not None]
+    return list(dict.fromkeys(line for each in runs for line in (*remarks.cutoff_legend(each), *remarks.legend(each))))
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     frequency = fixed(row["first_frequency_hz"], 2)
-    others = [significant(row[name]) for name in ("damping_ratio_percent", "at_amplitude_mm")]
-    return (whole(row["rpm"]), row["run"], amount(row["load_g"]), frequency, amount(row["cutoff_g"]), *others)
+    at_rest, beyond = row["marks"]
+    cutoff, damping = amount(row["cutoff_g"]) + at_rest, significant(row["damping_ratio_percent"]) + beyond
+    amplitude = significant(row["at_amplitude_mm"])
+    return (whole(row["rpm"]), row["run"], amount(row["load_g"]), frequency, cutoff, damping, amplitude)
 
 
 _ITEMS = 6
 """Of a list that are shown; of a longer one, the first and the last."""
 
 
-def _value(value: Any) -> str:
-    """A value of a scene's key."""
+_SHOWN = {
+    "m": ("mm", 1e3),
+    "kg": ("g", 1e3),
+    "Pa": ("MPa", 1e-6),
+    "rad/s": ("rpm", in_rpm(1.0)),
+    "rad": ("°", 180 / math.pi),
+}
+"""Units that people read instead of SI, with their factors."""
+
+
+def _differences(comparison: Comparison) -> list[tuple[str, list[str]]]:
+    """Keys of the scenes that are not the same in all, with their units, and the value in each."""
+    table = []
+    for key, values in comparison.differences.items():
+        si = plan.find(key, "compare").unit if key in plan.every() else ""
+        unit, factor = _SHOWN.get(si, (si, 1.0))
+        table.append((f"{key}, {unit}" if unit not in ("", "1") else key, [_value(value, factor) for value in values]))
+    return table
+
+
+def _value(value: Any, factor: float) -> str:
+    """A value of a scene's key in its unit."""
     if isinstance(value, list):
-        items = [_value(item) for item in value]
+        items = [_value(item, factor) for item in value]
         return f"[{', '.join(items if len(items) <= _ITEMS else [items[0], '…', items[-1]])}]"
     if value is None or isinstance(value, bool):
         return formatting.DASH if value is None else json.dumps(value)
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return f"{factor * value + 0.0:.6g}" if isinstance(value, float) else str(value)
 
 
 NAME = "compare"
@@ -202,17 +238,17 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
     """The files beside `compare.json`."""
     figure = draw(comparison)
     runs = [
-        {"name": name, "headline": headline(results), "sentences": verdict.answer(results).sentences}
+        {"name": name, "title": results.scene.title, "headline": headline(results)}
         for name, results in zip(comparison.names, comparison.results, strict=True)
     ]
-    differences = [(key, [*map(_value, values)]) for key, values in comparison.differences.items()]
     page = from_template(
         "compare.html.j2",
         result=comparison,
         runs=runs,
-        differences=differences,
+        differences=_differences(comparison),
         heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],
+        marks=_legend(comparison),
         figure=figure,
         air=[remarks.percent(ratio) for ratio in limits.AIR],
     )

@@ -293,7 +293,7 @@ def _excited_dampers(
     solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
 ) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic], list[damper.ParticleDamper]]:
     """Dampers, what drives them, and their structures without the ball's pull, each speed with all forces."""
-    dampers, harmonics, unloaded, points = [], [], list[damper.ParticleDamper](), solver.at(omega).points
+    dampers, harmonics, bare, points = [], [], list[damper.ParticleDamper](), solver.at(omega).points
     branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
         own = excitation.modes_of(point, branch)
@@ -302,12 +302,14 @@ def _excited_dampers(
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         used = coupling.damper_modes(source.scene, point) if only is None else only
         dampers += [system] * len(forcing.levels)
-        unloaded += [_unloaded(system, point, used)] * len(forcing.levels)
+        bare += [without_pull(system, point, used)] * len(forcing.levels)
         harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
-    return dampers, harmonics, unloaded
+    return dampers, harmonics, bare
 
 
-def _unloaded(system: damper.ParticleDamper, point: SpeedPoint, modes: Sequence[CavityMode]) -> damper.ParticleDamper:
+def without_pull(
+    system: damper.ParticleDamper, point: SpeedPoint, modes: Sequence[CavityMode]
+) -> damper.ParticleDamper:
     """The damper on its structure as it is without the ball, whose centrifugal pull stiffens it.
 
     Modes above those of the scene, which no order asked for meets, keep the pull.

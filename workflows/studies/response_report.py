@@ -228,14 +228,30 @@ def place(c: Crossing) -> str:
     return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
+def ball_count(result: Response) -> int:
+    """Balls of the damper."""
+    damper = result.results.scene.damper
+    return 1 if damper is None else damper.count
+
+
 def text(result: Response) -> str:
     """What a person reads on the terminal."""
     every, unit = rows(result), f"{result.excitation.kind}, {result.excitation.unit}"
     heads = ("order", "mode", "largest at, rpm", unit, "without, mm", "with, mm", "ratio", "regime", "hits")
     table = aligned([(*heads, "estimate off"), *(_cells(result, row) for row in every)])
     marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
-    dampers = page.sentences("response.txt.j2", "dampers", result.passages)
-    return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *dampers])
+    damper = result.results.scene.damper
+    zeta = 0.0 if damper is None else damper.damping_ratio
+    values = best_rows(result), zeta, ball_count(result), result.excitation.unit
+    added = page.sentences("response.txt.j2", "added", *values) if zeta else []
+    return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *added])
+
+
+def best_rows(result: Response) -> list[Row]:
+    """Of each crossing the row with the largest reduction that the structure endures, where there is one."""
+    borne = [[row for row in rows(result, each) if not is_beyond(result, row)] for each in result.passages]
+    best = [min(each, key=lambda row: row.ratio) for each in borne if each]
+    return [row for row in best if row.ratio < 1]
 
 
 def _cells(result: Response, row: Row) -> tuple[str, ...]:
@@ -350,6 +366,7 @@ def render(result: Response) -> str:
         "response.html.j2",
         plots.shades_css(max(len(result.excitation.levels), len(result.passages), 1)),
         result=result,
+        count=ball_count(result),
         unit=result.excitation.unit,
         sentences=sentences(result),
         sections=sections,

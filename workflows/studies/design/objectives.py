@@ -26,6 +26,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
+from workflows.studies.response import without_pull
 from workflows.studies.sweep.evaluate import QUICK, DamperCase, damper_curve
 
 BEYOND, NONE = 100.0, 200.0
@@ -117,20 +118,27 @@ class LeastDamping:
     objective: ClassVar[str] = "least damping ratio over the amplitudes, at the speed where it is least"
     of_damping: ClassVar[bool] = True
 
+    def screened(self, cases: list[DamperCase]) -> Evaluation | None:
+        """What a damper is worth that the load holds at the least amplitude, by formula; None for any other."""
+        cutoff, worst, bound = self._limits(cases)
+        if cutoff < self.low:
+            return None
+        lost = math.log(cutoff / self.low) if math.isfinite(cutoff) else _NEVER
+        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, why=Obstacle("held"))
+
+    def _limits(self, cases: list[DamperCase]) -> tuple[float, float, float]:
+        """Largest cut-off [m], the speed where that is [rad/s], and the bound."""
+        dampers = [(each.verdict_damper, each.point.omega) for each in cases]
+        cutoff, worst = max((cutoff_of(damper), omega) for damper, omega in dampers)
+        return cutoff, worst, min(bound_of(damper, self.high) for damper, _ in dampers)
+
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
-        """What a damper is worth that is placed on its structure at every speed."""
-        low, high = self.low, self.high
-        dampers = [(each, each.verdict_damper) for each in cases]
-        cutoff, worst = max((cutoff_of(damper), each.point.omega) for each, damper in dampers)
-        bound = min(bound_of(damper, high) for _, damper in dampers)
-        if cutoff >= low:
-            lost = math.log(cutoff / low) if math.isfinite(cutoff) else _NEVER
-            return Evaluation(0.0, -lost, bound, worst, low, cutoff, why=Obstacle("held"))
-        values, falling = [], []
-        for each, damper in dampers:
-            figures = damper_curve(damper, {}, reach=high, **(QUICK if quick else {}))
-            values.append((*least(figures, low, high), each.point.omega))
-            falling.append(least(figures.descending, low, high)[0])
+        """What a damper is worth that moves on its structure at every speed."""
+        (cutoff, _, bound), values, falling = self._limits(cases), [], []
+        for each in cases:
+            figures = damper_curve(each.verdict_damper, {}, reach=self.high, **(QUICK if quick else {}))
+            values.append((*least(figures, self.low, self.high), each.point.omega))
+            falling.append(least(figures.descending, self.low, self.high)[0])
         value, amplitude, speed = min(values)
         why = None if value > 0 else Obstacle("lossless")
         return Evaluation(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
@@ -182,13 +190,15 @@ class CrossedDamper:
 
     Attributes:
         crossing: of the order with the structure without a ball.
-        system: the damper there; axis: along which of its axes the amplitude is; harmonic: what drives it there.
+        system: the damper there; unloaded: the same without the ball's pull on the structure; axis: along which of
+            its axes the amplitude is; harmonic: what drives it there.
         leads: whether the mode is the one that yields most along x, of which free vibration tells.
         speeds: between which the order is looked at [rad/s].
     """
 
     crossing: Crossing
     system: ParticleDamper
+    unloaded: ParticleDamper
     axis: int
     harmonic: Harmonic
     leads: bool
@@ -290,8 +300,9 @@ def crossing_objective(
         return None
     followed = None if modes is None else excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
+    bare = without_pull(system, point, followed or coupling.damper_modes(scene, point))
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
-    return CrossedDamper(crossing, system, axis, harmonic, leads, (low, high))
+    return CrossedDamper(crossing, system, bare, axis, harmonic, leads, (low, high))
 
 
 @dataclass(frozen=True)
@@ -318,7 +329,8 @@ def linear(crossed: CrossedDamper) -> Linear:
     at nu than the square wave's, (4 / pi) d: of the amplitude with the ball at rest, as much as a force of
     (4 / pi) m nu² d |1 - tau| at the cavity gives is all that it can take away.
     """
-    _, _, alone, most = _largest(crossed, crossed.without_ball, "without")
+    bare = replace(crossed, system=crossed.unloaded)
+    _, _, alone, most = _largest(bare, bare.without_ball, "without")
     omega, harmonics, answers, k = _largest(crossed, crossed.with_ball, "linear")
     resting, nu, axis = float(np.abs(answers.linear[k])), harmonics[k].frequency, crossed.axis
     unit = Harmonic(nu, force=(1.0, 0.0) if axis == 0 else (0.0, 1.0))
@@ -458,6 +470,10 @@ class LeastAmplitude:
     def speeds(self) -> tuple[float, ...]:
         """Of the crossings [rad/s], each once."""
         return tuple(sorted({crossing.omega for crossing in self.crossings}))
+
+    def screened(self, _: list[DamperCase]) -> Evaluation | None:
+        """None: no formula says what a damper is worth."""
+        return None
 
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that is placed on its structure at every crossing."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from damper import DampingCurve, ParticleDamper
 from workflows import formatting
-from workflows.formatting import whole
+from workflows.formatting import significant, whole
 from workflows.io.files import finite
 from workflows.report import page, plots
 from workflows.scene.load import SceneFile
@@ -21,7 +21,7 @@ from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping
-from workflows.studies.design.space import NAMES, Optimum, Space, formatted
+from workflows.studies.design.space import NAMES, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
@@ -55,7 +55,7 @@ class ActiveConstraint:
 
 
 def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[ActiveConstraint, ...]:
-    """The ends of ranges, and the limits, at which the best design lies."""
+    """The ends of ranges, and the limits, at which the best design lies; and of amplitudes, where damping is least."""
     constraints = [
         ActiveConstraint(name, f"{100 * share:.0f} % of the {name} allowed is used")
         for name, share in optimum.evaluation.used
@@ -67,7 +67,23 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         if not _AT_END < share < 1 - _AT_END:
             end = f"{formatted(name, values[name])} is the {'least' if share < 0.5 else 'greatest'} allowed"
             constraints.append(ActiveConstraint(NAMES[name], end, _gain(space, optimum, score, k)))
-    return tuple(constraints)
+    return (*constraints, *_amplitude_constraint(space, optimum, score))
+
+
+def _amplitude_constraint(space: Space, optimum: Optimum, score: Score) -> list[ActiveConstraint]:
+    """The end of the range of amplitudes at which the best design damps least, and what a narrower range gains."""
+    evaluation, goal = optimum.evaluation, space.goal
+    if not isinstance(goal, LeastDamping) or not evaluation.works:
+        return []
+    for end, name, narrower in (
+        (goal.low, "least", replace(goal, low=goal.low * (1 + _FURTHER))),
+        (goal.high, "greatest", replace(goal, high=goal.high / (1 + _FURTHER))),
+    ):
+        if abs(evaluation.amplitude / end - 1) < _AT_END and narrower.low < narrower.high:
+            said = f"the damping is least at the {name} amplitude required, {significant(1e3 * end)} mm"
+            (further,) = score(replace(space, goal=narrower), optimum.shares[None], False)
+            return [ActiveConstraint("amplitude", said, further.value / evaluation.value - 1)]
+    return []
 
 
 def _gain(space: Space, optimum: Optimum, score: Score, k: int) -> float | None:
@@ -88,7 +104,7 @@ class Grid:
     """A map: names and values (SI) along x and y.
 
     Attributes:
-        values: of designs, (y, x); nan where one works nowhere or exceeds a limit; beyond: where a limit is exceeded.
+        values: of designs, (y, x); nan where one exceeds a limit, as `beyond` says; 0 for a damping that fails.
     """
 
     x: str
@@ -171,7 +187,7 @@ def verdict(space: Space, optimum: Optimum) -> str:
 def sentences(result: DesignResult) -> list[str]:
     """What carries the answer, and what limits it; or why nothing works."""
     if result.optimum.evaluation.works:
-        return _phrased("sentences", result.space, result.optimum, result.active_constraints)
+        return _phrased("sentences", result.space, result.optimum, result.active_constraints, has_thickness)
     return _phrased("reasons", result.space, result.optimum)
 
 
@@ -184,18 +200,17 @@ def _phrased(macro: str, *values: Any) -> list[str]:
     return page.sentences("design.txt.j2", macro, *values)
 
 
-@plots.style()
 def draw(result: DesignResult) -> list[Picture]:
     """All pictures there are."""
     pictures, goal = [], result.space.goal
     if isinstance(goal, LeastDamping) and (curves := damping_curves(result.space, result.optimum, goal)):
-        pictures.append(Picture(_curves(goal, curves), *_phrased("of_curves")))
+        pictures.append(Picture(_curves(goal, curves), *_phrased("of_curves", result.optimum.evaluation.works)))
     if result.response is not None:
         for number, passage in enumerate(result.response.passages):
             shades = map_spread(len(passage.forces) + 1)[:-1]
             drawn = response_report.response(result.response, passage, str(number), shades)
             pictures.append(Picture(drawn, *_phrased("of_response", response_report.place(passage.crossing))))
-    if result.grid is not None and np.isfinite(result.grid.values).any():
+    if result.grid is not None and result.optimum.evaluation.works:
         pictures.append(Picture(_map(result, result.grid), *_phrased("of_map", goal.of_damping)))
     return pictures
 
@@ -210,16 +225,18 @@ class Curve:
 
 
 def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
-    """A curve for each speed at which the best ball takes anything, up to the highest amplitude of the goal."""
+    """A curve for each speed at which the best ball moves below the highest amplitude of the goal, up to there."""
     plan = space.plan(optimum.shares[None])
     cases = evaluate.damper_cases(space.source, plan, 0, PlateCache(), evaluate.empty(plan.size), [])
     curves = [
         Curve(each.point.rpm, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
         for each in cases
+        if objectives.cutoff_of(each.verdict_damper) < goal.high
     ]
     return [curve for curve in curves if curve.damping_curve.amplitude.size]
 
 
+@plots.style()
 def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     figure, (axes,) = plots.canvas(3.1)
     colours = map_spread(len(curves) + 1)
@@ -237,9 +254,10 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     top = max(100 * curve.damping_curve.peak for curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
     plots.legend(figure, axes, title="speed")
-    return plots.svg(figure, "best", "Damping ratio of the best damper over amplitude")
+    return plots.svg(figure, "best", "Damping ratio of the damper over amplitude")
 
 
+@plots.style()
 def _map(result: DesignResult, grid: Grid) -> str:
     of_damping = result.space.goal.of_damping
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
@@ -247,7 +265,8 @@ def _map(result: DesignResult, grid: Grid) -> str:
     xs, ys, values = _in_mm(grid.x, grid.xs), _in_mm(grid.y, grid.ys), factor * grid.values
     levels = contour_levels([values]) if of_damping else contour_levels([values], least=0.0)
     colours = map_spread(len(levels) - 1)[:: 1 if of_damping else -1]
-    axes.contourf(xs, ys, np.clip(values, levels[0], levels[-1]), levels, colors=colours)
+    shown = np.where(values > 0, np.clip(values, levels[0], levels[-1]), values)
+    axes.contourf(xs, ys, shown, levels, colors=colours)
     if grid.beyond.any():
         hatch(axes, xs, ys, grid.beyond)
     best = result.space.values(result.optimum.shares)
@@ -282,13 +301,15 @@ def in_short(result: DesignResult) -> str:
 
 def render(result: DesignResult) -> str:
     """The page."""
+    pictures = draw(result)
     return page.from_template(
         "design.html.j2",
-        plots.shades_css(SHADES),
+        plots.shades_css(SHADES) if pictures else "",
         title=result.space.source.scene.title,
+        works=result.optimum.evaluation.works,
         verdict=verdict(result.space, result.optimum),
         sentences=sentences(result),
-        figures=draw(result),
+        figures=pictures,
         toml=result.toml,
         evaluations=formatting.fixed(result.optimum.evaluations),
     )

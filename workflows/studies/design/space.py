@@ -83,6 +83,11 @@ class Space:
         """The keys of a design by name."""
         return {axis.name: axis.at(np.array([share]))[0] for axis, share in zip(self.axes, shares, strict=True)}
 
+    def count(self, shares: Floats) -> int:
+        """Balls of a design."""
+        damper = self.source.scene.damper
+        return int(self.values(shares).get("damper.count", 1 if damper is None else damper.count))
+
     def summary(self, shares: Floats) -> str:
         """A design in words, key by key."""
         return ", ".join(formatted(name, value) for name, value in self.values(shares).items())
@@ -104,6 +109,12 @@ def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:
     return max(over, key=lambda item: item[1], default=None)
 
 
+def has_thickness(scene: Scene) -> bool:
+    """Whether the thickness of what holds the cavity is known: that of a plate without a mesh of its own is."""
+    plate, damper = scene.plate, scene.damper
+    return plate is not None and plate.length is not None and (damper is None or damper.housing is None)
+
+
 def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
     shares, damper, plate = {}, scene.damper, scene.plate
@@ -112,7 +123,7 @@ def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedP
         shares["density"] = damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
         shares["mass"] = ball_mass / design.mass
-    if plate is not None and damper.housing is None and plate.length is not None:
+    if plate is not None and plate.length is not None and damper.housing is None:
         thickness = plate_mesh.plate_thickness(plate, damper.on_plate or (plate.length, 0.0))
         shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
     contact = limits.contact(scene, fastest)
@@ -147,6 +158,12 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
         raise source.wrong(problem, "[damper] formulation", damper.formulation)
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
+    if design.wall and not has_thickness(scene):
+        problem = (
+            "the thickness at the damper is known only of a plate with length and width, not of a housing: leave the"
+            " key out, and limit ball_diameter and clearance to what fits"
+        )
+        raise source.wrong(problem, "[design] wall", design.wall)
     tables = {name: getattr(design, table) for name, table in NAMES.items()}
     axes = tuple(_axis(name, table) for name, table in tables.items() if table is not None)
     if design.amplitude is not None:
@@ -169,25 +186,41 @@ def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
     return Axis(key, tuple(values))
 
 
+def screened(space: Space, shares: Floats, plates: PlateCache) -> list[Evaluation]:
+    """The first designs, up to one whose ball has to be simulated: what formulas say they are worth."""
+    evaluations = list[Evaluation]()
+    for row in shares:
+        (evaluation,) = _evaluations(space, row[None], plates, None)
+        if evaluation is None:
+            break
+        evaluations.append(evaluation)
+    return evaluations
+
+
 def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
     """The designs at rows of shares; `quick` where a few percent do not count."""
+    return [each for each in _evaluations(space, shares, plates, quick) if each is not None]
+
+
+def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool | None) -> list[Evaluation | None]:
+    """The same; without `quick` by formulas alone, and None where these do not say."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
     rows, reasons = evaluate.empty(plan.size), list[str]()
     cases: list[list[DamperCase]] = [[] for _ in shares]
     for each in evaluate.damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
         cases[each.number // speeds].append(each)
-    scores = []
+    scores = list[Evaluation | None]()
     for number, mine in enumerate(cases):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
             scores.append(Evaluation(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
         else:
-            scores.append(_one(space, mine, quick=quick))
+            scores.append(_one(space, mine, quick))
     return scores
 
 
-def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
+def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluation | None:
     """A design on its structure at every speed."""
     scene = cases[0].scene
     mass = max(each.damper.ball_mass for each in cases)
@@ -201,7 +234,10 @@ def _one(space: Space, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
-    return replace(space.goal.worth(cases, quick=quick), mass=mass, used=used, endured=endured)
+    evaluation = space.goal.screened(cases)
+    if evaluation is None and quick is not None:
+        evaluation = space.goal.worth(cases, quick=quick)
+    return evaluation and replace(evaluation, mass=mass, used=used, endured=endured)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import asdict, replace
 from functools import partial
 from itertools import combinations, product
@@ -220,7 +220,7 @@ def design(
     Args:
         scene: with a table [design].
         seed: of the search.
-        pool: the workers; default: the cores of this machine.
+        pool: the workers, entered when the first ball has to be simulated; default: the cores of this machine.
         stages: the clock.
         partial_results: a file of designs that were scored; a design that was stopped goes on from it.
 
@@ -233,8 +233,8 @@ def design(
     clock = stages or Stages()
     space = spaces.design_space(source, clock)
     resumed = nullcontext() if partial_results is None else folder.resumable(_GOES_ON)
-    with resumed, pool or executor.local() as workers, clock("design") as step:
-        score = partial(evaluate_on_workers, workers, executor.digest())
+    with resumed, ExitStack() as started, clock("design") as step:
+        score = Scorer(lambda: started.enter_context(pool or executor.local()))
         designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
         optimum = search(space, designs, seed)
         impossible = optimum.evaluation.impossible
@@ -282,7 +282,8 @@ def winner(space: Space, optimum: Optimum) -> SceneFile:
     values = dict(zip((axis.key for axis in space.axes), space.values(optimum.shares).values(), strict=True))
     data = plan.with_values(plan.base(space.source, list(values)), values)
     scene = plan.of_a_point(space.source, data, space.source.scene.rotor.speeds)
-    title = f"{space.source.scene.title}, the best damper"[:200]
+    which = "best" if optimum.evaluation.works else "closest"
+    title = f"{space.source.scene.title}, the {which} damper"[:200]
     return replace(scene, scene=scene.scene.model_copy(update={"title": title}))
 
 
@@ -291,6 +292,26 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[
     executor.require_code(digest)
     executor.ready()
     return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
+
+
+class Scorer:
+    """Scores designs: by formulas in this process until a ball has to be simulated, from then on by the workers.
+
+    Workers take seconds to start. In a space in which the load holds every ball none starts.
+    """
+
+    def __init__(self, start: Callable[[], Workers]) -> None:
+        self._start = start
+        self._workers: Workers | None = None
+
+    def __call__(self, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
+        """Scores at rows of shares."""
+        scores = spaces.screened(space, shares, _plates) if self._workers is None else []
+        if len(scores) == len(shares):
+            return scores
+        self._workers = self._workers or self._start()
+        rest = shares[len(scores) :]
+        return scores + evaluate_on_workers(self._workers, executor.digest(), space, rest, quick)
 
 
 def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
@@ -302,16 +323,17 @@ def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Flo
 
 
 def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
-    """What designs are worth over two ranges, all else as in the best."""
+    """What designs are worth over two ranges, the values of the best among them, and all else as in the best."""
     free = space.continuous
     if len(free) < 2:
         return None
     x, y = free[:2]
-    shares = np.linspace(0.0, 1.0, _MAP)
-    rows = np.repeat(optimum.shares[None], _MAP * _MAP, axis=0)
-    rows[:, x], rows[:, y] = np.tile(shares, _MAP), np.repeat(shares, _MAP)
+    along = [np.union1d(np.linspace(0.0, 1.0, _MAP), optimum.shares[k]) for k in (x, y)]
+    shape = len(along[1]), len(along[0])
+    rows = np.repeat(optimum.shares[None], math.prod(shape), axis=0)
+    rows[:, x], rows[:, y] = np.tile(along[0], shape[0]), np.repeat(along[1], shape[1])
     every = score(rows, True)
-    xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k in (x, y))
-    values = np.array([each.value if each.works else np.nan for each in every]).reshape(_MAP, _MAP)
-    beyond = np.array([each.impossible for each in every]).reshape(_MAP, _MAP)
+    xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k, shares in zip((x, y), along, strict=True))
+    beyond = np.array([each.impossible for each in every]).reshape(shape)
+    values = np.where(beyond, np.nan, np.array([each.value for each in every]).reshape(shape))
     return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values, beyond)

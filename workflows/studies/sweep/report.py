@@ -467,6 +467,7 @@ def render(data: xr.Dataset) -> str:
         plots.shades_css(SHADES),
         result=entries,
         best=best,
+        keys=_best_keys(data, entries),
         headline=_headline(data, entries),
         percentiles=_percentiles(data) if "ST" in data and best is not None else [],
         ranges=_ranges(data) if "ST" in data else {},

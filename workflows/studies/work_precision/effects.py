@@ -123,6 +123,8 @@ class EffectChange:
         on: whether it is simulated, as the scene and the rules have it.
         changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds, None
             where no speed has a value both with and without it.
+        scatter: by how much each of these quantities changes as the cavity changes by a billionth, where motion is
+            chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
         time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
         failed: why there is no change to show.
@@ -133,6 +135,7 @@ class EffectChange:
     why: str
     on: bool
     changes: dict[str, float | None] = field(default_factory=dict)
+    scatter: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     time_s: float | None = None
     time_spread_s: tuple[float, float] | None = None
@@ -141,9 +144,13 @@ class EffectChange:
 
     @property
     def largest(self) -> tuple[str, float] | None:
-        """The quantity that changes most, and by how much."""
-        known = [(name, change) for name, change in self.changes.items() if change is not None]
+        """The quantity that changes most beyond its scatter, and by how much."""
+        known = [(name, each) for name, each in self.changes.items() if each is not None and not self.scatters(name)]
         return max(known, key=lambda item: abs(item[1]), default=None)
+
+    def scatters(self, quantity: str) -> bool:
+        """Whether a quantity changes by no more than it scatters."""
+        return abs(self.changes[quantity] or 0.0) <= _WITHIN * self.scatter.get(quantity, 0.0)
 
     @property
     def within_noise(self) -> bool | None:
@@ -189,21 +196,39 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
     effects = {name: effect.on for name, effect in choice.effects.items()}
     size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
 
-    def run(**switches: bool) -> tuple[SpeedPoint, ...]:
-        """The scene with all effects as decided but those switched, on the mesh of its own run."""
-        scene = source.changed(effects=effects | switches)
+    def run(cavity: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
+        """The scene with all effects as decided but those switched, on the mesh of its own run; `cavity`: a factor."""
+        tables: dict[str, Any] = {"effects": effects | switches}
+        if source.scene.damper is not None:
+            tables["damper"] = {"cavity": tuple(cavity * side for side in source.scene.damper.cavity)}
+        scene = source.changed(**tables)
         return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
     called = selection.called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
         own = run()
+        scatter = _scatter(own, [run(cavity=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
-            row = EffectChange(name, *called[name][:2], on)
+            row = EffectChange(name, *called[name][:2], on, scatter=scatter)
             rows.append(_change_of(source, row, effects, own, run))
             step.advance(name)
     return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
+
+
+_PERTURBED, _WITHIN = 1e-9, 2.0
+"""Relative change of the cavity by which the scatter is measured, and how many times the scatter an effect exceeds."""
+
+
+def _scatter(own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]]) -> dict[str, float]:
+    """The largest change of each quantity of the ball by a change that is none, at all speeds."""
+    scatter: dict[str, float] = {}
+    for each in perturbed:
+        for name, change in changes(own, each, own_has_it=True).relative.items():
+            if change is not None and not name.startswith("frequency"):
+                scatter[name] = max(scatter.get(name, 0.0), abs(change))
+    return scatter
 
 
 def _change_of(
@@ -323,6 +348,8 @@ def _unseen(row: EffectChange, least: float) -> str:
         return row.failed
     top = row.largest
     none = "none" if top is None or abs(top[1]) <= _ROUNDING else f"none above {formatting.significant(100 * least)} %"
+    if any(change and row.scatters(name) for name, change in row.changes.items()):
+        none += " beyond the scatter of chaotic motion"
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
 
 
@@ -331,8 +358,9 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
-    columns = ("effect", "on", "called_for", *times, *quantities, "remarks", "failed")
-    constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent}
+    scatter = dict.fromkeys(f"{name}_scatter" for row in switches.rows for name in row.scatter)
+    columns = ("effect", "on", "called_for", *times, *quantities, *scatter, "remarks", "failed")
+    constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
     return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
@@ -348,10 +376,17 @@ def text(switches: EffectStudy) -> str:
         quantity, size = ("", formatting.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
         lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {_spent(row):>24}  {row.why}")
-        lines += [f"{'':<20} {remark}" for remark in row.remarks]
+        lines += [f"{'':<20} {remark}" for remark in (*row.remarks, *_scattered(row))]
         if row.failed is not None and row.failed != row.why:
             lines.append(f"{'':<20} no numbers: {row.failed}")
     return "\n".join(lines)
+
+
+def _scattered(row: EffectChange) -> list[str]:
+    """Quantities whose change is no more than the scatter of chaotic motion."""
+    names = [name for name, change in row.changes.items() if change and row.scatters(name)]
+    each = [f"{name} {formatting.significant(100 * (row.changes[name] or 0.0), 2)} %" for name in names]
+    return [f"within the scatter of chaotic motion: {', '.join(each)}"] if each else []
 
 
 def _spent(row: EffectChange) -> str:
@@ -366,4 +401,5 @@ def _spent(row: EffectChange) -> str:
 def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
-    return vars(row) | times | row.changes | {"remarks": "; ".join(row.remarks)}
+    scatter = {f"{name}_scatter": value for name, value in row.scatter.items()}
+    return vars(row) | times | row.changes | scatter | {"remarks": "; ".join(row.remarks)}

@@ -20,7 +20,7 @@ _MOST_EVENTS = 20_000
 
 _KNOWN = (
     *("modal_mass", "stiffness", "ball_mass", "ball_radius", "cavity", "centrifugal_acceleration", "restitution"),
-    *("friction", "rolling_friction", "damping_ratio", "sticking_ratio", "formulation", "break_away", "stagger"),
+    *("friction", "rolling_friction", "damping_ratio", "sticking_ratio", "formulation", "stagger"),
 )
 """Fields of a damper that the equations here know, or that a ring-down on a level floor does not depend on."""
 
