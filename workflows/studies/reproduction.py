@@ -81,7 +81,7 @@ class PaperRun:
 
         Its stiffness is kept, so that curves differ by what was changed alone.
         """
-        scene, point = _with(self.scene, formulation=formulation), self.plate[SHOWN]
+        scene, point = self.scene.changed(damper={"formulation": formulation}), self.plate[SHOWN]
         if mass_ratio is not None and point.reduced is not None:
             changes["ball_mass"] = mass_ratio * point.reduced.M2
         return replace(particle_damper(scene, self.effects, point), **changes)
@@ -100,16 +100,11 @@ def study(stages: Stages) -> PaperRun:
     structure = pipeline.structure(source, stages, shapes=False)
     points = {}
     for formulation in FORMULATIONS:
-        scene = _with(source.scene, formulation=formulation)
+        scene = source.scene.changed(damper={"formulation": formulation})
         points[formulation] = simulate(scene, structure.effects, structure.points, stages, SHOWN)
-    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0,)})
-    at_rest = pipeline.structure(source.changed(rotor=rotor, damper=None, release=None), stages, shapes=False)
-    return PaperRun(source.scene, structure.effects, points, at_rest.points[0].modes[0].frequency_hz)
-
-
-def _with(scene: Scene, **changes: object) -> Scene:
-    assert scene.damper is not None
-    return scene.model_copy(update={"damper": scene.damper.model_copy(update=changes)})
+    at_rest = source.changed(rotor={"speeds": (0.0,)}, damper=None, release=None)
+    rest_hz = pipeline.structure(at_rest, stages, shapes=False).points[0].modes[0].frequency_hz
+    return PaperRun(source.scene, structure.effects, points, rest_hz)
 
 
 def moving(curve: CapacityCurve) -> CapacityCurve:
