@@ -192,7 +192,7 @@ def plain(drawn: Iterable[Axes]) -> None:
     for axes in drawn:
         for axis in (axes.xaxis, axes.yaxis):
             if axis.get_scale() == "log" and axis.isDefault_majfmt:
-                low, high = axis.get_view_interval()
+                low, high = sorted(axis.get_view_interval())  # an axis may run backwards
                 if 0 < high < _FEW_DECADES * low:
                     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
                     axis.set_minor_formatter(NullFormatter())
