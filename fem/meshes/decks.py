@@ -42,7 +42,7 @@ _SOLID = re.compile(r"C3D(4|6|8|10|15|20)[HIMRST]*", re.IGNORECASE)
 
 @contextmanager
 def plain(path: Path) -> Iterator[Path]:
-    """The file for readers: a deck in plain form as a file of its own, any other file itself.
+    """A file as readers take it: a deck in plain form in a file of its own, any other file itself.
 
     Raises:
         MeshError: it names a file that is not there, or holds what would be read wrongly; file and line are named.
