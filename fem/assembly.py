@@ -65,7 +65,10 @@ def _energies(coefficients: Array, strain: Array, dx: Array) -> Array:
 
 
 def energy_densities(model: Discretisation, shapes: Array) -> Array:
-    """Twice the elastic energy of shapes (n, k) per volume, (ncell, npoint, k), on average through the thickness."""
+    """Twice the elastic energy per volume (ncell, npoint, k) of shapes (n, k) [J/m³].
+
+    It is the average through the thickness.
+    """
     gradients = model.gradient.evaluate(shapes)
     total = np.zeros(gradients.shape[1:])
     for layer in model.elastic:
@@ -76,14 +79,26 @@ def energy_densities(model: Discretisation, shapes: Array) -> Array:
 
 
 def inertia(model: Discretisation, density: float, through: Array) -> csc_array:
-    """Return the matrix of density * U.(through U): mass (identity), softening (P), Coriolis (2 n x)."""
+    """The matrix of density * U.(through U).
+
+    Args:
+        model: the discretised plate.
+        density: [kg/m³].
+        through: shape (3, 3): identity for the mass, P for the softening, 2 n x for Coriolis forces.
+    """
     layers = [(layer.weight, layer.displacement) for layer in model.inertia]
     coefficients = density * np.sum([w * t.T @ through @ t for w, t in layers], axis=0)
     return gram((model.displacement, coefficients))
 
 
 def centrifugal_load(model: Discretisation, density: float, rotor: Rotor) -> Array:
-    """Load vector (dofs,) of density * P X at 1 rad/s."""
+    """Load vector (dofs,) of density * P X at 1 rad/s.
+
+    Args:
+        model: the discretised plate.
+        density: [kg/m³].
+        rotor: spin axis and hub.
+    """
     total = np.zeros((model.displacement.size, *model.points.shape[1:]))
     for layer in model.inertia:
         from_axis = model.points + (rotor.hub_radius * rotor.outwards)[:, None, None]
@@ -106,7 +121,7 @@ def uniform_load(model: Discretisation, density: float | Array, direction: Array
 
 
 def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
-    """Stress (nstrain, ncell, npoint) in Pa at each elastic layer, to first order in the displacement."""
+    """Stress (nstrain, ncell, npoint) [Pa] at each elastic layer, linear in the displacement."""
     gradients = model.gradient.evaluate(unknowns)
     return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
 
@@ -280,7 +295,7 @@ class Operators:
         return np.asarray(self.rotor.hub_radius * self.rotor.outwards + along)
 
     def radius(self, x: float, y: float = 0.0) -> float:
-        """How far outside the spin axis (m) a place (x, y) in m lies, along the radius of the root's middle."""
+        """Distance [m] of a place (x, y) [m] from the spin axis along the radius of the root's middle."""
         return float(self.rotor.outwards @ self.from_axis((x, y)))
 
     def pull(self, at: tuple[float, float]) -> float:

@@ -229,7 +229,13 @@ def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
 
 
 def less(matrix: csc_array, factor: float, other: csc_array) -> csc_array:
-    """A matrix (n, n) less a multiple of another; fast where they share the arrays of their pattern."""
+    """A matrix less a multiple of another; fast where they share the arrays of their pattern.
+
+    Args:
+        matrix: shape (n, n).
+        factor: of the other.
+        other: shape (n, n).
+    """
     from scipy.sparse import csc_array as sparse
 
     if not np.shares_memory(matrix.indices, other.indices):
@@ -352,7 +358,16 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
 
 
 def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
-    """What double precision leaves uncertain of the frequencies of mass-normalised shapes (n, k), relatively."""
+    """What double precision leaves uncertain of frequencies, relatively.
+
+    Args:
+        stiffness: shape (n, n).
+        shapes: mass-normalised, shape (n, k).
+        eigenvalues: shape (k,).
+
+    Returns:
+        Shape (k,).
+    """
     squares = stiffness.power(2) @ shapes**2
     return np.asarray(ROUNDING * np.sqrt(np.einsum("nk,nk->k", shapes**2, squares)) / eigenvalues)
 

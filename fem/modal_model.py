@@ -93,7 +93,10 @@ class ModalModel:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
     def load(self, point: Array) -> Array:
-        """Vectors from the spin axis to points (..., 3) [m]: times Omega², the centrifugal acceleration there."""
+        """Vectors from the spin axis to points (..., 3) [m].
+
+        Times Omega² they are the centrifugal acceleration there.
+        """
         arm = point - self.origin
         return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
 
@@ -607,7 +610,7 @@ def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array]:
 
 
 def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
-    """Density that makes the modal mass of each mode 1 kg, (k,) [kg/m³], were it the same everywhere.
+    """Density that would make the modal mass of each mode 1 kg, were it uniform, (k,) [kg/m³].
 
     None where not all nodes that move belong to cells with a volume.
     """
@@ -683,7 +686,7 @@ def held(shapes: Array) -> NDArray[np.bool_]:
 
 
 def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
-    """Largest principal strain at the nodes that are held, mode by mode, (k,) [m^-1 per kg^1/2 m].
+    """Largest principal strain at the clamped nodes, mode by mode, (k,) [m^-1 per kg^1/2 m].
 
     At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp, the mesh
     has finite. None where no cell with a volume is held.
@@ -708,7 +711,10 @@ def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
 
 
 def faces(model: ModalModel) -> Ints:
-    """Triangles (m, 3) of the structure's surface, mid-side nodes among their corners; none without cells."""
+    """Triangles (m, 3) of the structure's surface; none without cells.
+
+    Mid-side nodes are among their corners.
+    """
     triangles = [np.zeros((0, 3), dtype=np.int64)]
     for every, times in faces_of(model.cells):
         triangles += [every[times == 1][:, list(part)] for part in _triangles(every.shape[1])]
@@ -736,7 +742,7 @@ _SHARP = 0.8
 
 
 def edges(points: Array, triangles: Ints) -> Ints:
-    """Edges (k, 2) of a surface: those of one triangle alone, and those at which it turns sharply."""
+    """Edges (k, 2) of a surface: its boundary, and where it turns sharply."""
     sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
     normals = np.cross(one, other)

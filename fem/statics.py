@@ -185,7 +185,16 @@ def settle(
 
 
 def tangent(operators: Body, omega: float, state: Array) -> csc_array:
-    """Stiffness (n, n) about a state (n,) at a speed omega (rad/s), spin softening included."""
+    """Stiffness about a state, spin softening included.
+
+    Args:
+        operators: of the plate or blade.
+        omega: speed [rad/s].
+        state: displacement, shape (n,) [m].
+
+    Returns:
+        Shape (n, n).
+    """
     return _stiffness(operators, omega**2, operators.stressed(state))
 
 

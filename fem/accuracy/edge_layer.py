@@ -74,7 +74,7 @@ def layer_and_rest(
 
 
 def folds(plate: Plate) -> float:
-    """By how many factors e cells around the point mass are wider than `SPOT` thicknesses; at least one.
+    """Number of factors e by which cells around the point mass exceed `SPOT` thicknesses; at least one.
 
     Nothing in a plate theory tells how wide the mass sits; as narrow as that, a solid's is no point either.
     """

@@ -99,7 +99,13 @@ def _climb(
 
 
 def complete(operators: Operators, speed: float, modes: Probed) -> bool:
-    """Whether modes at a speed in rad/s are the lowest, none left out: by the inertia of a shifted stiffness."""
+    """Whether modes are the lowest, none left out, by the inertia of a shifted stiffness.
+
+    Args:
+        operators: of the plate.
+        speed: [rad/s].
+        modes: solved at this speed.
+    """
     if operators.gyroscopic is not None:
         return True
     stiffness = operators.at(speed) if modes.state is None else tangent(operators, speed, modes.state)
@@ -209,11 +215,14 @@ class TrialMeshes:
         return self._frequencies[size]
 
     def drifts(self, size: int) -> Array:
-        """How much frequencies (probes, count) of a mesh tried still fall for the sake of a point mass."""
+        """Relative drop (probes, count) of frequencies that a point mass still leaves on a mesh."""
         return self._drifts[size] * folds(self._operators[size].plate)
 
     def layers(self, size: int) -> Array:
-        """Compliance (probes, count) of the layer along the edges in each mode; zero in theories without one."""
+        """Compliance (probes, count) of the layer along the edges in each mode.
+
+        It is zero in theories without one.
+        """
         return self._layers[size]
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
@@ -226,7 +235,7 @@ class TrialMeshes:
         return self._operators[size]
 
     def states(self, size: int) -> tuple[tuple[float, Array], ...]:
-        """Speeds in rad/s with the state (n,) in which a mesh tried rests there, where the deflection is large."""
+        """Speeds [rad/s] and static displacements (n,) [m] on a mesh, where the deflection is large."""
         known = zip(self.probes, self._states[size], strict=False)
         return tuple((speed, state) for speed, state in known if state is not None)
 
@@ -235,7 +244,7 @@ class TrialMeshes:
         return int(self._operators[size].mass.shape[0])
 
     def apart(self, coarse: int, fine: int) -> Array:
-        """Relative differences (probes, count) between two meshes, apart from what never ends under a point mass."""
+        """Relative differences (probes, count) between two meshes, less the endless drop under a point mass."""
         there, here = self.frequencies(coarse), self.frequencies(fine)
         apart = np.abs(there / here - 1.0 - self._drifts[fine] * np.log(fine / coarse))
         none = ~self.alive(coarse) & ~self.alive(fine)
@@ -321,7 +330,7 @@ class Estimates:
         return apart + errors, errors
 
     def doubted(self, errors: Array, coarse: int, fine: int) -> Array:
-        """Errors (probes, count) that rest on two meshes, where the next coarser shows that they fall more slowly.
+        """Errors (probes, count) from two meshes, corrected where a coarser one shows a slower decrease.
 
         Shapes that the coarser of two cells hardly resolve, as the chordwise ones of a thin plate whose tension leaves
         layers along the edges, are not yet at their order. Three meshes have shown it; errors are then as they were.
@@ -462,7 +471,16 @@ def _every_second(count: int) -> NDArray[np.int64]:
 
 
 def extrapolated_errors(coarse_hz: Array, fine_hz: Array, growth: float) -> Array:
-    """Relative errors (count,) of frequencies on the finer mesh, those on the coarser being growth times as large."""
+    """Relative errors of frequencies on the finer of two meshes.
+
+    Args:
+        coarse_hz: on the coarser mesh, shape (count,) [Hz].
+        fine_hz: on the finer mesh, shape (count,) [Hz].
+        growth: error on the coarser mesh over that on the finer.
+
+    Returns:
+        Shape (count,).
+    """
     return np.asarray(np.abs(coarse_hz / fine_hz - 1.0) / (growth - 1.0))
 
 

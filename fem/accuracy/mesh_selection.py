@@ -190,7 +190,10 @@ def _most(theory: str) -> int:
 
 
 def first_pair(planform: Planform, count: int) -> tuple[int, int]:
-    """The meshes to begin with: the first with enough cells, and one that is PAIRED times coarser."""
+    """The two meshes to begin with.
+
+    The first has enough cells; the other is `PAIRED` times coarser.
+    """
     sizes = planform.sizes
     fine = begun_with(planform, count)
     return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine

@@ -62,7 +62,9 @@ def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.g
 
 
 def doubt(operators: Operators, basis: Array) -> Array:
-    """Matrix E (r, r): a mode of mass-normalised shape basis @ y (n, r) has a relative error of y' E y / rate².
+    """Matrix E (r, r) of a theory's errors in a basis (n, r).
+
+    A mode of mass-normalised shape basis @ y has a relative error of y' E y / rate².
 
     Zero for solids, which are the reference.
     """
@@ -84,7 +86,9 @@ def doubt(operators: Operators, basis: Array) -> Array:
 
 
 def thick(operators: Operators, basis: Array) -> Array:
-    """Matrix E (r, r): a mode of mass-normalised shape basis @ y (n, r) is lowered by y' E y, relatively.
+    """Matrix E (r, r) of the inertia through the thickness, in a basis (n, r).
+
+    A mode of mass-normalised shape basis @ y is lowered by y' E y, relatively.
 
     By the motion through the thickness, which contracts by nu / (1 - nu) of what is stretched in the plane: no plate
     theory here gives it mass (Love, A Treatise on the Mathematical Theory of Elasticity, art. 278, for rods).

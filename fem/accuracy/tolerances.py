@@ -56,7 +56,10 @@ class Budget:
         return max(1e-3 * self.frequency, _LEAST_BASIS)
 
     def mesh(self, theory: float, left_out: float) -> float:
-        """Tolerance that a mesh is chosen by, beside what theory and effects left out add; where that is much, all."""
+        """Tolerance for the choice of a mesh, less what theory and effects left out take of it.
+
+        Where these take much, all of it is left to the mesh.
+        """
         left = self.frequency - theory - left_out
         return min(left / _TAKEN, self.frequency) if left >= _LEAST_OF_THE_MESH * self.frequency else self.frequency
 

@@ -185,7 +185,10 @@ def _around(faces: list[tuple[int, ...]], edges: list[tuple[int, int]], corners:
 
 
 def faces_of(cells: Iterable[tuple[str, Ints]]) -> list[tuple[Ints, Ints]]:
-    """Nodes around the faces of cells (nface, nnode), and how many cells have each (nface,), by the number of nodes."""
+    """Nodes around the faces of cells (nface, nnode), and how many cells have each (nface,).
+
+    They are given by the number of nodes of a face.
+    """
     rings: dict[int, list[Ints]] = {}
     for name, nodes in cells:
         for ring in cell(name).faces:

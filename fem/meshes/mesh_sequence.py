@@ -67,7 +67,13 @@ class Planform(Protocol):
 
 
 def enough_cells(planform: Planform, size: int, count: int) -> bool:
-    """Whether a mesh has enough cells for a number of modes to be more than the coarsest."""
+    """Whether a mesh has enough cells for a number of modes.
+
+    Args:
+        planform: of the plate.
+        size: of the mesh.
+        count: of modes.
+    """
     if isinstance(planform, Rectangle):
         along, across = planform.cells(size)
         return along * across >= CELLS_PER_MODE * count
@@ -75,7 +81,10 @@ def enough_cells(planform: Planform, size: int, count: int) -> bool:
 
 
 def begun_with(planform: Planform, count: int) -> int:
-    """The finer of the two sizes that a search begins with: the first with enough cells for so many modes."""
+    """The finer of the two sizes with which a search for a mesh begins.
+
+    It is the first with enough cells for so many modes.
+    """
     sizes = planform.sizes
     return next((size for size in sizes[1:] if enough_cells(planform, size, count)), sizes[-1])
 
@@ -194,7 +203,9 @@ def inner_angles(mesh: Any) -> NDArray[np.float64]:
 
 
 def corner_order(angle: float) -> float:
-    """Power of the cell size with which frequencies on even cells fall at a corner between free edges.
+    """Power of the cell size with which frequencies converge at a corner between free edges.
+
+    It holds for even cells.
 
     Twice the least root of sin(k angle) = -k sin(angle) (Williams, J. Appl. Mech. 19 (1952) 526); infinite up to a
     straight angle.
@@ -209,7 +220,7 @@ def corner_order(angle: float) -> float:
 
 
 def root_order(angle: float) -> float:
-    """The same at a corner of the root, between a clamped edge and a free one; infinite up to a right angle.
+    """The same at a corner between the clamped root and a free edge; infinite up to a right angle.
 
     sin²(k angle) = (4 - k² (1 - nu)² sin² angle) / ((3 + nu) (1 - nu)), which is above 1: k angle has a real part of
     about pi / 2, whatever nu.

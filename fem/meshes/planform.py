@@ -58,7 +58,7 @@ def root(mesh: Any) -> float:
 
 
 def root_facets(mesh: Any) -> NDArray[np.int64]:
-    """Numbers of the boundary facets that lie on the smallest x, within `ROOT_TOLERANCE` of their lengths."""
+    """Numbers of the boundary facets on the smallest x, within `ROOT_TOLERANCE` of their lengths."""
     boundary = np.asarray(mesh.boundary_facets())
     x, y = mesh.p[:, mesh.facets[:, boundary]]
     off = x.max(axis=0) - root(mesh)
@@ -162,7 +162,13 @@ def _reject_seams(mesh: Any) -> None:
 
 
 def corner_areas(p: NDArray[np.float64], t: NDArray[np.int64], k: int) -> NDArray[np.float64]:
-    """Twice the signed area (ncell,) of the triangle at corner k of each cell."""
+    """Twice the signed area (ncell,) of the triangle at a corner of each cell.
+
+    Args:
+        p: nodes, shape (2, n) [m].
+        t: nodes of the cells, shape (ncorner, ncell).
+        k: number of the corner.
+    """
     n = t.shape[0]
     a, b, c = p[:, t[k]], p[:, t[(k + 1) % n]], p[:, t[(k - 1) % n]]
     return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -158,7 +158,10 @@ def of(thickness: float | Profile, points: Array) -> float | Array:
 
 
 def spread(thickness: float | Profile, mesh: Any) -> tuple[float, float, float]:
-    """Least, mean and greatest thickness in m on a mesh, of a lattice of points in each cell, corners included."""
+    """Least, mean and greatest thickness [m] on a mesh.
+
+    They are those of a lattice of points in each cell, corners included.
+    """
     if isinstance(thickness, float | int):
         return (float(thickness),) * 3
     values = of(thickness, lattice(mesh))

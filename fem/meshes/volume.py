@@ -92,7 +92,9 @@ class VolumeMesh:
         return faces_of(self.cells)
 
     def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
-        """Middles and areas times outward normals of the boundary's faces, (nface, 3) each, by their corners.
+        """Middles (nface, 3) of the boundary's faces, and their areas times outward normals (nface, 3).
+
+        They are computed by the faces' corners.
 
         own: which nodes (n,) all of a face's have to be; None: any.
         """
@@ -311,7 +313,7 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
 
 
 def cell_dimension(kind: str) -> int:
-    """Of a kind of cells by its name; 3 of those that are unknown, so that they are not passed over."""
+    """Dimension of a kind of cells, by its name; 3 for unknown kinds, so that they are not passed over."""
     flat = ("triangle", "quad", "polygon")
     return 0 if kind == "vertex" else 1 if kind.startswith("line") else 2 if kind.startswith(flat) else 3
 

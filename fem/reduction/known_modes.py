@@ -112,7 +112,7 @@ def _deformed(at: Place, modes: ModesAtSpeed) -> tuple[Array, Array]:
 
 
 def frame(normal: Array, direction: Array) -> Array:
-    """Axes (2, 3) of a floor with a normal, the first along a direction as far as the floor reaches into it.
+    """Axes (2, 3) of a floor, the first as near to a direction as the floor allows.
 
     Raises:
         NoMotion: it is along the normal.
@@ -126,9 +126,12 @@ def frame(normal: Array, direction: Array) -> Array:
 
 
 def bending_direction(model: ModalModel, at: Place, modes: ModesAtSpeed) -> Array:
-    """The direction (3,) in which the first mode moves a place, less what of it is along the load.
+    """Direction (3,) in which the first mode moves a place, less its part along the load.
 
-    Its largest component is positive.
+    Args:
+        model: of the structure.
+        at: the place.
+        modes: at one speed.
 
     Raises:
         NoMotion: the place does not move so in this mode.

@@ -91,20 +91,23 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
 
 
 def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
-    """Rows (4, n): displacement of a place along the floor's axes, w and v, and the floor's slopes, w_x and -u_y."""
+    """Rows (4, n) for a place: displacements w and v along the floor's axes, slopes w_x and -u_y."""
     moved, along, across = (point_rows(operators.model, at, derivative) for derivative in ((), (0,), (1,)))
     return vstack([moved[[2, 1]], along[[2]], -across[[0]]]).tocsc()
 
 
 def load_rows(operators: Operators) -> Array:
-    """Load vectors (3, n): of unit accelerations of the root along z and y, but for their sign, and a unit pressure."""
+    """Load vectors (3, n): unit accelerations of the root along z and y, and a unit pressure.
+
+    Those of the accelerations have the opposite sign.
+    """
     height = thickness.of(operators.plate.thickness, operators.model.points[:2])
     pressed = uniform_load(operators.model, 1.0 / height, np.eye(3)[2])
     return np.vstack([drawn_rows(operators, (2, 1)), pressed])
 
 
 def drawn_rows(operators: Operators, axes: Iterable[int]) -> Array:
-    """Load vectors (axes, n): of unit accelerations of the root along axes of the plate, but for their sign."""
+    """Load vectors (axes, n) of unit accelerations of the root, with the opposite sign."""
     pulls = [mass * rows_at(operators.model, places) for places, mass in operators.points]
     drawn = []
     for axis in axes:

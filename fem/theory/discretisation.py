@@ -53,7 +53,13 @@ class Space:
     def probe(
         self, cells: NDArray[np.int64], reference: Array, derivative: tuple[int, ...] = ()
     ) -> tuple[Array, NDArray[np.int64]]:
-        """Weights and unknowns (npoint, ndof) of a derivative at planar reference points (2, npoint)."""
+        """Weights and unknowns (npoint, ndof) of a derivative at points of cells.
+
+        Args:
+            cells: numbers, shape (npoint,).
+            reference: planar reference coordinates, shape (2, npoint).
+            derivative: numbers of the coordinates to differentiate by; none: the value.
+        """
         if self.height is not None:
             reference = np.vstack([reference, np.full(reference.shape[1], self.height)])
         at, mapping = reference[:, :, None], self.basis.mapping

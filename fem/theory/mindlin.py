@@ -214,7 +214,10 @@ REACH = 2.0
 
 
 def held(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
-    """Make the Mindlin model of a plate that is clamped a little outside its root; loads stay where they are."""
+    """The Mindlin model of a plate that is clamped a little outside its root.
+
+    Loads stay where they are.
+    """
     mesh = shortened(plate)
     shorter = replace(plate, mesh=mesh, thickness=_carried(plate, mesh), tip_mass=0.0, tip_at=None)
     model = discretise(shorter, rotary_inertia)
@@ -224,7 +227,7 @@ def held(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
 
 
 def shift(plate: Plate) -> float:
-    """How far outside its root (m) a solid seems to be clamped; nothing where springs hold it and let it contract."""
+    """How far outside its root [m] a solid seems to be clamped; 0 where springs let it contract."""
     return 0.0 if plate.elastic_root is not None else seeming(plate)
 
 

@@ -77,7 +77,7 @@ def layers(thickness: float | Array, flat: bool = False) -> tuple[Layer, ...]:
 
 
 def weighed(dx: Array, thickness: float | Array) -> Array:
-    """Weights of the points for fields in parts of the thickness: in m² where it is constant, otherwise in m³."""
+    """Weights of points for fields in parts of the thickness [m², or m³ where it varies]."""
     return dx if isinstance(thickness, float) else dx * thickness
 
 
@@ -162,7 +162,13 @@ class QuadraticStress:
 
 
 def of_layers(fields: Fields, layers: tuple[Layer, ...], stiffness: Array) -> Quadratic:
-    """Make the energy of layers of a stiffness (nstrain, nstrain) in Pa over the gradient fields."""
+    """The energy of layers over the gradient fields.
+
+    Args:
+        fields: the gradients.
+        layers: of the plate.
+        stiffness: shape (nstrain, nstrain) [Pa].
+    """
     modulus = np.asarray(np.kron(np.diag([layer.weight for layer in layers]), stiffness))
     linear = np.concatenate([strain_matrix(layer) for layer in layers])
     return Quadratic(fields, modulus, linear, np.concatenate([products(layer) for layer in layers]))

@@ -90,8 +90,8 @@ class Designs:
 
     @property
     def count(self) -> int:
-        """Designs that were scored."""
-        return len(self._scores)
+        """Designs that were scored, quickly or not."""
+        return len({key.partition(", ")[2] for key in self._scores})
 
     def __call__(self, shares: Floats, quick: bool) -> list[Evaluation]:
         """Scores at rows of shares; `quick` where a few percent do not count."""
