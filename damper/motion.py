@@ -89,12 +89,12 @@ def flights(
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
     runs, axes = _copied(prepared, FLYING), prepared["axes"]
     runs["system"] = systems.constants[which]
-    structures = structures_by(damper, rows)
-    n, k = structures.mass.shape
+    n, k = len(rows), len(systems.order) - 2
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
     if damper.modes is None:
         z[:, :k], rate[:, :k] = axes["u"], axes["v"]
     else:
+        structures = structures_by(damper, rows)
         z[:, :k] = _spread(structures.shape, structures.spring, axes["u"])
         rate[:, :k] = _spread(structures.shape, structures.mass, axes["v"])
     if amplitudes is not None:

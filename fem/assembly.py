@@ -298,8 +298,14 @@ class Operators:
 def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindlin") -> Operators:
     """Matrices of a plate on a rotor; the prestress is solved once, at 1 rad/s.
 
+    Args:
+        plate: mesh, thickness, material, masses and root.
+        rotor: spin axis, hub and angles.
+        effects: which effects of spinning count.
+        theory: name in `fem.theory.registry.THEORIES`.
+
     Raises:
-        ValueError: for an unknown theory, or one that the mesh does not allow.
+        ValueError: an unknown theory, or one that the mesh does not allow.
     """
     model = discretise(plate, theory, effects.rotary_inertia)
     density = plate.material.density
@@ -324,12 +330,17 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
 
 
 def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) -> Operators:
-    """Stick a point mass (kg) to the plate at a place (x, y) in m.
+    """The same plate with a point mass stuck to it.
 
     Like all mass it has inertia, pulls outwards on the plate, and softens.
 
+    Args:
+        operators: of the plate.
+        at: place (x, y) [m].
+        mass: [kg].
+
     Raises:
-        ValueError: off the plate, and for a mass that is negative or not finite.
+        ValueError: a place off the plate, or a mass that is negative or not finite.
     """
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"mass must be zero or more kg, got {mass!r}")
@@ -337,7 +348,13 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
 
 
 def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
-    """Add a mass in kg, which may be negative, at each of some places (k, 2) in m."""
+    """The same plate with an equal point mass at each of several places.
+
+    Args:
+        operators: of the plate.
+        places: shape (k, 2) [m].
+        mass: of each [kg]; it may be negative.
+    """
     factor = None if operators.prestress is None else _held(operators.model, operators.stiffness)
     return _with_masses(operators, places, mass, factor)
 
@@ -370,10 +387,16 @@ MOST_EMPTIED = 0.5
 
 
 def with_cavity(operators: Operators, at: tuple[float, float], volume: float, depth: float) -> Operators:
-    """Take the metal of cavities, of a volume in m³ together and so deep in m, out around a place (x, y) in m.
+    """The same plate without the mass of the metal that cavities take out.
 
-    Like all mass it has inertia, pulls outwards on the plate and softens. Its stiffness stays
+    Like all mass it has inertia, pulls outwards on the plate and softens. The stiffness stays
     (`fem.accuracy.neglected_effects.cut`).
+
+    Args:
+        operators: of the plate.
+        at: place (x, y) of the cavities [m].
+        volume: of all cavities [m³].
+        depth: of a cavity through the thickness [m].
 
     Raises:
         PlaceError: off the plate, or where the plate has no room for them.
@@ -384,7 +407,16 @@ def with_cavity(operators: Operators, at: tuple[float, float], volume: float, de
 
 
 def footprint(operators: Operators, at: tuple[float, float], volume: float, depth: float) -> Array:
-    """Places (k, 2) in m, evenly over the part of a plate nearest to a place that cavities take up (`with_cavity`).
+    """Places spread evenly over the part of a plate that cavities take up.
+
+    Args:
+        operators: of the plate.
+        at: place (x, y) of the cavities [m].
+        volume: of all cavities [m³].
+        depth: of a cavity through the thickness [m].
+
+    Returns:
+        Shape (k, 2) [m].
 
     Raises:
         PlaceError: off the plate, or where the plate has no room for them.
@@ -417,7 +449,16 @@ def with_coriolis(operators: Operators) -> Operators:
 
 
 def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
-    """Sparse rows (3, n) that give (u, v, w), or a derivative of them, at a place (x, y) in m."""
+    """Rows that read the displacement, or a derivative of it, at a place.
+
+    Args:
+        model: the discretised plate.
+        at: place (x, y) [m].
+        derivative: numbers of the coordinates to differentiate by; none: the displacement.
+
+    Returns:
+        Sparse, shape (3, n): u, v and w from the unknowns.
+    """
     return rows_at(model, np.array([at]), derivative)
 
 
@@ -465,10 +506,17 @@ AT_ONCE = 500
 
 
 def transfer(state: Array, known: Operators, target: Operators) -> Array | None:
-    """The displacement (n,) on the mesh asked for nearest to one known on another.
+    """A displacement that is known on one mesh, carried to another.
 
-    Nearest in the mean square of u, v, w, and of the rotations times the thickness. None for solids, and where a point
-    is not found in the known mesh.
+    It is the nearest in the mean square of u, v, w, and of the rotations times the thickness.
+
+    Args:
+        state: unknowns on the known mesh, shape (m,).
+        known: operators on that mesh.
+        target: operators on the other.
+
+    Returns:
+        Shape (n,); None for solids, and where a point is not found in the known mesh.
     """
     model = target.model
     if kind(model.theory) is Kind.SOLID:

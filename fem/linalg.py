@@ -238,10 +238,16 @@ def less(matrix: csc_array, factor: float, other: csc_array) -> csc_array:
 
 
 def lanczos(factor: Factor, mass: csc_array, count: int, tolerance: float = CONVERGED) -> tuple[Array, Array]:
-    """Find the eigenvalues nearest zero of K x = lambda M x and their vectors, K given by its factor.
+    """The eigenvalues nearest zero of K x = lambda M x, by shift-inverted block Lanczos.
 
-    Returns (count,) eigenvalues ordered by magnitude, of either sign, and (n, count) mass-normalised vectors, whose
-    residuals in 1/lambda are within a relative tolerance.
+    Args:
+        factor: of K.
+        mass: M, shape (n, n).
+        count: of eigenvalues.
+        tolerance: relative, on residuals in 1/lambda.
+
+    Returns:
+        Eigenvalues (count,) of either sign, ordered by magnitude, and mass-normalised vectors (n, count).
 
     Raises:
         NotConverged: the iteration does not converge.
@@ -264,12 +270,19 @@ def krylov(
     rank: Callable[[Array], Array],
     tolerance: float = CONVERGED,
 ) -> tuple[Array, Array]:
-    """Find extreme eigenvalues of an operator that is self-adjoint in a weight, (n, n), by block Lanczos.
+    """Extreme eigenvalues of an operator that is self-adjoint in a weight, by block Lanczos.
 
-    apply: the operator on a block (n, k), given the block and its product with the weight. start: (n, b). rank: how
-    much each eigenvalue is wanted. tolerance: on residuals relative to their eigenvalues; where rounding forbids it, as
-    with small eigenvalues next to a huge one, they are as good as they get. Returns (count,) eigenvalues, the most
-    wanted first, and (n, count) vectors normalised in the weight.
+    Args:
+        apply: the operator on a block (n, k), given the block and its product with the weight.
+        weight: shape (n, n).
+        start: block to begin with, shape (n, b).
+        count: of eigenvalues.
+        rank: how much each eigenvalue is wanted.
+        tolerance: on residuals relative to their eigenvalues. Where rounding forbids it, as with small eigenvalues next
+            to a huge one, they are as good as rounding allows.
+
+    Returns:
+        Eigenvalues (count,), the most wanted first, and vectors (n, count) normalised in the weight.
 
     Raises:
         NotConverged: the iteration does not converge.
@@ -305,10 +318,17 @@ def _append(columns: Array, more: Array) -> Array:
 
 
 def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> tuple[Array, Array, Array, Array]:
-    """Orthonormalise a block (n, b) in a weight against a basis (n, m) with weighted image.
+    """Orthonormalise a block in a weight against a basis; directions without weight are dropped.
 
-    Directions without weight are dropped. Returns vectors (n, k), their image, and column (m, b) and coupling
-    (k, b) such that block = basis @ column + vectors @ coupling.
+    Args:
+        block: shape (n, b).
+        basis: orthonormal in the weight, shape (n, m).
+        image: weight @ basis, shape (n, m).
+        weight: shape (n, n).
+
+    Returns:
+        Vectors (n, k), their image (n, k), column (m, b) and coupling (k, b), with block = basis @ column + vectors @
+        coupling.
     """
     column = image.T @ block
     vectors, coupling = block - basis @ column, np.eye(block.shape[1])
@@ -350,11 +370,19 @@ ROUNDS = 10
 def lowest_modes(
     stiffness: csc_array, mass: csc_array, start: Array, factor: Solver, tolerance: float | Array
 ) -> tuple[Array, Array] | None:
-    """Find the lowest eigenpairs of (stiffness, mass) that vectors (n, k) to start from lead to, as many as these.
+    """The lowest eigenpairs that vectors to start from lead to, by a block Davidson iteration.
 
-    Modes of which the start has no part, for their symmetry, are not found. factor: of a similar stiffness.
-    tolerance: relative, of eigenvalues, by the energy of the error to first order. Returns eigenvalues (k,), ascending,
-    and mass-normalised vectors (n, k), or None where they do not settle.
+    Modes of which the start has no part, because of their symmetry, are not found.
+
+    Args:
+        stiffness: shape (n, n).
+        mass: shape (n, n).
+        start: shape (n, k).
+        factor: of a similar stiffness.
+        tolerance: relative, of eigenvalues, by the energy of the error to first order.
+
+    Returns:
+        Eigenvalues (k,), ascending, and mass-normalised vectors (n, k); None where they do not settle.
     """
     count = start.shape[1]
     empty = np.empty((start.shape[0], 0))
@@ -378,10 +406,18 @@ def lowest_modes(
 def refine(
     stiffness: csc_array, mass: csc_array, start: Array, target: int, factor: Factor, measure: csc_array
 ) -> tuple[float, Array]:
-    """Find the eigenpair of (stiffness, mass) most like one column of start, by Davidson's method.
+    """The eigenpair most like one of several vectors, by Davidson's method.
 
-    start: (n, k) vectors to begin with. factor: of the stiffness. measure: the mass (n, n) in which likeness is
-    taken. Returns the eigenvalue and the vector (n,), mass-normalised.
+    Args:
+        stiffness: shape (n, n).
+        mass: shape (n, n).
+        start: vectors to begin with, shape (n, k).
+        target: number of the vector.
+        factor: of the stiffness.
+        measure: mass in which likeness is measured, shape (n, n).
+
+    Returns:
+        Eigenvalue and mass-normalised vector (n,).
     """
     wanted = measure @ start[:, target]
     empty = np.empty((start.shape[0], 0))
@@ -402,6 +438,12 @@ def refine(
 
 
 def most_alike(wanted: Array, measure: Array, vectors: Array) -> int:
-    """Which of some vectors (r, k) is most like another, whose product with the measure (r, r) is wanted (r,)."""
+    """Number of the vector that is most like another.
+
+    Args:
+        wanted: product of the other with the measure, shape (r,).
+        measure: shape (r, r).
+        vectors: shape (r, k).
+    """
     lengths = np.einsum("rk,rs,sk->k", vectors, measure, vectors)
     return int(np.argmax(np.abs(wanted @ vectors) / np.sqrt(np.maximum(lengths, np.finfo(float).tiny))))

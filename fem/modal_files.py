@@ -509,7 +509,13 @@ def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
 
 
 def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
-    """The model in m and kg; length, mass: of the file's units in these."""
+    """The model of a file in m and kg.
+
+    Args:
+        raw: as read.
+        length: m to the file's unit of length.
+        mass: kg to the file's unit of mass.
+    """
     if length == 1.0 and mass == 1.0:
         return raw.model
 

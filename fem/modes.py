@@ -127,7 +127,15 @@ def solve_real(
     state: Array | None = None,
     tolerance: float = CONVERGED,
 ) -> Modes:
-    """Find the count lowest modes of a stiffness (n, n), Coriolis apart; fewer where fewer directions have mass.
+    """The lowest modes of a stiffness without Coriolis forces.
+
+    Args:
+        operators: of the plate or blade.
+        omega: speed [rad/s].
+        stiffness: at this speed, shape (n, n).
+        count: of modes; there are fewer where fewer directions have mass.
+        state: static displacement (n,) [m], where the deflection is large.
+        tolerance: relative, of residuals.
 
     Raises:
         Divergence: past the critical speed.
@@ -198,7 +206,14 @@ def _undrowned(operators: Body, stiffness: csc_array, values: Array, tolerance: 
 def lowest(
     stiffness: csc_array, mass: csc_array, values: Array, factor_of: Callable[[csc_array], Factor] = factorise
 ) -> float:
-    """Find the lowest of eigenvalues that are known to reach below zero, by shifting all above it."""
+    """The lowest of eigenvalues that reach below zero, by shifting all above it.
+
+    Args:
+        stiffness: shape (n, n).
+        mass: shape (n, n).
+        values: eigenvalues known so far, shape (k,).
+        factor_of: makes the factor of a matrix.
+    """
     shift = 2.0 * float(np.abs(values).max())
     while (factor := factor_of((stiffness + shift * mass).tocsc())).negative:
         shift *= 4.0
@@ -212,13 +227,21 @@ FAMILIES = ("flap", "twist", "chord", "lag", "axial")
 
 
 def families(operators: Operators, modes: Modes) -> list[str]:
-    """Name each mode by the largest share of its kinetic energy, one of `FAMILIES`."""
+    """The family of each mode, one of `FAMILIES`, by the largest share of its kinetic energy."""
     shares = energy_shares(operators, modes.shapes)
     return [FAMILIES[k] for k in shares.argmax(axis=0)]
 
 
 def energy_shares(operators: Operators, shapes: NDArray[Any]) -> Array:
-    """Shares (5, count) of kinetic energy in each of `FAMILIES`, for shapes (n, count) real or complex."""
+    """Shares of kinetic energy in each of `FAMILIES`.
+
+    Args:
+        operators: of the plate.
+        shapes: real or complex, shape (n, count).
+
+    Returns:
+        Shape (5, count).
+    """
     if np.iscomplexobj(shapes):
         both = np.hstack([shapes.real, shapes.imag])
         energy = np.einsum("fii->fi", share_matrices(operators, both))
@@ -229,7 +252,15 @@ def energy_shares(operators: Operators, shapes: NDArray[Any]) -> Array:
 
 
 def share_matrices(operators: Operators, basis: Array) -> Array:
-    """Matrices E (5, r, r): the energy of basis @ y (n, r) in family f is y' E_f y, up to one factor."""
+    """Matrices of the kinetic energy in each family, for shapes in a basis.
+
+    Args:
+        operators: of the plate.
+        basis: shape (n, r).
+
+    Returns:
+        E, shape (5, r, r): the energy of basis @ y in family f is y' E_f y, up to one factor.
+    """
     model = operators.model
     weight = np.sqrt(model.displacement.dx.ravel())[:, None]
     u, v, w = (weight * moved.reshape(weight.size, -1) for moved in model.displacement.evaluate(basis)[:3])
@@ -271,11 +302,19 @@ def solve_gyroscopic(
     state: Array | None = None,
     damping_ratio: float = 0.0,
 ) -> Modes:
-    """Find the count lowest complex modes of a stiffness (n, n) at a speed omega (rad/s).
+    """The lowest complex modes of a stiffness with Coriolis forces.
+
+    Args:
+        operators: of the plate, with its Coriolis matrix.
+        omega: speed [rad/s].
+        stiffness: at this speed, shape (n, n).
+        count: of modes.
+        state: static displacement (n,) [m], where the deflection is large.
+        damping_ratio: viscous damping of each mode without Coriolis forces [-].
 
     Raises:
-        Divergence: where the stiffness is not positive: Coriolis forces may hold such a plate, but no damped one.
-        ValueError: where damping leaves one of these modes no frequency.
+        Divergence: the stiffness is not positive: Coriolis forces may hold such a plate, but no damped one.
+        ValueError: damping leaves one of these modes no frequency.
         NotConverged: the iteration does not converge.
     """
     assert operators.gyroscopic is not None
@@ -471,22 +510,27 @@ def solve_modes(
     state: Array | None = None,
     damping_ratio: float = 0.0,
 ) -> Modes:
-    """Find the count lowest modes at a speed omega (rad/s).
-
-    start: the state at a neighbouring speed, to warm-start a large deflection. state: that at this speed, if known.
-    damping_ratio: viscous damping of each mode of the plate, below 1, which Coriolis forces then share out.
+    """The lowest modes of a plate at one speed.
 
     Rounding takes some digits of a thin plate, most of its lowest frequency. `fem.linalg.rounding`
     estimates how much, some twenty times too cautiously, and the `bounds` of `campbell` contain it. On a square of 8
     x 8 cells it is 1e-5 for a solid of h/L = 1e-4, and grows with (L/h)²; for Mindlin's plates it is below 1e-6, for
     Kirchhoff's below 1e-10, at any thickness. Finer meshes, strips, and speeds next to the critical one lose more.
 
+    Args:
+        operators: of the plate.
+        omega: speed [rad/s].
+        count: of modes.
+        start: static displacement (n,) [m] at a neighbouring speed, from which a large deflection is sought.
+        state: static displacement (n,) [m] at this speed, if known.
+        damping_ratio: viscous damping of each mode, below 1, which Coriolis forces then share out [-].
+
     Raises:
-        ValueError: for a speed that is not one finite number, a count that the plate does not have, and a ratio at
-            which modes do not oscillate.
+        ValueError: a speed that is not one finite number, a count that the plate does not have, or a ratio at which
+            modes do not oscillate.
         Divergence: past the critical speed.
-        NoEquilibrium: where a large deflection has none.
-        Unresolved: for a plate too thin for the theory.
+        NoEquilibrium: a large deflection has none.
+        Unresolved: the plate is too thin for the theory.
     """
     check_count(operators, count)
     check_damping(damping_ratio)

@@ -143,13 +143,18 @@ def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -
 
 
 def displacement(operators: Operators, shapes: Array) -> Array:
-    """Displacements of the mid-surface at the mesh's vertices, columns u, v, w.
+    """Displacements u, v and w of the mid-surface at the mesh's vertices.
 
-    shapes: unknowns (n,), giving (nvertices, 3), or of several shapes (n, count), giving (count, nvertices, 3). In m if
-    a shape is a static displacement, per unit of the shape otherwise.
+    Args:
+        operators: of the plate.
+        shapes: unknowns of one shape (n,) or of several (n, count).
+
+    Returns:
+        Shape (nvertices, 3), or (count, nvertices, 3): in m if a shape is a static displacement, per unit of the shape
+        otherwise.
 
     Raises:
-        ValueError: for another number of unknowns.
+        ValueError: another number of unknowns.
     """
     if np.ndim(shapes) not in (1, 2) or len(shapes) != operators.model.dofs:
         n = operators.model.dofs

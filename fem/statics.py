@@ -125,15 +125,22 @@ class NoEquilibrium(ArithmeticError):
 
 
 def equilibrium(operators: Body, omega: float, start: Array | None = None) -> Array:
-    """Displacement (n,) in m at which the plate rests at a speed omega (rad/s).
+    """The displacement at which a plate rests at a speed.
 
-    start: the state at a neighbouring speed, if known. The state is stable where one is found on the way up from rest;
-    otherwise it may be unstable, which its modes then tell.
+    It is stable where one is found on the way up from rest; otherwise it may be unstable, which its modes then show.
+
+    Args:
+        operators: of the plate or blade.
+        omega: speed [rad/s].
+        start: displacement (n,) [m] at a neighbouring speed, if known.
+
+    Returns:
+        Shape (n,) [m].
 
     Raises:
         NoEquilibrium: none was found, even in small steps.
-        Unresolved: for a plate too thin for its theory.
-        ValueError: for a speed that is not one finite number or a start that is not (n,).
+        Unresolved: the plate is too thin for its theory.
+        ValueError: a speed that is not one finite number, or a start that is not (n,).
     """
     return settle(operators, omega, start)[0]
 
@@ -141,9 +148,14 @@ def equilibrium(operators: Body, omega: float, start: Array | None = None) -> Ar
 def settle(
     operators: Body, omega: float, start: Array | None = None, converged: float = BALANCED
 ) -> tuple[Array, Solver]:
-    """The same, with the factor of a stiffness near that of the state.
+    """As `equilibrium`, with the factor of a stiffness near that of the state.
 
-    converged: energy of the last Newton step relative to that of the load; what is left is of the order of its square.
+    Args:
+        operators: of the plate or blade.
+        omega: speed [rad/s].
+        start: displacement (n,) [m] at a neighbouring speed, if known.
+        converged: energy of the last Newton step relative to that of the load; the remaining error is of the order of
+            its square.
     """
     check_speed(omega)
     if start is not None and np.shape(start) != operators.load.shape:
@@ -180,12 +192,21 @@ def tangent(operators: Body, omega: float, state: Array) -> csc_array:
 def newton(
     operators: Body, load: float, state: Array, unstable: bool = False, converged: float = BALANCED
 ) -> tuple[Array, Solver] | None:
-    """Equilibrium near a state with the last factor used, or None.
+    """Equilibrium near a state, by Newton's method, with the last factor used.
 
     Close to the end a factor is used again as long as that brings the energy down at once; conjugate gradients, which
-    cost as much again, are not. Unless an unstable
-    equilibrium will do, it is given up as soon as it strays: off the stable branch, or on to another one, Newton's
-    method is as content as on it; smaller parts of the load are not.
+    cost as much again, are not used. Unless an unstable equilibrium will do, the iteration is given up as soon as it
+    leaves the stable branch; smaller parts of the load do not leave it.
+
+    Args:
+        operators: of the plate or blade.
+        load: factor of the unit load.
+        state: displacement to begin with, shape (n,) [m].
+        unstable: whether an unstable equilibrium will do.
+        converged: as for `settle`.
+
+    Returns:
+        None where there is none.
     """
     before, ahead = np.inf, None
     for number in range(ITERATIONS):
@@ -243,7 +264,17 @@ def _again(
 
 
 def unbalanced(operators: Body, load: float, state: Array, stressed: StressedBody) -> Array:
-    """Force (n,) that is not balanced at a state under load times the unit load."""
+    """The force that is not balanced at a state.
+
+    Args:
+        operators: of the plate or blade.
+        load: factor of the unit load.
+        state: displacement, shape (n,) [m].
+        stressed: the body in this state.
+
+    Returns:
+        Shape (n,) [N].
+    """
     residual = load * operators.load - stressed.force()
     if operators.softening is not None:
         residual += load * (operators.softening @ state)
@@ -261,12 +292,19 @@ def _stiffness(operators: Body, load: float, stressed: StressedBody, stress: Any
 def linearise(
     operators: Body, omega: float, start: Array | None = None, state: Array | None = None
 ) -> tuple[csc_array, Array | None]:
-    """Return the stiffness (n, n) at a speed, and the state it is taken about if the deflection is large.
+    """The stiffness at a speed, and the state about which it is taken if the deflection is large.
 
-    start, state: see `fem.solve_modes`.
+    Args:
+        operators: of the plate or blade.
+        omega: speed [rad/s].
+        start: static displacement (n,) [m] at a neighbouring speed, from which a large deflection is sought.
+        state: static displacement (n,) [m] at this speed, if known.
+
+    Returns:
+        Stiffness (n, n), and the state (n,) or None.
 
     Raises:
-        ValueError: for a speed that is not one finite number.
+        ValueError: a speed that is not one finite number.
     """
     check_speed(omega)
     if not operators.effects.large_deflection:

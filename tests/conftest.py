@@ -14,26 +14,26 @@ sys.dont_write_bytecode = False
 gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (
-    "workflows/test_ends.py",
     "workflows/test_design.py",
-    "fem/test_fem_theories.py",
     "fem/test_fem_choice.py",
-    "workflows/test_costs.py",
+    "fem/test_fem_theories.py",
     "workflows/test_sweep.py",
-    "fem/test_fem_singular.py",
+    "workflows/test_costs.py",
+    "workflows/test_ends.py",
     "workflows/test_sweep_survives.py",
+    "fem/test_fem_singular.py",
     "fem/test_fem_sweep.py",
-    "workflows/test_answer.py",
-    "workflows/test_results.py",
-    "workflows/test_notebook.py",
     "damper/test_working.py",
-    "workflows/test_trust.py",
-    "test_properties.py",
+    "fem/test_fem_perturbed.py",
     "workflows/test_response.py",
-    "workflows/test_cli.py",
+    "workflows/test_answer.py",
+    "workflows/test_notebook.py",
+    "workflows/test_results.py",
+    "fem/test_fem_solid.py",
     "fem/test_fem_thickness.py",
-    "workflows/test_pictures.py",
-    "workflows/test_resources.py",
+    "workflows/test_cli.py",
+    "workflows/test_viewer.py",
+    "workflows/test_trust.py",
 )
 """Modules that take long; begun first, so that no core waits for another at the end."""
 

@@ -89,7 +89,7 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     if source.scene.given is not None:
         problem = "the table is missing: modes are those of a plate, or of [structure] modes"
         raise source.wrong(problem, "[plate]")
-    real = source.changed(effects=source.scene.effects.model_copy(update={"coriolis": False}))
+    real = source.changed(effects={"coriolis": False})
     solver = StructureSolver(real, stages)
     if solver.space is not None:
         return solver.space.model
@@ -136,4 +136,4 @@ def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
         if isinstance(rpm, bool) or not isinstance(rpm, int | float):
             raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
         omega = omega_of(rpm)
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega,)}))
+    return source.changed(rotor={"speeds": (omega,)})

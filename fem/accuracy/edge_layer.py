@@ -84,11 +84,20 @@ def folds(plate: Plate) -> float:
 
 
 def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float = 0.0) -> Array:
-    """How much frequencies (count,) still fall, relatively, as cells around the point mass get e times smaller.
+    """Relative drop of frequencies left as cells around a point mass shrink e times.
 
     The compliance at a point of an edge grows by 2 / (pi E h) in the plane and, with shear, by 1 / (pi k G h) across.
     At a point inside the plate it is half of that across, and in the plane (1 + nu) (3 - nu) / (4 pi E h) (Kelvin's
-    solution in plane stress). omega in rad/s.
+    solution in plane stress).
+
+    Args:
+        operators: of the plate.
+        eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
+        shapes: mass-normalised modes, shape (n, count).
+        omega: speed [rad/s].
+
+    Returns:
+        Shape (count,).
     """
     plate = operators.plate
     if plate.tip_mass == 0.0 or plate.tip_at is None:

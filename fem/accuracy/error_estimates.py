@@ -55,9 +55,14 @@ class Probed(NamedTuple):
 def probe(
     operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
 ) -> list[Probed]:
-    """Find the count lowest modes at speeds in rad/s, ascending, up to the first at which the plate has none.
+    """The lowest modes at several speeds, up to the first at which the plate has none.
 
-    exact: relative, of squared frequencies. starts: states (n,) near those of large deflections, for each speed.
+    Args:
+        operators: of the plate.
+        speeds: ascending [rad/s].
+        count: of modes.
+        exact: relative tolerance of squared frequencies.
+        starts: states (n,) near those of large deflections, one a speed.
 
     Raises:
         ValueError: as `solve_modes` does.
@@ -462,9 +467,16 @@ def extrapolated_errors(coarse_hz: Array, fine_hz: Array, growth: float) -> Arra
 
 
 def estimate_error(operators: Operators, modes: Modes) -> Array:
-    """Relative error estimate (count,) of each frequency, by modes on a coarser mesh or else on a finer one.
+    """Relative error estimate of each frequency, from a coarser mesh or else a finer one.
 
-    Costs about a quarter of the modes themselves on a grid, four times as much on other meshes.
+    It costs about a quarter of the modes themselves on a grid, four times as much on other meshes.
+
+    Args:
+        operators: of the plate.
+        modes: solved with them.
+
+    Returns:
+        Shape (count,).
     """
     plate = operators.plate
     mesh = None if isinstance(plate.thickness, Nodal) else coarser(plate.mesh)

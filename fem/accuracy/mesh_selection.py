@@ -80,16 +80,20 @@ def choose_mesh(
     tolerance: float,
     most: int | None = None,
 ) -> Choice:
-    """Choose the mesh on which the count lowest frequencies are good to a relative tolerance.
+    """The mesh on which the lowest frequencies are good to a relative tolerance.
 
-    build: from a size of the planform's ladder to matrices. speeds: in rad/s; errors are estimated at the lowest and at
-    the highest, or where the plate diverges there at the lowest alone; that it does is believed of two meshes of which
-    one is three times as fine. most: unknowns beyond which no finer mesh is tried, where it is fewer than those of the
-    theory (`fem.theory.registry`).
+    Args:
+        planform: gives meshes of several sizes.
+        build: matrices for a size of the planform.
+        speeds: [rad/s]. Errors are estimated at the lowest and the highest, or where the plate diverges there, at the
+            lowest alone; a divergence counts if two meshes show it of which one is three times as fine.
+        count: of modes.
+        tolerance: relative, of frequencies.
+        most: unknowns beyond which no finer mesh is tried; default: those of the theory (`fem.theory.registry`).
 
     Raises:
-        Divergence, NoEquilibrium: when there is no mode at the lowest speed.
-        ValueError: for a tolerance of 0 or less.
+        Divergence, NoEquilibrium: there is no mode at the lowest speed.
+        ValueError: a tolerance of 0 or less.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, got {tolerance!r}")
@@ -163,7 +167,14 @@ def _alone(meshes: TrialMeshes, most: int | None) -> bool:
 
 
 def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:
-    """Whether the mesh next to a planform's coarsest, which has so many unknowns, may be solved to tell its error."""
+    """Whether the mesh next to the coarsest may be solved to estimate the coarsest one's error.
+
+    Args:
+        planform: of the plate.
+        unknowns: of its coarsest mesh.
+        theory: by name.
+        most: unknowns at most; default: those of the theory.
+    """
     if len(planform.sizes) == 1:
         return False
     following = unknowns * (planform.sizes[1] / planform.sizes[0]) ** 2
@@ -186,9 +197,17 @@ def first_pair(planform: Planform, count: int) -> tuple[int, int]:
 
 
 def next_size(planform: Planform, size: int, excess: float, room: float, step: float = STEP) -> int | None:
-    """The size that should bring an error down by a factor, the largest that may be tried, or None.
+    """The size that should bring an error down by a factor, or the largest that may be tried.
 
-    room: by what factor the unknowns may grow. step: by what factor the size may at most.
+    Args:
+        planform: of the plate.
+        size: the last one tried.
+        excess: factor by which its error is too large.
+        room: factor by which the unknowns may grow.
+        step: factor by which the size may grow.
+
+    Returns:
+        None where no larger size may be tried.
     """
     finer = [other for other in planform.sizes if other > size and (other / size) ** 2 <= room]
     wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), step)

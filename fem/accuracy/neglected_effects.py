@@ -62,9 +62,20 @@ class Turned:
 def turned(
     plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...], count: int, theory: str = "mindlin"
 ) -> Turned | None:
-    """Find by how much Coriolis forces would move the count lowest modes at speeds in rad/s.
+    """By how much Coriolis forces would move the lowest modes.
 
-    None where the plate has no modes at any of them. A coarse mesh will do, on which rates are good to `UNCERTAIN`.
+    A coarse mesh will do, on which rates are good to `UNCERTAIN`.
+
+    Args:
+        plate: with its mesh.
+        rotor: spin axis, hub and angles.
+        effects: which effects of spinning count.
+        speeds: [rad/s].
+        count: of modes.
+        theory: by name.
+
+    Returns:
+        None where the plate has no modes at any of the speeds.
 
     Raises:
         ValueError: as `solve_modes` does.
@@ -180,14 +191,23 @@ class Bent:
 
 
 def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...], count: int) -> Bent | None:
-    """Find what the static state does to the count lowest modes at the highest of some speeds (rad/s).
+    """What the static deflection does to the lowest modes at the highest speed.
 
-    Where the plate diverges there, at a lower one; None where it does at all that are tried. In Mindlin's theory and
-    without Coriolis forces. The shift is a difference on one mesh, for which one will do on which rates are good to
-    `UNCERTAIN`.
+    In Mindlin's theory and without Coriolis forces. The shift is a difference on one mesh, for which one will do on
+    which rates are good to `UNCERTAIN`.
+
+    Args:
+        plate: with its mesh.
+        rotor: spin axis, hub and angles.
+        effects: which effects of spinning count.
+        speeds: [rad/s]; where the plate diverges at the highest, a lower one is taken.
+        count: of modes.
+
+    Returns:
+        None where the plate diverges at all speeds tried.
 
     Raises:
-        ValueError: as `solve_modes` does and for effects without stress stiffening.
+        ValueError: as `solve_modes` does, and for effects without stress stiffening.
         Unresolved: the plate is too thin for its theory in double precision.
     """
     large = assemble(plate, rotor, replace(effects, coriolis=False, large_deflection=True))
@@ -290,9 +310,15 @@ def cut(
     volume: float,
     depth: float,
 ) -> Cut:
-    """What cavities (`with_cavity`) do to first order, at the speeds of these numbers in a diagram.
+    """What cavities (`with_cavity`) change, to first order.
 
-    operators: of the plate with or without them.
+    Args:
+        operators: of the plate, with or without the cavities.
+        diagram: its modes over speeds.
+        numbers: of the speeds in the diagram.
+        at: place (x, y) of the cavities [m].
+        volume: of all cavities [m³].
+        depth: of a cavity [m].
 
     Raises:
         PlaceError: off the plate, or where the plate has no room for them.

@@ -46,7 +46,16 @@ STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 
 
 def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
-    """Relative errors (count,) of frequencies against a solid, of mass-normalised shapes (n, count)."""
+    """Relative errors of a theory's frequencies against a solid.
+
+    Args:
+        operators: of the plate in that theory.
+        eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
+        shapes: mass-normalised modes, shape (n, count).
+
+    Returns:
+        Shape (count,).
+    """
     parts = np.hstack([np.real(shapes), np.imag(shapes)]) if np.iscomplexobj(shapes) else np.real(shapes)
     stiff, heavy = (np.diag(rule(operators, parts)).reshape(-1, eigenvalues.size) for rule in (doubt, thick))
     return np.asarray(stiff.sum(axis=0) / eigenvalues + heavy.sum(axis=0) + sloping(operators))
@@ -91,7 +100,16 @@ def thick(operators: Operators, basis: Array) -> Array:
 
 
 def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
-    """What thin-plate theory would be off by (count,), from the modes of a Mindlin plate."""
+    """Relative errors of thin-plate theory, from the modes of a Mindlin plate.
+
+    Args:
+        operators: of the Mindlin plate.
+        eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
+        shapes: mass-normalised modes, shape (n, count).
+
+    Returns:
+        Shape (count,).
+    """
     model, plate = operators.model, operators.plate
     gradient = _gradient(model, plate, shapes)
     energy = 0.5 * _clamp(model, plate, gradient, clamp_lacks("kirchhoff")) + _thin(model, plate, gradient)
@@ -108,7 +126,16 @@ def sloping(operators: Operators) -> float:
 
 
 def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
-    """What the layers along free edges lower frequencies by (count,), of mass-normalised shapes (n, count)."""
+    """By how much the layers along free edges lower frequencies, relatively.
+
+    Args:
+        operators: of the plate.
+        eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
+        shapes: mass-normalised modes, shape (n, count).
+
+    Returns:
+        Shape (count,).
+    """
     model, plate = operators.model, operators.plate
     energy = _layers(model, plate, _gradient(model, plate, shapes))
     return np.asarray(0.5 * MARGIN * np.diag(energy) / eigenvalues)
@@ -238,14 +265,22 @@ def choose_theory(
     count: int = 6,
     accuracy: float = 1e-3,
 ) -> Chosen:
-    """Choose the cheapest theory for the count lowest modes at speeds in rad/s and a relative accuracy in frequency.
+    """The cheapest theory that meets an accuracy in frequency.
 
-    The plate's mesh may be coarse: what each theory has wrong is found from the modes on it. Thin-plate theory knows no
+    The error of each theory is found from the modes on the plate's mesh, which may be coarse. Thin-plate theory has no
     large deflection: it is off by about 0.4 theta² at a rotation theta.
 
+    Args:
+        plate: with its mesh.
+        rotor: spin axis, hub and angles.
+        effects: which effects of spinning count.
+        speeds: [rad/s].
+        count: of modes.
+        accuracy: relative, in frequency.
+
     Raises:
-        ValueError: for an accuracy that is not positive.
-        Unresolved: for a plate too thin for Mindlin's theory.
+        ValueError: an accuracy that is not positive.
+        Unresolved: the plate is too thin for Mindlin's theory.
     """
     if not 0.0 < accuracy < inf:
         raise ValueError(f"accuracy must be positive and finite, got {accuracy!r}")
@@ -271,9 +306,17 @@ def choose_theory(
 
 
 def own_errors(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...], count: int) -> dict[str, float]:
-    """What thin-plate theory and Mindlin's, its root held, are off by at most against a solid, relatively.
+    """Largest relative errors of thin-plate theory and of Mindlin's against a solid.
 
-    Of the count lowest modes at the lowest of some speeds in rad/s and the highest, as far as there are modes.
+    Args:
+        plate: with its mesh.
+        rotor: spin axis, hub and angles.
+        effects: which effects of spinning count.
+        speeds: [rad/s]; the lowest and the highest count, as far as there are modes.
+        count: of modes.
+
+    Returns:
+        An error for each theory by name; Mindlin's with its root held as a solid's is.
     """
     plain = replace(effects, coriolis=False, large_deflection=False)
     operators = assemble(plate, rotor, plain, "mindlin/held")

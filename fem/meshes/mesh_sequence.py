@@ -218,7 +218,15 @@ def root_order(angle: float) -> float:
 
 
 def graded(length: float, width: float, nx: int, ny: int, node: tuple[float, float] | None = None) -> Any:
-    """A structured `skfem.MeshQuad` of nx by ny cells that shrink towards the plate's edges; node: see `Rectangle`."""
+    """A structured `skfem.MeshQuad` whose cells shrink towards the plate's edges.
+
+    Args:
+        length: of the plate [m].
+        width: of the plate [m].
+        nx: cells along x.
+        ny: cells along y.
+        node: place (x, y) at which a node lies [m]; see `Rectangle`.
+    """
     from skfem import MeshQuad
 
     lines = 0.5 * length * (1.0 + crowded(nx)), 0.5 * width * crowded(ny)

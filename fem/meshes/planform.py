@@ -30,7 +30,14 @@ class MeshError(ValueError):
 
 
 def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
-    """Structured `skfem.MeshQuad` of nx by ny cells on 0 <= x <= length, |y| <= width/2 (m)."""
+    """A structured `skfem.MeshQuad` of equal cells on 0 <= x <= length, |y| <= width/2.
+
+    Args:
+        length: along x [m].
+        width: along y [m].
+        nx: cells along x.
+        ny: cells along y.
+    """
     from skfem import MeshQuad
 
     check_sides(length, width)
@@ -66,7 +73,12 @@ def clamped_length(mesh: Any) -> float:
 
 
 def check_mesh(mesh: Any) -> None:
-    """Raise `MeshError` unless mesh is planar, upright cells, connected without seams, with a straight root edge."""
+    """Refuse a mesh that no plate can be made of.
+
+    Raises:
+        MeshError: it is not planar, its cells are not upright or not connected without seams, or its root is not one
+            straight edge.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -210,10 +210,14 @@ def _inside(kind: str) -> Array:
 
 
 def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None) -> VolumeMesh:
-    """Read a volume mesh, or mesh geometry by tetrahedra of second order (with Gmsh, where it is installed).
+    """Read a volume mesh, or mesh geometry with tetrahedra of second order by Gmsh.
 
-    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out. scale: m to the unit
-    of the file's coordinates; geometry has its own. size: of the cells of geometry, in m.
+    Cells of surfaces and lines are passed over, but name sets; nodes of no volume are left out.
+
+    Args:
+        path: of the file.
+        scale: m to the unit of the file's coordinates; geometry has its own.
+        size: of the cells of geometry [m].
 
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.

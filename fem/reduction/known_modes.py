@@ -65,11 +65,18 @@ class Floor:
 
 
 def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, given: Array | None = None) -> Floor:
-    """The floor of a cavity at a place, its axis 1 along a direction (3,) less what of that is along its normal.
+    """The floor of a cavity in a structure of known modes.
 
     The structure is deformed by the static displacement, where that is known: place, load and slopes are those of the
-    deformed structure. A normal (3,) that is given, out of the undeformed structure, is that of a plane in it, which
-    turns with it.
+    deformed structure.
+
+    Args:
+        model: of the structure.
+        at: place of the cavity.
+        modes: at one speed.
+        direction: of axis 1, shape (3,), less what of it is along the floor's normal.
+        given: normal of the floor out of the undeformed structure, shape (3,), which turns with it; None: the floor
+            faces the load.
 
     Raises:
         NoMotion: there is no load's direction there, it does not press on the floor, or axis 1 would be its normal.

@@ -49,13 +49,19 @@ class ModesAtPlace:
 
 
 def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], masses: Array) -> ModesAtPlace:
-    """Modes at = (x, y) in m under the pull of balls of masses (n,) in kg, at every speed of a diagram.
+    """Modes at a place under the pull of balls, at every speed of a diagram.
 
     The modes are real: a diagram with Coriolis forces is made again without them.
 
+    Args:
+        operators: of the plate.
+        diagram: its modes over speeds.
+        at: place (x, y) [m].
+        masses: of the balls at each speed, shape (n,) [kg].
+
     Raises:
         PlaceError: off the plate.
-        Divergence: where the pull takes the stiffness of a mode.
+        Divergence: the pull takes the stiffness of a mode.
     """
     count = diagram.frequencies_hz.shape[1]
     if operators.gyroscopic is not None:

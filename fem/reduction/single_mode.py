@@ -67,14 +67,22 @@ def reduce_at(
     mass_ratio: float | None = None,
     modes: Modes | None = None,
 ) -> Reduced:
-    """Reduced parameters at = (x, y) in m and a speed omega (rad/s), for a ball_mass in kg or as m_p / M2.
+    """Reduced mass and stiffness of the flap mode at a place, at one speed.
 
-    modes: the plate's modes at this speed when they are known already. phi is real: Coriolis forces are left out.
+    phi is real: Coriolis forces are left out.
+
+    Args:
+        operators: of the plate.
+        omega: speed [rad/s].
+        at: place (x, y) [m].
+        ball_mass: m_p [kg]; or
+        mass_ratio: m_p / M2 [-].
+        modes: the plate's at this speed, if known.
 
     Raises:
         ValueError: unless exactly one of ball_mass and mass_ratio is given and not negative.
-        NoFlapMode: when none is among the modes.
-        PlaceError: when it does not move at the place, or off the plate.
+        NoFlapMode: none is among the modes.
+        PlaceError: the mode does not move at the place, or it is off the plate.
         Divergence: past the critical speed.
     """
     check_mass(ball_mass, mass_ratio)
@@ -134,9 +142,15 @@ def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) ->
 
 
 def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float) -> Reduced:
-    """Collect the parameters from the squared circular frequencies without the ball (free) and with it (stuck).
+    """The reduced parameters from the frequencies without the ball and with it stuck.
 
-    load: acceleration along x at the place, in m/s².
+    Args:
+        load: acceleration along x at the place [m/s²].
+        index: number of the mode.
+        mode: at the place.
+        ball_mass: [kg].
+        free: squared circular frequency without the ball [rad²/s²].
+        stuck: squared circular frequency with it [rad²/s²].
 
     Raises:
         LawViolation: they do not belong together.
@@ -184,12 +198,21 @@ def become(
     index: int,
     at: tuple[float, float],
 ) -> tuple[float, Array]:
-    """Follow one of a plate's shapes (n, k) when a mass sticks to it at a place: (eigenvalue, shape (n,)).
+    """Follow one of a plate's shapes when a mass sticks to it at a place.
 
-    stuck: stiffness and mass then. Of the modes then, it is the one whose plate moves most alike.
+    Args:
+        operators: of the plate without the mass.
+        omega: speed [rad/s].
+        stuck: stiffness and mass (n, n) with the mass.
+        shapes: of the plate without it, shape (n, k).
+        index: number of the shape.
+        at: place (x, y) [m].
+
+    Returns:
+        Eigenvalue [rad²/s²] and shape (n,) of the mode in which the plate moves most alike.
 
     Raises:
-        Divergence: when the stiffness is lost.
+        Divergence: the stiffness is lost.
     """
     stiffness, mass = stuck
     try:
@@ -227,7 +250,18 @@ def reduce_over(
     ball_mass: float | None = None,
     mass_ratio: float | None = None,
 ) -> list[Reduced]:
-    """Reduced parameters at = (x, y) in m at every speed of a diagram of at least 4 modes; else as `reduce_at`."""
+    """Reduced mass and stiffness at a place, at every speed of a diagram.
+
+    Args:
+        operators: of the plate.
+        diagram: of at least 4 modes.
+        at: place (x, y) [m].
+        ball_mass: m_p [kg]; or
+        mass_ratio: m_p / M2 [-].
+
+    Raises:
+        ValueError, NoFlapMode, PlaceError: as `reduce_at` does.
+    """
     check_mass(ball_mass, mass_ratio)
     return Reduction(operators, diagram, at).with_ball(ball_mass=ball_mass, mass_ratio=mass_ratio)
 

@@ -37,10 +37,15 @@ ORDER = {"bfs": 7, "argyris": 8, "morley": 5}
 
 
 def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = None) -> Discretisation:
-    """Make the Kirchhoff model of a plate; without a named element, the best one for the mesh.
+    """The Kirchhoff model of a plate.
+
+    Args:
+        plate: with its mesh.
+        rotary_inertia: whether turning sections have inertia.
+        element: by name; None: the best one for the mesh.
 
     Raises:
-        ValueError: for an element that the mesh does not allow.
+        ValueError: an element that the mesh does not allow.
     """
     from skfem import Basis, ElementQuad2, ElementTriP2
     from skfem.quadrature import get_quadrature

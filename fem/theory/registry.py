@@ -130,11 +130,16 @@ def theory_of(theory: str) -> tuple[PlateTheory, str]:
 
 
 def discretise(plate: Plate, theory: str, rotary_inertia: bool = True) -> Discretisation:
-    """Make the model of a plate in the named theory.
+    """The model of a plate in a theory.
+
+    Args:
+        plate: with its mesh.
+        theory: name in `THEORIES`.
+        rotary_inertia: whether turning sections have inertia.
 
     Raises:
-        ValueError: for an unknown name or one that the mesh does not allow.
-        TypeError: for what is no name.
+        ValueError: an unknown name, or one that the mesh does not allow.
+        TypeError: something that is no name.
     """
     if not isinstance(theory, str):
         raise TypeError(f"theory must be the name of one, got {theory!r}")
@@ -164,7 +169,16 @@ def clamp_lacks(theory: str) -> tuple[float, float]:
 
 
 def solid_theory(length: float, thickness: float, tolerance: float) -> tuple[str, float]:
-    """The solid with enough layers for a tolerance, or with the most: (name, error left by the layers)."""
+    """The solid theory with enough layers for a tolerance, or with the most.
+
+    Args:
+        length: of the plate [m].
+        thickness: of the plate [m].
+        tolerance: relative, in frequency.
+
+    Returns:
+        Name, and the relative error that the layers leave.
+    """
     left = {layers: factor * thickness / length for layers, factor in LAYERED.items()}
     enough = [layers for layers, error in left.items() if error <= tolerance]
     layers = min(enough, default=max(left))

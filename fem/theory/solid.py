@@ -111,9 +111,14 @@ def quadrilaterals(mesh: Any) -> Any:
 
 
 def extrude(mesh: Any, thickness: float | Profile, layers: int) -> Any:
-    """Bricks on quadrilaterals, |z| <= thickness/2; the first ones are those just below the mid-surface.
+    """Bricks on quadrilaterals, |z| <= thickness/2.
 
     Where the thickness varies they have 27 nodes each, which follow it.
+
+    Args:
+        mesh: of the mid-surface.
+        thickness: [m], or one that varies.
+        layers: an even number; the first bricks are those just below the mid-surface.
     """
     from skfem import MeshHex2
 

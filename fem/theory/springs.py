@@ -54,9 +54,16 @@ def edge(mesh: Any, rule: tuple[Array, Array]) -> Edge:
 def springs(
     root: ElasticRoot | None, mesh: Any, fields: tuple[Sampled, ...], total: int, conforming: bool = True
 ) -> Terms:
-    """Fields u, v, w and two rotations on the root of a plate, given as spaces and derivatives, and their stiffness.
+    """Fields and stiffness of an elastic root of a plate.
 
     An element for w that does not conform is sampled where neighbours agree: w at nodes, slopes in the middle of edges.
+
+    Args:
+        root: its springs; None: the clamp.
+        mesh: of the mid-surface.
+        fields: u, v, w and two rotations, as spaces and derivatives.
+        total: number of unknowns.
+        conforming: whether the element for w conforms.
     """
     if root is None:
         return ()
@@ -81,7 +88,15 @@ def _sampled(
 
 
 def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, ...], layers: int, total: int) -> Terms:
-    """The same on the root's face of a solid: u, v and w at its points, and the two mean rotations."""
+    """The same on the root's face of a solid: u, v and w at its points, and the two mean rotations.
+
+    Args:
+        root: its springs; None: the clamp.
+        planform: mesh of the mid-surface.
+        spaces: of u, v and w.
+        layers: of bricks through the thickness.
+        total: number of unknowns.
+    """
     if root is None:
         return ()
     zeta, weights = _gauss()

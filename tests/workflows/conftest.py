@@ -197,9 +197,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def coarse() -> Results:
     """The paper's plate and damper at rest and at 500 rad/s, three modes on a coarse mesh."""
     source = load("paper")
-    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0, 500.0), "modes": 3})
-    accuracy = source.scene.accuracy.model_copy(update={"frequency": 0.05})
-    return workflows.run(source.changed(rotor=rotor, accuracy=accuracy))
+    return workflows.run(source.changed(rotor={"speeds": (0.0, 500.0), "modes": 3}, accuracy={"frequency": 0.05}))
 
 
 @pytest.fixture(scope="session")

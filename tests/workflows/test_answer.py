@@ -373,8 +373,7 @@ def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
 def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     """A ruler's root takes 0.4 % only where its tip is out by half of its length, far beyond small deflections."""
     paper = workflows.load("paper")
-    plate = paper.scene.plate.model_copy(update={"length": 0.5, "width": 0.01, "thickness": 0.001})
-    ruler = paper.changed(plate=plate, damper=paper.scene.damper.model_copy(update={"at": None}))
+    ruler = paper.changed(plate={"length": 0.5, "width": 0.01, "thickness": 0.001}, damper={"at": None})
     found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=())
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
@@ -505,8 +504,8 @@ def at(*rpm: float) -> Results:
     """Results at these speeds, with their remarks."""
     every = at_all_speeds()
     speeds = tuple(every.speeds[SPEEDS.index(each)] for each in rpm)
-    rotor = every.scene.rotor.model_copy(update={"speeds": tuple(point.omega for point in speeds)})
-    found = replace(every, scene=every.scene.model_copy(update={"rotor": rotor}), speeds=speeds)
+    scene = every.scene.changed(rotor={"speeds": tuple(point.omega for point in speeds)})
+    found = replace(every, scene=scene, speeds=speeds)
     return replace(found, notes=remarks.remarks(found))
 
 
@@ -570,7 +569,7 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
     found = VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, levels)
     excitation = Excitation.model_validate({"orders": [4], "force": ["1 N"]})
     run = at(1000)
-    run = replace(run, scene=run.scene.model_copy(update={"excitation": excitation}), reductions=(found,))
+    run = replace(run, scene=run.scene.changed(excitation=excitation), reductions=(found,))
     assert of_orders(run)[0] == (
         "At engine order 4 (5000 rpm, flap mode): up to 68 % less vibration at 3 N, at least half of that between 1.7"
         " and 7.7 N. Not useful at 50 N: such levels overstress the root. At 0.5 N the load holds the ball at rest; it"

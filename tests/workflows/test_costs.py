@@ -18,7 +18,6 @@ from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.progress import Stages
 from workflows.scene import load
-from workflows.scene.scene import Accuracy
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
@@ -91,10 +90,7 @@ def test_what_fails_stays_in_the_table() -> None:
 @pytest.fixture(scope="module")
 def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
-    source = load.load("paper")
-    plate = source.scene.plate
-    assert plate is not None
-    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2})
+    source = load.load("paper").changed(rotor={"speeds": (500.0,), "modes": 2})
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
     limits = tuple(replace(method, finest=min(method.finest, 8)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
@@ -107,7 +103,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
         patch.setattr(studies, "CYCLES", 10)
         patch.setattr(timing, "TOO_LONG", 0.0)
-        return study(source.changed(rotor=rotor), QUIET).document()
+        return study(source, QUIET).document()
 
 
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,12 +111,10 @@ def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(timing, "TOO_LONG", 0.0)
     monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
     monkeypatch.setattr(studies, "FINEST", 1e-4)
-    source = load.load("campbell")
-    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0, 1000.0), "modes": 1})
+    few = {"speeds": (500.0, 1000.0), "modes": 1}
+    source = load.load("campbell").changed(rotor=few, accuracy={"frequency": 0.5})
     with QUIET("pipeline", 3) as step:
-        (ladder,), chosen = studies.pipeline_studies(
-            source.changed(rotor=rotor, accuracy=Accuracy(frequency=0.5)), step
-        )
+        (ladder,), chosen = studies.pipeline_studies(source, step)
     coarse, same = ladder.rows
     assert coarse.error is not None
     assert 0.0 < coarse.error < 0.5
@@ -277,15 +271,14 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(studies, "limits", lambda *_: {})
     monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
     source = load.load("paper").changed(damper=None, release=None)
-    thin = source.scene.plate.model_copy(update={"thickness": 0.002})  # which the load bends under stagger
+    thin = {"thickness": 0.002}  # which the load bends under stagger
     for stagger, coriolis, words in (
         (0.5, True, "without large deflection and Coriolis forces, which the scene has on"),
         (0.0, True, "without Coriolis forces, which the scene has on"),
         (0.0, False, ""),
     ):
-        rotor = source.scene.rotor.model_copy(update={"speeds": (300.0,), "modes": 1, "stagger": stagger})
-        effects = source.scene.effects.model_copy(update={"coriolis": coriolis})
-        for ladder in study(source.changed(plate=thin, rotor=rotor, effects=effects), QUIET).studies:
+        rotor = {"speeds": (300.0,), "modes": 1, "stagger": stagger}
+        for ladder in study(source.changed(plate=thin, rotor=rotor, effects={"coriolis": coriolis}), QUIET).studies:
             assert ladder.reference.endswith(words)
             assert ("which the scene has on" in ladder.reference) == bool(words)
 
@@ -342,13 +335,12 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
         else:
             counted = lambda *a, work=plain, name=name, **k: (calls.append(name), work(*a, **k))[1]  # noqa: E731
         monkeypatch.setattr(owner, name, counted)
-    source = load.load("paper")
     switches = dict.fromkeys(OF_THE_PLATE, False) | {effect: on}
     switches["stress_stiffening"] |= effect == "large_deflection" and on
-    effects = source.scene.effects.model_copy(update=switches)
-    rotor = source.scene.rotor.model_copy(update={"speeds": (500.0,), "modes": 2, "stagger": 0.3})
+    rotor = {"speeds": (500.0,), "modes": 2, "stagger": 0.3}
     kept = {} if effect == "cavity_mass" else {"damper": None, "release": None}
-    pipeline.structure(source.changed(effects=effects, rotor=rotor, **kept), QUIET, shapes=False)
+    scene = load.load("paper").changed(effects=switches, rotor=rotor, **kept)
+    pipeline.structure(scene, QUIET, shapes=False)
     assert bool(calls) == on
 
 

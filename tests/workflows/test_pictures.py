@@ -157,10 +157,8 @@ def costs(captured: list[Any]) -> list[Any]:
 @pytest.fixture(scope="module")
 def odd(captured: list[Any]) -> Drawn:
     """One cycle of a nanometre, at loads eleven powers of ten apart."""
-    source = workflows.load("structure")
-    release = source.scene.release.model_copy(update={"displacement": (1e-9, 0.0), "cycles": 1})
-    rotor = source.scene.rotor.model_copy(update={"speeds": (0.1, 3e4)})
-    return drawn(captured, source.changed(release=release, rotor=rotor))
+    release = {"displacement": (1e-9, 0.0), "cycles": 1}
+    return drawn(captured, workflows.load("structure").changed(release=release, rotor={"speeds": (0.1, 3e4)}))
 
 
 @pytest.fixture(params=["spinning_up", "holed", "odd", "costs"])

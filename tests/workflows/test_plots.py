@@ -1,5 +1,6 @@
 """`results.plot`: axes and views of modes that hold what the results hold, and that a notebook shows."""
 
+import itertools
 from base64 import b64encode
 from io import BytesIO
 from pathlib import Path
@@ -124,3 +125,18 @@ def test_what_is_not_there_is_said(results: workflows.Results) -> None:
     for name in ("campbell", "mesh", "mode"):
         with pytest.raises(workflows.BadInput, match="nothing to draw"):
             getattr(structure.plot, name)()
+
+
+@pytest.mark.parametrize("ends", [(1.0, 1e-9), (0.5, 2e-6), (1e-3, 1e-8), (2e-2, 1e-3), (1e-9, 1.0)])
+def test_a_logarithmic_axis_has_a_few_numbers_that_do_not_overlap(ends: tuple[float, float]) -> None:
+    """Also one that runs backwards, as that of errors does."""
+    with plots.style():
+        figure, (axes,) = plots.canvas(3.0)
+        axes.set(xscale="log", xlim=ends)
+        plots.plain([axes])
+        figure.canvas.draw()
+        boxes = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
+        low, high = sorted(axes.get_window_extent().intervalx)
+        inside = sorted((box.x0, box.x1) for box in boxes if low - 1 <= (box.x0 + box.x1) / 2 <= high + 1)
+    assert len(inside) >= 2
+    assert all(one[1] < other[0] for one, other in itertools.pairwise(inside))

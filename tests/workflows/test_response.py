@@ -368,8 +368,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):
-    damper = known.results.scene.damper.model_copy(update={"count": 1})
-    scene = known.results.scene.model_copy(update={"damper": damper})
+    scene = known.results.scene.changed(damper={"count": 1})
     dense = dataclasses.replace(known, results=dataclasses.replace(known.results, scene=scene))
     said = report.sentences(dense)
     assert said[0].startswith("No verdict: a ball of radius 1 mm and 10 g would be 110 times as dense as osmium")

@@ -335,8 +335,8 @@ def test_a_mesh_file_is_read_once(
 def test_scenes_with_meshes_are_solved(path: Path) -> None:
     """The mesh is found beside the scene, split until it is fine enough, and says so."""
     source = load(path)
-    rotor = source.scene.rotor.model_copy(update={"speeds": (0.0,)})
-    results = pipeline.run(source.changed(rotor=rotor, damper=None, release=None), Stages(visible=False))
+    at_rest = source.changed(rotor={"speeds": (0.0,)}, damper=None, release=None)
+    results = pipeline.run(at_rest, Stages(visible=False))
     assert path.stem in results.diagram.mesh
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6

@@ -11,7 +11,6 @@ import pytest
 import workflows
 from tests.workflows.conftest import Scene, changed
 from workflows.report import remarks
-from workflows.scene.scene import Accuracy
 from workflows.solve.results import Results
 
 
@@ -86,8 +85,7 @@ def test_a_point_mass_at_a_corner_does_not_make_its_theory_wrong() -> None:
 def test_at_rest_nothing_of_spinning_is_advised() -> None:
     """What has no part in an error is no cure of it."""
     found = _laden()
-    strict = found.scene.model_copy(update={"accuracy": Accuracy(frequency=1e-3)})
-    said = remarks.sentence(replace(found, scene=strict))
+    said = remarks.sentence(replace(found, scene=found.scene.changed(accuracy={"frequency": 1e-3})))
     assert said is not None
     assert "0.1 % was asked for; " in said
     assert "[effects]" not in said

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -192,7 +193,7 @@ def plain(drawn: Iterable[Axes]) -> None:
     for axes in drawn:
         for axis in (axes.xaxis, axes.yaxis):
             if axis.get_scale() == "log" and axis.isDefault_majfmt:
-                low, high = axis.get_view_interval()
+                low, high = sorted(axis.get_view_interval())  # an axis may run backwards
                 if 0 < high < _FEW_DECADES * low:
                     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
                     axis.set_minor_formatter(NullFormatter())
@@ -284,23 +285,23 @@ def _plasma(low: float, high: float, count: int) -> list[str]:
     from matplotlib.colors import to_hex
 
     steps = [low + (high - low) * i / max(count - 1, 1) for i in range(min(count, 256))]
-    return [to_hex(colormaps["plasma"](step)) for step in steps]
+    return [to_hex(colour) for colour in colormaps["plasma"](steps)]
 
 
 def _titles(figure: Figure, values: Iterable[Value]) -> str:
     """A group of shapes that are not painted, each with a title that a browser shows under the pointer."""
     height, shapes, taken = 72.0 * figure.get_figheight(), [], set()
-    for value in values:
-        x, y = value.axes.transData.transform((value.x, value.y))
-        box = value.axes.bbox
-        if not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
-            continue
-        if (place := (round(x / _APART), round(y / _APART))) in taken:
-            continue
-        taken.add(place)
-        shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
-        tag = "g" if value.mode is None else f'a href="#plate" data-mode="{value.mode[0]},{value.mode[1]}"'
-        shapes.append(f"<{tag}><title>{html.escape(value.title)}</title>{shape}</{tag[0]}>")
+    for axes, group in groupby(values, key=lambda value: value.axes):
+        drawn, box = list(group), axes.bbox
+        places = axes.transData.transform([(value.x, value.y) for value in drawn]).tolist()
+        for value, (x, y) in zip(drawn, places, strict=True):
+            place = round(x / _APART), round(y / _APART)
+            if place in taken or not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
+                continue
+            taken.add(place)
+            shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
+            tag = "g" if value.mode is None else f'a href="#plate" data-mode="{value.mode[0]},{value.mode[1]}"'
+            shapes.append(f"<{tag}><title>{html.escape(value.title)}</title>{shape}</{tag[0]}>")
     if not shapes:
         return ""
     return '<g class="values" fill="none" pointer-events="all">\n' + "\n".join(shapes) + "\n</g>\n"

@@ -16,7 +16,6 @@ from workflows.report import figures, mode_viewer, plots
 from workflows.report.mode_viewer import loops
 from workflows.report.page import from_template, put, script
 from workflows.scene import load
-from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene, as_typed, omega_of
 from workflows.solve import resources
 from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
@@ -220,17 +219,13 @@ def data_of_scene(scene: str, rpm: float | None) -> ViewData:
     if source.scene.given is not None:
         raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
     if rpm is not None:
-        source = _at(source, rpm)
+        source = source.changed(rotor={"speeds": (omega_of(rpm),)})
     resources.check(source)
     with Stages() as stages:
         state = pipeline.structure(source, stages)
     if state.surface is None or state.diagram is None:
         raise ValueError("a plate was solved without its surface")
     return of_plate(source.scene, state.surface, state.points, _known(state.diagram, state.theory))
-
-
-def _at(source: SceneFile, rpm: float) -> SceneFile:
-    return source.changed(rotor=source.scene.rotor.model_copy(update={"speeds": (omega_of(rpm),)}))
 
 
 _STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")

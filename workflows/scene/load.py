@@ -62,23 +62,23 @@ class SceneFile:
 
     def plate_alone(self) -> SceneFile:
         """The same without the damper; a housing stays, a part of the point mass at the damper's place."""
-        plate, damper, mass = self.scene.plate, self.scene.damper, self.scene.point_mass
-        if plate is not None and damper is not None and mass:
-            plate = plate.model_copy(update={"tip_mass": mass, "tip_mass_at": damper.on_plate})
-        return self.changed(plate=plate, damper=None, release=None)
+        damper, mass, alone = self.scene.damper, self.scene.point_mass, self.changed(damper=None, release=None)
+        if self.scene.plate is None or damper is None or not mass:
+            return alone
+        return alone.changed(plate={"tip_mass": mass, "tip_mass_at": damper.on_plate})
 
     def with_full_paths(self) -> SceneFile:
         """The same with the full paths of the files it names, for a copy in another folder."""
         plate, blade, structure = self.scene.plate, self.scene.blade, self.scene.structure
-        tables: dict[str, Table] = {}
+        tables: dict[str, dict[str, Any]] = {}
         if plate is not None and plate.mesh is not None:
-            tables["plate"] = plate.model_copy(update={"mesh": self._full(plate.mesh)})
+            tables["plate"] = {"mesh": self._full(plate.mesh)}
         if blade is not None:
-            tables["blade"] = blade.model_copy(update={"mesh": self._full(blade.mesh)})
+            tables["blade"] = {"mesh": self._full(blade.mesh)}
         if isinstance(structure, KnownModes):
             names = structure.modes
             full = self._full(names) if isinstance(names, str) else {key: self._full(names[key]) for key in names}
-            tables["structure"] = structure.model_copy(update={"modes": full})
+            tables["structure"] = {"modes": full}
         return self.changed(**tables)
 
     def _full(self, name: str) -> str:
@@ -88,9 +88,9 @@ class SceneFile:
         """The error of one of its keys."""
         return BadInput(problem, file=self.name, key=key, value=value)
 
-    def changed(self, **tables: Table | None) -> SceneFile:
-        """The same scene with some of its tables replaced."""
-        return replace(self, scene=self.scene.model_copy(update=tables))
+    def changed(self, **tables: Table | Mapping[str, Any] | None) -> SceneFile:
+        """The same with another scene; see :meth:`Scene.changed`."""
+        return replace(self, scene=self.scene.changed(**tables))
 
 
 SHIPPED = Path(__file__).parents[1] / "scenes"

@@ -637,6 +637,14 @@ class Scene(Table):
             raise fault("release.ratio", "at rest there is no load, so a ratio of it is no release")
         return self
 
+    def changed(self, **tables: Table | Mapping[str, Any] | None) -> Self:
+        """The same with other tables, or with other keys in a table, whose values are in SI and not looked at again."""
+        new = {
+            name: getattr(self, name).model_copy(update=dict(table)) if isinstance(table, Mapping) else table
+            for name, table in tables.items()
+        }
+        return self.model_copy(update=new)
+
     @property
     def given(self) -> Structure | None:
         """The structure of which frequency and mass are given."""

@@ -40,9 +40,8 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
     """
     if source.scene.blade is None:
         return space_structure(source) if source.scene.in_space else None
-    rotor = source.scene.rotor
     if slowest:
-        source = source.changed(rotor=rotor.model_copy(update={"speeds": (min(rotor.speeds),)}))
+        source = source.changed(rotor={"speeds": (min(source.scene.rotor.speeds),)})
     return blade_structure(source)
 
 

@@ -159,7 +159,7 @@ def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dam
     """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
     if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
         return None
-    consistent = scene.model_copy(update={"damper": scene.damper.model_copy(update={"formulation": "consistent"})})
+    consistent = scene.changed(damper={"formulation": "consistent"})
     return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
 
 

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+
+import numpy as np
 
 from fem.rotor import from_rpm
 from workflows.errors import BadInput
@@ -103,14 +104,16 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     """
     by_speed = sorted(points, key=lambda point: point.omega)
     names = labels(by_speed) or {0: "flap 1"}
-    tracks = {branch: _track(by_speed, branch) for branch in sorted(names)}
-    return [
-        met
-        for order in sorted(orders)
-        for branch, track in tracks.items()
-        for low, high in pairwise(track)
-        if (met := _between(order, names[branch], low, high)) is not None
-    ]
+    met = []
+    for branch in sorted(names):
+        track = _track(by_speed, branch)
+        rpm, hertz = (np.array(values) for values in zip(*((p.rpm, _hertz(p, k)) for p, k in track), strict=True))
+        for order in orders:
+            apart = hertz**2 - (order * rpm / 60) ** 2
+            pairs = ((track[k], track[k + 1]) for k in np.flatnonzero(apart[:-1] * apart[1:] <= 0))
+            found = (_between(order, names[branch], low, high) for low, high in pairs)
+            met += [crossing for crossing in found if crossing is not None]
+    return sorted(met, key=lambda crossing: crossing.order)
 
 
 def no_crossing(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven: bool = True) -> BadInput:

@@ -122,8 +122,7 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
     structure = source.scene.given
     tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
     modes: bool | str = True if source.scene.given is None else "auto"
-    effects = source.scene.effects.model_copy(update={"floor_tilt": tilts, "structural_modes": modes})
-    return source.changed(effects=effects)
+    return source.changed(effects={"floor_tilt": tilts, "structural_modes": modes})
 
 
 def over_speed_range(solver: StructureSolver) -> StructureState:

@@ -242,8 +242,7 @@ class StructureSolver:
         """
         source, effects = self.source, self.choice.effects
         if speeds is not None:
-            update = {"speeds": tuple(float(speed) for speed in speeds)}
-            source = source.changed(rotor=source.scene.rotor.model_copy(update=update))
+            source = source.changed(rotor={"speeds": tuple(float(speed) for speed in speeds)})
         if self.space is not None:
             with translated_errors(source), self.stages("reduction"):
                 points = self.space.points(source, effects)

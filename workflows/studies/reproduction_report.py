@@ -26,7 +26,7 @@ def draw(reproduction: Reproduction) -> list[Picture]:
         6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
         7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
     }
-    drawn = {2: ("Velocity over time at 10000 rpm.", _velocity(reproduction))}
+    drawn = {2: ("Velocity over time at 10000 rpm. Dashed: from here on the ball rests.", _velocity(reproduction))}
     drawn |= {number: (caption, _capacity(family, number)) for number, (caption, family) in capacity.items()}
     return [Picture(svg, f"As Fig. {number} of the paper. {caption}") for number, (caption, svg) in drawn.items()]
 
@@ -119,7 +119,7 @@ def value(number: Value) -> str:
         return re.sub(r"[ \N{THIN SPACE}]", "\N{NARROW NO-BREAK SPACE}", formatting.fixed(number))
     if size >= 100:
         return formatting.fixed(number, 1)
-    return f"{number:.1e}" if 0 < size < 1e-3 else formatting.significant(number)
+    return formatting.significant(number, 2 if size < 1e-3 else 3)
 
 
 def _joined(assumptions: Iterable[str]) -> str:

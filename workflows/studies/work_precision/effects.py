@@ -198,11 +198,10 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
 
     def run(cavity: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
         """The scene with all effects as decided but those switched, on the mesh of its own run; `cavity`: a factor."""
-        scene, damper = source.changed(effects=source.scene.effects.model_copy(update=effects | switches)), None
+        tables: dict[str, Any] = {"effects": effects | switches}
         if source.scene.damper is not None:
-            sides = tuple(cavity * side for side in source.scene.damper.cavity)
-            damper = source.scene.damper.model_copy(update={"cavity": sides})
-        scene = scene.changed(damper=damper)
+            tables["damper"] = {"cavity": tuple(cavity * side for side in source.scene.damper.cavity)}
+        scene = source.changed(**tables)
         return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
     called = selection.called_for(source.scene, choice.form)

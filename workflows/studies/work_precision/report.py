@@ -156,4 +156,4 @@ def _milliseconds(row: Setting) -> str:
 
 
 def _exponent(value: float | None) -> str:
-    return "–" if value is None else f"{value:.1e}"
+    return formatting.significant(value, 2)

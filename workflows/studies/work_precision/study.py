@@ -127,7 +127,7 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
         return [], {}
     known = choose_model(source, Stages(visible=False)).theory
     if known is not None:  # the error of a theory is not one of accuracy
-        source = source.changed(plate=source.scene.plate.model_copy(update={"theory": known.name}))
+        source = source.changed(plate={"theory": known.name})
 
     def run(accuracy: float | None = None) -> Results:
         wanted = {} if accuracy is None else {"accuracy": Accuracy(frequency=accuracy, damping=accuracy)}
