@@ -570,6 +570,11 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
             *_of_effects(results, "damper"),
             ("Rolling resistance is μ_r N / r on each axis, whatever the speed of rolling.", "paper, eq. 2"),
             (f"Wall hits are instantaneous, with {hits} and constant μ.", "paper, eqs. 6 to 11"),
+            (
+                "Restitution, friction, rolling friction, damping ratio and clearance are as given, and rarely known"
+                " well: `spindamp sweep SCENE --uncertain` gives the interval of the damping ratio that follows.",
+                "assumption",
+            ),
             ("Several balls move in step, each in a cavity of its own.", "assumption"),
             ("The ball's weight is neglected.", "assumption"),
             ("The load and the rotation speed do not change during a ring-down.", "paper, II.A"),
