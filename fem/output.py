@@ -131,8 +131,8 @@ def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -
     count = int(numbers.max()) + 1
     moved = np.zeros((count, 3, shapes.shape[1]), dtype=padded.dtype)
     for k, space in enumerate(operators.model.spaces):
-        probes = [space.probe(cells, np.repeat(place[:, None], cells.size, axis=1)) for place in grid.points]
-        weights, dofs = (np.stack(each, axis=1) for each in zip(*probes, strict=True))  # (cells, places, functions)
+        many = np.repeat(cells, len(grid.points)), np.tile(grid.points.T, cells.size)
+        weights, dofs = (each.reshape(*numbers.shape, -1) for each in space.probe(*many))  # (cells, places, functions)
         rows = np.broadcast_to(numbers[:, :, None], dofs.shape)
         total = coo_array(
             (weights.ravel(), (rows.ravel(), dofs.ravel() % len(padded))), shape=(count, len(padded))
@@ -165,10 +165,9 @@ def displacement(operators: Operators, shapes: Array) -> Array:
     cells = np.arange(mesh.t.shape[1])
     moved = np.zeros((mesh.p.shape[1], 3, *shapes.shape[1:]), dtype=padded.dtype)
     for k, space in enumerate(operators.model.spaces):
-        for j, corner in enumerate(corners):
-            at = np.repeat(corner[:, None].astype(float), cells.size, axis=1)
-            weights, dofs = space.probe(cells, at)
-            moved[mesh.t[j], k] = np.einsum("cd,cd...->c...", weights, padded[dofs])
+        many = np.repeat(cells, len(corners)), np.tile(corners.T.astype(float), cells.size)
+        weights, dofs = (each.reshape(cells.size, len(corners), -1) for each in space.probe(*many))
+        moved[mesh.t, k] = np.einsum("cpd,cpd...->pc...", weights, padded[dofs])
     moved = moved[: operators.plate.mesh.p.shape[1]]  # a model may split cells; it adds vertices at the end
     return moved if shapes.ndim == 1 else np.moveaxis(moved, -1, 0)
 

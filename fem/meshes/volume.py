@@ -185,19 +185,16 @@ def _check_volumes(kind: str, corners: Array) -> None:
     straight = next(name for name in FIRST_ORDER if kind.startswith(name))
     ends = cell(straight).nodes
     sizes = cell(straight).sizes(corners[:, : len(ends)], ends)
-    twisted = (sizes < -FLAT * np.abs(sizes).max(axis=1, keepdims=True)).any(axis=1)
-    inverted = ~(cell(kind).sizes(corners, _inside(kind)) > 0.0).all(axis=1)
-    for bad, what in (
-        (inverted, "are inverted, flat or too distorted"),
-        (twisted, "have corners listed out of order, or faces folded over"),
-    ):
-        if bad.any():
-            first = int(np.flatnonzero(bad)[0])
-            x, y, z = corners[first].mean(axis=0)
-            raise MeshError(
-                f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells {what}, the first (number {first + 1} of these"
-                f" in the file) near ({x:.6g}, {y:.6g}, {z:.6g}) m"
-            )
+    bad = (sizes < -FLAT * np.abs(sizes).max(axis=1, keepdims=True)).any(axis=1)
+    bad |= ~(cell(kind).sizes(corners, _inside(kind)) > 0.0).all(axis=1)
+    if bad.any():
+        first = int(np.flatnonzero(bad)[0])
+        x, y, z = corners[first].mean(axis=0)
+        raise MeshError(
+            f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells are inverted, flat or too distorted, or list their"
+            f" corners out of order, the first (number {first + 1} of these in the file) near ({x:.6g}, {y:.6g},"
+            f" {z:.6g}) m"
+        )
 
 
 FLAT = 1e-6

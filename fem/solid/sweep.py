@@ -51,23 +51,14 @@ MOST = 25
 PLACES = 96
 """Parts into which Chebyshev-Lobatto points divide the range, out of which these are taken."""
 
-TIED = 1e-9
-"""Relative difference of products that are the same."""
-
 FADED = 0.3
 """Part of an interpolation's error that the next two points are trusted to leave at most: up to 0.16 on six blades."""
 
 PROJECTED = 0.1
 """Part of the tolerance that may be left at a speed whose modes are sought among those of others."""
 
-MENDED = 0.01
-"""Error at such a speed up to which what its modes lack, by the last factor, is added to those of others."""
-
 FAR = 0.1
 """Relative change of a squared frequency from what was predicted from which on a speed is solved without more ado."""
-
-STRAIGHT = 0.1
-"""Part of the error that may be left up to which what a corrected state does to the stiffness counts as an error."""
 
 SPREAD = 5.0
 """What errors at the speeds known may become between them: Lebesgue's constant of up to 15 such points."""
@@ -297,7 +288,7 @@ def sweep_blade(
     for place in _places():
         square = low + bend * float(np.expm1(np.log1p((high - low) / bend) * place))
         guess = known.guess(square, operators.mass)[:count]
-        off = _project(operators, square, known, guess, PROJECTED * tolerance)
+        off = _project(operators, square, known, guess)
         if not off <= PROJECTED * tolerance:
             _solve_between(operators, square, count, known)
             off = 0.0
@@ -314,10 +305,10 @@ def sweep_blade(
 @cache
 def _places() -> tuple[float, ...]:
     """Where points between 0 and 1 are added one by one."""
-    grid, places = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, PLACES) / PLACES), [0.0, 1.0]
+    grid, places = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, PLACES) / PLACES), [0.0, 1.0]
     while len(places) < MOST:
         apart = np.abs(grid[:, None] - places).prod(axis=1)
-        places.append(float(grid[np.flatnonzero(apart > (1.0 - TIED) * apart.max())[-1]]))
+        places.append(float(grid[np.round(apart / apart.max(), 9).argmax()]))
     return tuple(places[2:])
 
 
@@ -370,50 +361,35 @@ def _slope(operators: SolidOperators, state: Array, solver: Solver) -> Array:
     return solver.solve(load if operators.softening is None else load + operators.softening @ state)
 
 
-def _project(operators: SolidOperators, square: float, known: _Solved, guess: Array, enough: float) -> float:
+def _project(operators: SolidOperators, square: float, known: _Solved, guess: Array) -> float:
     """Know a speed by state and modes among the modes and slopes of solved speeds, and what these lack there.
 
     Returns the largest relative error that this leaves of a wanted frequency, to first order; infinity where the modes
-    are far from those predicted. guess: their squares (wanted,). enough: what may be left.
+    are far from those predicted. guess: their squares (wanted,).
     """
     omega, mass = square**0.5, operators.mass
     basis, image = known.space(square, mass)
     linear = operators.prestress is not None
     count, wanted = known.shapes[max(known.shapes)].shape[1], guess.size
-    state, off = known.predicted(square), np.inf
-    stiffness = _about(operators, omega, state)
-    pushed = stiffness @ basis
-    while True:
-        reduced, bent = basis.T @ pushed, np.zeros(wanted)
-        values, vectors = np.linalg.eigh(reduced)
-        if not linear:
-            begin, residual = state, unbalanced(operators, square, state, operators.stressed(state))
-            for _ in range(CORRECTIONS):
-                state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
-                residual = unbalanced(operators, square, state, operators.stressed(state))
-            bent = operators.bending(begin, state - begin, basis @ vectors[:, :wanted])
-            if (np.abs(bent) > STRAIGHT * enough * values[:wanted]).any():
-                stiffness = _about(operators, omega, state)
-                pushed, bent = stiffness @ basis, np.zeros(wanted)
-                values, vectors = np.linalg.eigh(basis.T @ pushed)
-        values, vectors = values[:count], vectors[:, :count]
-        shapes = basis @ vectors
-        known.add(square, state, None, values, shapes)
-        if np.abs(values[:wanted] / guess - 1.0).max() > FAR:
-            return np.inf
-        residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
-        if linear:
-            steps = operators.known[-1].solve(residuals)
-        else:
-            steps = operators.known[-1].solve(np.column_stack([residuals, residual]))
-            bent = np.abs(bent) + np.abs(operators.bending(state, steps[:, -1], shapes[:, :wanted]))
-        changes = np.einsum("nk,nk->k", residuals, steps[:, :wanted])
-        before, off = off, float((0.5 * (np.abs(changes) + bent) / values[:wanted]).max())
-        if off <= enough or before < np.inf or not off <= MENDED:
-            return off
-        block, heavy, _, _ = orthonormal(steps, basis, image, mass)
-        basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
-        pushed = np.hstack([pushed, stiffness @ block])
+    state = known.predicted(square)
+    if not linear:
+        reduced = basis.T @ (tangent(operators, omega, state) @ basis)
+        for _ in range(CORRECTIONS):
+            residual = unbalanced(operators, square, state, operators.stressed(state))
+            state = state + basis @ np.linalg.solve(reduced, basis.T @ residual)
+    pushed = _about(operators, omega, state) @ basis
+    values, vectors = np.linalg.eigh(basis.T @ pushed)
+    values, vectors = values[:count], vectors[:, :count]
+    shapes = basis @ vectors
+    known.add(square, state, None, values, shapes)
+    if np.abs(values[:wanted] / guess - 1.0).max() > FAR:
+        return np.inf
+    residuals = (pushed @ vectors - (image @ vectors) * values)[:, :wanted]
+    changes = np.abs(np.einsum("nk,nk->k", residuals, operators.known[-1].solve(residuals)))
+    if not linear:
+        step = operators.known[-1].solve(unbalanced(operators, square, state, operators.stressed(state)))
+        changes += np.abs(operators.bending(state, step, shapes[:, :wanted]))
+    return float((0.5 * changes / values[:wanted]).max())
 
 
 def _solve_between(operators: SolidOperators, square: float, count: int, known: _Solved) -> None:

@@ -431,7 +431,7 @@ def broken():
         "hanging nodes": (both[first], ((kind, beside),), r"5 faces inside .* \(hanging nodes\), the first near \(1, "),
         "listed twice": (points, ((kind, cells[[*range(8), 0]]),), "3 faces belong to more than two cells"),
         "one cell twice": (coarse.points, ((kind, coarse.cells[0][1][[0, 0]]),), "listed twice"),
-        "middle off": (bulging, ((kind, cells),), "inverted, flat or too distorted, the first .* near"),
+        "middle off": (bulging, ((kind, cells),), "inverted, flat or too distorted, .* the first .* near"),
         "corners swapped": (
             box("hexahedron").points,
             (("hexahedron", crossed),),

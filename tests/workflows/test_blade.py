@@ -5,6 +5,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -297,6 +298,18 @@ def test_the_cavity_of_the_shipped_blade_fits_and_its_mass_is_an_error(bricks):
     assert 0.5 * still < tip.modes[0].error_parts.cavity_mass < still, "the load on it stiffens"
     (without,) = pipeline.structure(on_bricks(bricks), Stages(visible=False)).points
     assert without.modes[0].error_parts.cavity_mass is None
+
+
+def test_meshes_of_first_order_are_warned_of_wherever_they_are_used(tmp_path, spindamp):
+    """In `check`, also as JSON, and on the terminal, with a report and without."""
+    fine = make.solid(make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05), (4, 2, 1), 3.0)
+    used, number = np.unique(fine.cells[0].data[:, :8], return_inverse=True)
+    meshio.write(tmp_path / "flat.inp", meshio.Mesh(fine.points[used], [("hexahedron", number.reshape(-1, 8))]))
+    on_bricks(tmp_path)
+    scene = tmp_path / "bricks.toml"
+    for arguments in (("check", scene), ("check", scene, "--json"), ("campbell", scene)):
+        assert "The mesh is of first order" in spindamp(*arguments).out
+    assert "The mesh is of first order" in spindamp("campbell", scene, "--out", tmp_path / "out").out
 
 
 def test_check_gives_a_place_without_what_rounding_leaves_of_it(bricks, spindamp):

@@ -386,7 +386,9 @@ def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fe
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
     if not one_by_one(scene, operators):
-        speeds = np.union1d(speeds, steps(speeds.min(), speeds.max(), discrete.choice.rates))
+        more = steps(speeds.min(), speeds.max(), discrete.choice.rates)
+        if speeds.size == 1 or np.diff(np.sort(speeds)).max() > np.diff(more).min():
+            speeds = np.union1d(speeds, more)
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return campbell(
         operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states, progress=progress
