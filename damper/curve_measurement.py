@@ -357,7 +357,8 @@ def _ramped(
     def work(block: tuple[int, int]) -> None:
         amplitude_sweep.run_ramps(block, f.runs, f.systems.flows, tables, ramp)
 
-    in_blocks(work, sweeps, threads or os.cpu_count() or 1, block_size=1)
+    threads = threads or os.cpu_count() or 1
+    in_blocks(work, sweeps, threads, block_size=sweeps if threads == 1 else math.ceil(sweeps / (4 * threads)))
     laws.check_sweeps(damper, energy, f.runs["axes"]["excursion"])
     self_check.once("sweeps", samples_of)
     return energy
