@@ -52,7 +52,7 @@ IN_CACHE = 20_000
 
 @cache
 def rule(kind: str, full: bool = False) -> Rule:
-    """Points (npoint, 3) and weights (npoint,) on the reference cell of a kind, for stiffness and mass."""
+    """Quadrature for stiffness and mass: points (npoint, 3) and weights (npoint,) on the reference cell of a kind."""
     if kind.startswith("hexahedron"):
         return _gauss(3 if kind == "hexahedron27" or (full and kind == "hexahedron20") else 2)
     if kind.startswith("wedge"):
@@ -99,9 +99,16 @@ class Cells:
 
 
 def mapped(kind: str, corners: Array, points: Array, weights: Array) -> tuple[Array, Array, Array]:
-    """Shape functions (npoint, nnode), gradients (ncell, npoint, 3, nnode) and volumes (ncell, npoint) at points.
+    """Shape functions, their gradients, and volumes at points of cells.
 
-    corners: all nodes of the cells, (ncell, nnode, 3).
+    Args:
+        kind: of the cells, as in `fem.meshes.cells`.
+        corners: coordinates of all nodes of each cell, (ncell, nnode, 3) [m].
+        points: on the reference cell, (npoint, 3).
+        weights: of the points, (npoint,).
+
+    Returns:
+        Shape functions (npoint, nnode), gradients (ncell, npoint, 3, nnode) [1/m] and volumes (ncell, npoint) [m³].
     """
     slopes = cell(kind).slopes(points).swapaxes(1, 2)
     jacobian = np.einsum("pan,cnk->cpak", slopes, corners, optimize=True)
@@ -147,7 +154,13 @@ class Pattern:
 
 
 def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
-    """The pattern of cells whose nodes are (ncell, nnode), with some nodes held."""
+    """The sparsity pattern of a blade's matrices.
+
+    Args:
+        tables: nodes of the cells of each kind, (ncell, nnode).
+        clamped: numbers of the clamped nodes.
+        count: number of nodes.
+    """
     free = np.ones(count, dtype=bool)
     free[clamped] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
@@ -204,7 +217,7 @@ def _dissected(row: Indices, column: Indices, n: int) -> Indices:
 
 @dataclass(frozen=True, eq=False)
 class SolidState:
-    """A blade's stress at a displacement, each as list over kinds of cells.
+    """Deformation and stress of a blade at a displacement, lists over kinds of cells.
 
     Attributes:
         deformation: F, (ncell, npoint, 3, 3).
@@ -225,7 +238,7 @@ class SolidState:
         return self.operators.gathered(total)
 
     def ahead(self, step: Array) -> list[Array]:
-        """The stress that a step (n,) leads to, to first order."""
+        """Stress after a step (n,) [m], to first order."""
         moved = self.operators.spread(step)
         ahead = []
         for cells, f, s in zip(self.operators.cells, self.deformation, self.stress, strict=True):
@@ -349,7 +362,7 @@ class SolidOperators:
         return np.asarray(2.0 * second * strain + spherical[..., None, None] * np.eye(3))
 
     def stressed(self, state: Array) -> SolidState:
-        """Deformation and stress at a displacement (n,)."""
+        """Deformation and stress at a displacement (n,) [m]."""
         moved = self.spread(state)
         deformation, stress = [], []
         for cells in self.cells:
@@ -359,7 +372,7 @@ class SolidOperators:
         return SolidState(self, deformation, stress)
 
     def bending(self, state: Array, step: Array, shapes: Array) -> Array:
-        """What a step (n,) from a state (n,) changes of the modal stiffness of shapes (n, k), to first order, (k,)."""
+        """First-order change (k,) of the modal stiffness of shapes (n, k) by a step (n,) from a state (n,) [m]."""
         rest, moved, waves = self.spread(state), self.spread(step), self.spread(shapes)
         total = np.zeros(shapes.shape[1])
         for cells in self.cells:
@@ -374,30 +387,30 @@ class SolidOperators:
         return total
 
     def factorise(self, matrix: csc_array) -> Factor:
-        """Factor of a matrix of this pattern, whose order is good as it is."""
+        """Factor of a matrix of this pattern, in the order of its unknowns."""
         return linalg.factorise(matrix, ordered=True)
 
     def solver(self, matrix: csc_array) -> Solver:
-        """What solves a stiffness: a factor, or conjugate gradients with the one known last."""
+        """Solver of a stiffness: its factor, or conjugate gradients preconditioned by the last factor known."""
         if self.known:
             return Nearby(matrix, self.known[-1], lambda own: self.keep(self.factorise(own)))
         return self.keep(self.factorise(matrix))
 
     def keep(self, factor: Factor) -> Factor:
-        """Know a factor of a stiffness, by which others are solved if it is positive; returns it."""
+        """Keep a factor, by which other stiffnesses are solved if it is positive, and return it."""
         if not factor.negative:
             self.known[:] = [factor]
         return factor
 
     @cached_property
     def prestress(self) -> Array | None:
-        """The displacement (n,) per Omega² to first order; None with large deflection, which finds its own."""
+        """Linear static displacement (n,) per Omega² [m s²/rad²]; None with large deflection, which has its own."""
         return None if self.effects.large_deflection else self.solver(self.stiffness).solve(self.load)
 
     def at(self, omega: float) -> csc_array:
-        """K(Omega), (n, n), under the linear prestress in the shape that it leaves, as CalculiX has it without NLGEOM.
+        """K(Omega) (n, n) [N/m], with the linear prestress in the deformed shape, as CalculiX has it without NLGEOM.
 
-        With large deflection without either: `tangent` has them.
+        With large deflection it has neither; `tangent` has both.
         """
         total = self.stiffness
         if self.prestress is not None and omega != 0.0:
@@ -408,7 +421,7 @@ class SolidOperators:
         return total
 
     def with_deflection(self, large: bool) -> SolidOperators:
-        """The same with large deflection or without, and the factor that is known."""
+        """The operators with large deflection or without, with the last factor known."""
         operators = replace(self, effects=replace(self.effects, large_deflection=large))
         operators.known[:] = self.known
         return operators
@@ -417,8 +430,11 @@ class SolidOperators:
 def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool = False) -> SolidOperators:
     """Matrices of a solid blade.
 
-    effects: by default stress stiffening at large deflections and spin softening. full: integrate 20-node hexahedra at
-    3 x 3 x 3 points instead of 2 x 2 x 2, which do not lock where cells are thin.
+    Args:
+        blade: with its mesh and material.
+        effects: by default stress stiffening at large deflection, and spin softening.
+        full: integrate hexahedra of 20 nodes at 3 x 3 x 3 points, instead of 2 x 2 x 2, which do not lock where cells
+            are thin.
     """
     effects = Effects(large_deflection=True) if effects is None else effects
     cells, heavy = [], []

@@ -27,17 +27,17 @@ FLAT = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Blade:
-    """A solid blade, clamped at some of its nodes.
+    """A solid blade on a rotor, clamped at its root.
 
     Attributes:
-        mesh: of its volume, in m.
-        material: what it is made of.
-        root: numbers of the nodes that are held.
+        mesh: of its volume [m].
+        material: of the blade.
+        root: numbers of the clamped nodes.
         axis: unit vector (3,) of the spin axis.
-        origin: a point (3,) in m on it.
+        origin: a point (3,) on the axis [m].
 
     Raises:
-        MeshError: for a root that does not hold the blade, or holds all of it.
+        MeshError: the root does not hold the blade, or holds all of it.
     """
 
     mesh: VolumeMesh
@@ -63,7 +63,7 @@ class Blade:
 
     @property
     def section(self) -> Array:
-        """Area (3,) [m²] of the section at which the root holds the blade, along its normal.
+        """Vector area (3,) of the section at which the root holds the blade [m²].
 
         By Gauss' theorem that of the faces whose nodes are all held, however deep the root's nodes reach into it.
         """
@@ -78,10 +78,14 @@ class Blade:
 
 
 def named_root(mesh: VolumeMesh, name: str) -> Indices:
-    """Nodes of a named set, capital letters aside.
+    """Nodes of a named set of a mesh.
+
+    Args:
+        mesh: with its node sets.
+        name: of the set, in capital or small letters.
 
     Raises:
-        MeshError: there is none.
+        MeshError: the mesh has no such set.
     """
     known = {each.lower(): nodes for each, nodes in mesh.sets.items()}
     if name.lower() not in known:
@@ -100,12 +104,18 @@ INNER = 0.2
 
 
 def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None = None) -> Indices:
-    """Nodes at a radius (m) from the spin axis, on a cylinder or on a plane; None: the innermost.
+    """Nodes of the inner end of a blade, on a cylinder about the spin axis or on a plane.
 
     The plane is that of the faces at the inner end that look at the axis.
 
+    Args:
+        mesh: of the blade [m].
+        axis: unit vector (3,) of the spin axis.
+        origin: a point (3,) on the axis [m].
+        radius: of the nodes from the axis [m]; None: the least.
+
     Raises:
-        MeshError: there are none.
+        MeshError: there are no such nodes.
     """
     arm = mesh.points - origin
     arm = arm - np.outer(arm @ axis, axis)

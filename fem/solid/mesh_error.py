@@ -48,9 +48,16 @@ MIXED = 1.5
 
 
 def mesh_errors(operators: SolidOperators, shapes: Array, values: Array, state: Array | None = None) -> Array:
-    """Estimated relative errors (k,) of the frequencies of mass-normalised shapes (n, k), the lowest ones.
+    """Estimated relative errors of the lowest frequencies by the mesh.
 
-    values: their squared circular frequencies (k,), ascending. state: the displacement (n,) that they vibrate about.
+    Args:
+        operators: of the blade.
+        shapes: mass-normalised, shape (n, k).
+        values: squared circular frequencies (k,) [rad²/s²], ascending.
+        state: static displacement (n,) [m] about which the blade vibrates; None: undeformed.
+
+    Returns:
+        Shape (k,) [-].
     """
     moved = operators.spread(shapes)
     rest = operators.spread(np.zeros(shapes.shape[0]) if state is None else state)

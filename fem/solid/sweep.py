@@ -116,22 +116,24 @@ class BladeSweep:
     errors: Array
 
     def state(self, omega: float) -> Array:
-        """The displacement (n,) in m at a speed in rad/s."""
+        """Static displacement (n,) [m] at a speed [rad/s]."""
         return np.asarray(self.weights(omega) @ self.states)
 
     def modes(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
-        """Squared circular frequencies (count,) and mass-normalised shapes (n, count) at a speed in rad/s.
+        """Squared circular frequencies (count,) [rad²/s²] and mass-normalised shapes (n, count) at a speed.
 
-        spare: with those solved beyond the ones asked for.
+        Args:
+            omega: speed [rad/s].
+            spare: with the modes solved beyond those asked for.
 
         Raises:
-            ValueError: for a speed out of the range.
+            ValueError: the speed is out of the range.
         """
         values, vectors = self.reduced(omega, spare=spare)
         return values, np.asarray(np.tensordot(self.weights(omega), self.shapes, 1) @ vectors)
 
     def reduced(self, omega: float, *, spare: bool = False) -> tuple[Array, Array]:
-        """The same with the shapes (q, count) as parts of the interpolated ones."""
+        """The modes as in `modes`, with shapes (q, count) in coordinates of the interpolated ones."""
         weights = self.weights(omega)
         values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
         mass = np.einsum("i,iajb,j->ab", weights, self.products, weights)
@@ -147,10 +149,10 @@ class BladeSweep:
         return bool(self.squares[0] - slack <= omega**2 <= self.squares[-1] + slack)
 
     def coriolis_shifts(self, omega: float) -> Array:
-        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed in rad/s, within the solved modes.
+        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed [rad/s], within the solved modes.
 
         Raises:
-            ValueError: the Coriolis matrix was left out.
+            ValueError: the operators have no Coriolis matrix.
         """
         if self.turned is None:
             raise ValueError("the operators were assembled without Coriolis forces")
@@ -169,11 +171,11 @@ class BladeSweep:
         return Tracks.followed(lambda omega: self.reduced(omega)[1], low, high)
 
     def tracks(self, omega: float) -> NDArray[np.int64]:
-        """Which mode of the lowest speed each of those at a speed in rad/s continues, (count,)."""
+        """The mode of the lowest speed that each mode at a speed [rad/s] continues, (count,)."""
         return self._tracks.of(omega, self.reduced(omega)[1])
 
     def weights(self, omega: float) -> Array:
-        """Weights (m,) of what is known at the solved speeds at another, in rad/s."""
+        """Weights (m,) of the solved speeds in the interpolation at another speed [rad/s]."""
         low, high = self.squares[0], self.squares[-1]
         if not low - SAME * high <= omega**2 <= (1.0 + SAME) * high:
             raise ValueError(f"the blade is solved from {low**0.5:g} to {high**0.5:g} rad/s, not at {omega:g}")
@@ -206,7 +208,7 @@ class _Solved:
             self.slopes[square] = slope
 
     def near(self, square: float) -> list[float]:
-        """The solved speeds nearest to another, the nearest first."""
+        """Squares of the solved speeds nearest to another, the nearest first [rad²/s²]."""
         low, bend = min(self.states), self.bend
         return sorted(self.slopes, key=lambda each: abs(np.log((bend + each - low) / (bend + square - low))))[
             :NEIGHBOURS
@@ -222,7 +224,7 @@ class _Solved:
         return self.spaces[near]
 
     def predicted(self, square: float) -> Array:
-        """The state (n,) at another speed, by the polynomial that has the states solved and their slopes."""
+        """Static displacement (n,) [m] at another speed, by the Hermite polynomial of the solved states."""
         near, low, bend = self.near(square), min(self.states), self.bend
         at, nodes = (np.log1p((np.array(each) - low) / bend) for each in (square, near))
         weights, off = lagrange(nodes, float(at)) ** 2, at - nodes
@@ -248,7 +250,7 @@ class _Solved:
 
     @property
     def bend(self) -> float:
-        """What Omega² beyond the lowest doubles an eigenvalue, by the modes at the ends."""
+        """Omega² above the lowest that doubles an eigenvalue, by the modes at both ends [rad²/s²]."""
         low, high = min(self.values), max(self.values)
         growth = float((self.values[high] / self.values[low]).max()) if high > low else 1.0
         return (high - low) / max(growth - 1.0, LINEAR) if high > low else 1.0
@@ -262,13 +264,18 @@ def sweep_blade(
     tolerance: float = 2e-4,
     progress: Callable[[int], None] | None = None,
 ) -> BladeSweep:
-    """Solve a blade for all speeds from the lowest to the highest of some (k,) in rad/s.
+    """Equilibria and modes of a blade over a range of speeds.
 
-    tolerance: of frequencies at speeds that are not solved themselves. progress: gets how many speeds are solved.
+    Args:
+        operators: of the blade.
+        speeds: shape (k,) [rad/s]; the range is from the lowest to the highest.
+        count: number of modes.
+        tolerance: relative, of frequencies between the speeds that are solved.
+        progress: is called with the number of speeds solved.
 
     Raises:
-        ValueError: for no speeds or one that is not finite.
-        NoEquilibrium, Divergence: where the blade has no stable state at the highest speed.
+        ValueError: there is no speed, or one is not finite.
+        NoEquilibrium, Divergence: the blade has no stable state at the highest speed.
     """
     requested = np.unique(np.abs(np.asarray(speeds, dtype=float)))
     if requested.size == 0:
@@ -433,11 +440,18 @@ SAFETY = 2.0
 
 
 def deflection_shifts(operators: SolidOperators, omega: float, count: int) -> Array | None:
-    """Estimate relative shifts (count,) of frequencies by large deflection at a speed in rad/s.
+    """Estimated relative shifts of frequencies by large deflection.
 
-    operators: without large deflection; the modes at the speed are kept in them. A step of Newton's from the linear
-    state, and the modes that the stiffness there has among those under the linear prestress, with what they lack.
-    None where the blade bends too much for one step to tell, or has no modes under a linear prestress.
+    One Newton step is taken from the linear state. The modes of the stiffness there are sought among those with the
+    linear prestress; what these lack is added, by their residuals.
+
+    Args:
+        operators: without large deflection; they keep the modes at this speed.
+        omega: speed [rad/s].
+        count: number of modes.
+
+    Returns:
+        Shape (count,) [-]; None where the blade bends too much for one step, or has no modes with a linear prestress.
     """
     operators.solver(operators.stiffness)
     square, (first, *_) = omega**2, operators.known
@@ -467,10 +481,11 @@ KEPT = 64
 
 
 class SolvedBlade:
-    """A solid blade whose modes are solved over a range of speeds, which grows where speeds beyond are asked for.
+    """A solid blade with its modes over a range of speeds, which grows where speeds beyond it are asked for.
 
     Attributes:
-        operators: its matrices; sweep: what is solved so far.
+        operators: its matrices.
+        sweep: what is solved so far.
         errors: estimated relative errors (count,) of frequencies by the mesh.
     """
 
@@ -497,23 +512,23 @@ class SolvedBlade:
 
     @cached_property
     def model(self) -> ModalModel:
-        """The blade with its modes at the lowest speed."""
+        """The blade, with its modes at the lowest speed."""
         blade = self.operators.blade
         lowest = self.at(float(self.sweep.squares[0]) ** 0.5)
         mesh = blade.mesh
         return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets)
 
     def at(self, omega: float) -> ModesAtSpeed:
-        """Its modes at a speed in rad/s.
+        """The blade's modes at a speed [rad/s].
 
         Raises:
-            NoEquilibrium, Divergence: where the blade has no stable state there.
+            NoEquilibrium, Divergence: the blade has no stable state there.
         """
         self._reach(omega)
         return self._at(omega)
 
     def coriolis_shifts(self, omega: float) -> Array:
-        """Relative shifts (count,) of frequencies by Coriolis forces, which the modes leave out."""
+        """Relative shifts (count,) of the frequencies by Coriolis forces, which the modes leave out."""
         self._reach(omega)
         return self.sweep.coriolis_shifts(omega)
 

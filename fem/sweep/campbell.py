@@ -42,7 +42,7 @@ they keep, relative to their frequency."""
 
 @dataclass(frozen=True)
 class Veering:
-    """An ambiguous pairing between the speeds number step and step + 1.
+    """An ambiguous pairing of modes between two neighbouring speeds.
 
     Attributes:
         modes: numbers (from 0, by frequency at the first of the two speeds) of the modes concerned.
@@ -57,11 +57,17 @@ class Veering:
 def follow(
     alike: NDArray[np.float64], wanted: int, coupling: Callable[[int], NDArray[np.float64]]
 ) -> tuple[NDArray[np.int64], tuple[Veering, ...]]:
-    """Follow modes by their likeness (k - 1, q, q) from each of k speeds to the next.
+    """Follow modes from speed to speed by their likeness.
 
-    coupling: from a step to what its change of speed does between the modes before it (wanted, q), relative to the
-    stiffness of the first of each two.
-    Returns branches (k, wanted): which branch, numbered by frequency at the first speed, each mode is on.
+    Args:
+        alike: modal assurance criterion (MAC) of the q modes at each of k speeds with those at the next, (k - 1, q, q).
+        wanted: number of modes to follow.
+        coupling: gives, for a step, how strongly its change of speed couples the modes before it, (wanted, q), relative
+            to the stiffness of the first of each two.
+
+    Returns:
+        Branches (k, wanted): the branch of each mode, numbered by frequency at the first speed. And the ambiguous
+        pairings.
     """
     steps, q, _ = alike.shape
     straight = np.einsum("kii->ki", alike)[:, :wanted].min(axis=1) >= CLEAR
@@ -109,7 +115,7 @@ MOST_MENDED = 50
 
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Modes over speed.
+    """Modes over speed, as a Campbell diagram shows them.
 
     Attributes:
         omega: (k,) speeds in rad/s, ascending, below the critical one.
@@ -136,7 +142,7 @@ class Campbell:
     parts: tuple[Swept, ...] = field(repr=False)
 
     def shapes(self, number: int) -> NDArray[Any]:
-        """Mass-normalised shapes (n, count) at speed number; complex with Coriolis."""
+        """Mass-normalised shapes (n, count) at the speed of an index; complex with Coriolis forces."""
         for part in self.parts:
             if number < part.rates.shape[0]:
                 shapes: NDArray[Any] = part.basis @ part.vectors[number][:, : self.frequencies_hz.shape[1]]
@@ -146,7 +152,7 @@ class Campbell:
 
     @property
     def states(self) -> list[Array | None]:
-        """The displacement (n,) vibrated about at each speed, where the deflection is large."""
+        """Static displacement (n,) [m] at each speed, where the deflection is large."""
         return [part.state for part in self.parts for _ in range(part.rates.shape[0])]
 
     @property
@@ -165,12 +171,19 @@ def campbell(
     states: tuple[tuple[float, Array], ...] = (),
     progress: Callable[[int], None] | None = None,
 ) -> Campbell:
-    """Find the count lowest modes at speeds (k,) in rad/s, each frequency bounded to a relative tolerance.
+    """The lowest modes of a plate at many speeds, each frequency with a bound on its error.
 
-    damping_ratio: as in `solve_modes`, to first order. states: displacements (n,) at which the plate rests at some
-    speeds, where the deflection is large and they are known. progress: gets how many speeds are done, where each is
-    solved by itself. What was achieved is in `bounds`, for the caller to see:
-    they exceed the tolerance where rounding or the largest basis forbids it, and are inf where nothing can be shown.
+    What was achieved is in `bounds`: they exceed the tolerance where rounding or the largest basis forbids it, and are
+    inf where nothing can be shown.
+
+    Args:
+        operators: of the plate.
+        omega: speeds (k,) [rad/s].
+        count: number of modes.
+        tolerance: relative, of each frequency.
+        damping_ratio: as in `solve_modes`, to first order [-].
+        states: known static displacements (n,) [m] with their speeds [rad/s], where the deflection is large.
+        progress: is called with the number of speeds done, where each is solved by itself.
 
     Raises:
         ValueError: for no speeds or a count, tolerance or ratio out of range.

@@ -29,19 +29,19 @@ ROUNDING = 1e-12
 
 
 class LawViolation(Exception):
-    """A frequency that violates a law: a defect of the program or of what it rests on."""
+    """A frequency violates a law: a defect of the program or of a library beneath it."""
 
 
 def check_diagram(operators: Operators, diagram: Any, damping_ratio: float) -> None:
-    """Check frequencies over speed.
+    """Check frequencies over speed against the laws that they obey.
 
     Args:
         operators: matrices of the plate.
         diagram: a `fem.Campbell`.
-        damping_ratio: of its modes.
+        damping_ratio: of its modes [-].
 
     Raises:
-        LawViolation: one is impossible.
+        LawViolation: a frequency is impossible.
     """
     values = (2.0 * np.pi * diagram.frequencies_hz) ** 2
     slack = (EXACT + 2.0 * diagram.bounds) * values
@@ -89,10 +89,10 @@ def _quotients(matrix: Any, shapes: NDArray[Any]) -> Array:
 
 
 def check_reduced(reduced: Any) -> None:
-    """Check what belongs together in a `fem.Reduced`: K = M (2 pi f)², with the ball stuck and without it.
+    """Check K = M (2 pi f)² of a `fem.Reduced`, with the ball stuck and without it.
 
     Raises:
-        LawViolation: it does not.
+        LawViolation: mass, stiffness and frequency do not belong together.
     """
     pairs = {"K1 is M1 (2 pi f1)²": (reduced.K1, reduced.M1 * (2.0 * np.pi * reduced.f1_hz) ** 2)}
     pairs["K2 is M2 (2 pi f2)²"] = reduced.K2, reduced.M2 * (2.0 * np.pi * reduced.f2_hz) ** 2
@@ -103,10 +103,16 @@ def check_reduced(reduced: Any) -> None:
 
 
 def require(law: str, excess: Array, allowed: Array | float, omega: Array) -> None:
-    """Require excesses (k, count) in (rad/s)², at speeds (k,), to be numbers within what is allowed.
+    """Require an excess to be a number within what is allowed.
+
+    Args:
+        law: its statement, for the message.
+        excess: shape (k, count) [rad²/s²].
+        allowed: of the same shape, or a number [rad²/s²].
+        omega: speeds (k,) [rad/s].
 
     Raises:
-        LawViolation: one is not.
+        LawViolation: an excess is too large or not a number.
     """
     holds = np.atleast_2d(excess <= allowed)
     if not holds.all():

@@ -72,12 +72,18 @@ class ReducedBasis:
         return np.asarray(omega**2 - self.reference**2)
 
     def held(self, omega: Array) -> Array:
-        """Eigenvalues (k, r) of V'K(Omega) V along the axes: what speed leaves of the stiffness at the reference."""
+        """Eigenvalues (k, r) of V'K(Omega) V: the stiffness at each speed over that at the reference."""
         return np.asarray(1.0 + self.shift(omega)[:, None] * self.stretches)
 
 
 def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBasis:
-    """Make the basis of a stiffness's real modes; the last of them only says what lies above the basis."""
+    """The basis of the real modes at the reference speed.
+
+    Args:
+        operators: of the plate.
+        stiffness: K_r, shape (n, n) [N/m].
+        modes: of this stiffness; the last of them only says what lies above the basis.
+    """
     empty = np.empty((modes.shapes.shape[0], 0))
     shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
     block, energy, _, coupling = orthonormal(shapes, empty, empty, stiffness)
@@ -88,7 +94,15 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
 
 
 def enrich(operators: Operators, stiffness: csc_array, modes: Modes, basis: ReducedBasis, more: Array) -> ReducedBasis:
-    """Add vectors (n, k) to a basis that began with these modes."""
+    """A basis with more vectors.
+
+    Args:
+        operators: of the plate.
+        stiffness: K_r, shape (n, n) [N/m].
+        modes: with which the basis began.
+        basis: to which vectors are added.
+        more: the vectors, shape (n, k).
+    """
     block, energy, _, _ = orthonormal(more, basis.vectors, basis.images[0], stiffness)
     fresh = _columns(operators, modes, block, energy)
     images, representers = (
@@ -168,7 +182,16 @@ LEAST = float(np.finfo(float).eps)
 
 
 def still(basis: ReducedBasis, omega: Array, count: int) -> tuple[Array, Array]:
-    """Frequencies (k, count) in rad/s and mass-normalised vectors (k, r, count), Coriolis forces apart."""
+    """Modes within the basis, without Coriolis forces.
+
+    Args:
+        basis: of r vectors.
+        omega: speeds (k,) [rad/s].
+        count: number of modes.
+
+    Returns:
+        Circular frequencies (k, count) [rad/s], and mass-normalised vectors (k, r, count).
+    """
     soft = _softness(basis, omega)
     mass = basis.axes.T @ basis.mass @ basis.axes
     values, vectors = np.linalg.eigh(soft[:, :, None] * mass * soft[:, None, :])
@@ -177,7 +200,17 @@ def still(basis: ReducedBasis, omega: Array, count: int) -> tuple[Array, Array]:
 
 
 def turning(basis: ReducedBasis, coriolis: Array, omega: Array, count: int) -> tuple[Array, NDArray[Any]]:
-    """Frequencies (k, count) in rad/s and mass-normalised complex vectors (k, r, count)."""
+    """Modes within the basis, with Coriolis forces.
+
+    Args:
+        basis: of r vectors.
+        coriolis: V'G V, shape (r, r).
+        omega: speeds (k,) [rad/s].
+        count: number of modes.
+
+    Returns:
+        Circular frequencies (k, count) [rad/s], and mass-normalised complex vectors (k, r, count).
+    """
     r, soft = basis.size, _softness(basis, omega)
     squares, directions = np.linalg.eigh(basis.axes.T @ basis.mass @ basis.axes)
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
@@ -240,12 +273,18 @@ class ReducedModes:
     floor: Array
 
     def within(self, tolerance: float) -> NDArray[np.bool_]:
-        """Which speeds (k,) have every frequency to a tolerance, or as well as rounding allows."""
+        """Which speeds (k,) have every frequency within a relative tolerance, or as exact as rounding allows."""
         return np.asarray((self.bounds <= np.maximum(tolerance, ROUNDED * self.rounding)).all(axis=1))
 
 
 def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
-    """Solve a basis at speeds (k,) in rad/s for the wanted lowest modes, with their bounds."""
+    """The lowest modes within the basis, with bounds on their errors against the full model.
+
+    Args:
+        basis: of r vectors.
+        omega: speeds (k,) [rad/s].
+        wanted: number of modes that bounds are wanted for.
+    """
     q = min(basis.known.size, basis.size) - 1
     if basis.coriolis is None:
         rates, vectors = still(basis, omega, q + 1)
@@ -301,9 +340,16 @@ def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64
 
 
 def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, tolerance: float) -> Array:
-    """Fewest vectors (n, m) that hold the residuals' representers K_r^-1 r of the wanted modes.
+    """The fewest vectors that hold the residuals' representers K_r^-1 r of the wanted modes.
 
-    The squares of what they leave out add up to at most the tolerance, relative to the modes.
+    Args:
+        basis: of the modes.
+        modes: solved within it.
+        wanted: number of modes.
+        tolerance: on the sum of the squares of what the vectors leave out, relative to the modes.
+
+    Returns:
+        Vectors (n, m).
     """
     coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :wanted]
     size = np.sqrt(2.0) * modes.rates[:, :wanted, None]
@@ -418,7 +464,7 @@ class Swept:
     state: Array | None = None
 
     def only(self, rows: NDArray[np.int64]) -> Swept:
-        """The same at some of the speeds."""
+        """The modes at some of the speeds, by their indices."""
         names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
@@ -431,9 +477,15 @@ def answer(
     damping_ratio: float,
     halvings: int = HALVINGS,
 ) -> list[Swept]:
-    """Answer speeds (k,) from one reduced basis, or from one for each half; bounds say what was achieved.
+    """Modes at many speeds from one reduced basis, or from one for each part of the range.
 
-    FEW speeds have one basis alone.
+    Args:
+        operators: of the plate.
+        omega: speeds (k,) [rad/s], ascending; up to `FEW` have a single basis.
+        count: number of modes.
+        tolerance: relative, of each frequency; the bounds say what was achieved.
+        damping_ratio: of the modes without Coriolis forces [-].
+        halvings: how often the range may be halved.
 
     Raises:
         Divergence: when a speed is found to be beyond the critical one.
@@ -466,7 +518,18 @@ def _by_halves(
 def grow(
     operators: Operators, omega: Array, count: int, tolerance: float, spare: int
 ) -> tuple[ReducedBasis, ReducedModes, bool]:
-    """Grow a basis for speeds (k,) from count + spare modes, and say whether it lacks a gap above the wanted."""
+    """Grow a basis for a range of speeds.
+
+    Args:
+        operators: of the plate.
+        omega: speeds (k,) [rad/s], ascending.
+        count: number of modes.
+        tolerance: relative, of each frequency.
+        spare: modes beyond these with which the basis begins.
+
+    Returns:
+        The basis, its modes at the speeds, and whether it lacks a gap above the wanted modes.
+    """
     reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
     known = count + spare + 1
     stiffness = operators.at(reference)
