@@ -5,8 +5,6 @@ Mises, Poisson's ratio 0.3), eqs. 6.8 and 6.9; full plasticity where the mean pr
 6.3; hits, sections 11.4 and 11.5; rolling by elastic hysteresis, section 9.1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@
 table (`PARAMETERS`), so that many are computed at once: derived quantities and checks are functions of such rows.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import StrEnum

@@ -9,8 +9,6 @@ two samplings, which agree in the digits given. All motions end before chaos tak
 state attracts its neighbours.
 """
 
-from __future__ import annotations
-
 import cmath
 import contextlib
 import hashlib

@@ -1,7 +1,5 @@
 """Mode shapes as displacements, at mesh vertices and between them, for pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -9,8 +9,6 @@ it grows with the logarithm of the distance that the mesh resolves (Timoshenko a
 36 for a force on an edge).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ edges (`fem.accuracy.edge_layer`), errors are divided into the layer's part, whi
 rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple

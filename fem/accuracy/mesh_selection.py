@@ -5,8 +5,6 @@ that mesh together with the one before confirms it. Coarse meshes cost next to n
 little to the mesh it ends with.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -15,8 +15,6 @@ Modes of rates that may coincide may be mixed in any way on the plate itself: an
 than the norm of what it does to all of them together (Weyl), whatever their mixture on the coarse mesh.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@
 one speed, `over_speeds` at all speeds of a diagram. `choose_theory` picks the cheapest theory by these estimates.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import inf
 

@@ -1,7 +1,5 @@
 """Error budget: how much each step of a computation may add to the error of a frequency."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 EXACT = 1e-3

@@ -9,8 +9,6 @@ those of the plate under that pull, within the span of its own: K(Omega) + Omega
 at the place adds, against the plate's mass. What lies beyond that span changes them in second order of the mass ratio.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 

@@ -7,8 +7,6 @@ the converged frequencies below; Barton's (J. Appl. Mech. 18 (1951) 129), 3.492,
 The beam at rest, reduced at its tip, has the closed forms of Euler and Bernoulli.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -6,8 +6,6 @@ omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1. `re
 speed, `reduce_over` at all speeds of a diagram.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 

@@ -6,8 +6,6 @@ for many modes at few speeds. `follow` pairs the modes of neighbouring speeds by
 veerings.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any

@@ -8,8 +8,6 @@ deflection the stiffness is not linear in Omega², and with Coriolis forces the 
 what remains are the quotients of each mode, w² x'Mx = x'Kx + w x'(i Omega G)x.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

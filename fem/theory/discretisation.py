@@ -5,8 +5,6 @@ of U is H = D(z) g with the gradient fields g. A theory is its fields and its la
 inertia, softening, Coriolis and prestress are then the same few integrals for every theory.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -9,8 +9,6 @@ evaluates every monomial anew for every function, which is most of an assembly's
 edges on the boundary with one another, which on cells that share no edges are all edges.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 from typing import Any

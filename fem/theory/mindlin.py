@@ -11,8 +11,6 @@ the root it is stiffer for it: it vibrates like a plate whose root is moved outw
 the contraction that is held, as nu² / (1 - nu).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

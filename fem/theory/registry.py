@@ -1,7 +1,5 @@
 """Plate theories by name: what body each takes a plate for, and what else is asked of one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum

@@ -14,8 +14,6 @@ moved by up to a quarter of a cell, the first three by at most 0.07 % at h/L = 0
 72 split triangles by 3 % and 60 % at 0.001 and 0.0001. Mindlin's theory does not lock there.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

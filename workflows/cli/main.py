@@ -3,8 +3,6 @@
 Nothing slow is imported at the top: a Ctrl-C while the rest loads finds its handler here.
 """
 
-from __future__ import annotations
-
 import atexit
 import gc
 import io

@@ -1,7 +1,5 @@
 """The verdict in words: does it damp, how much, up to what load."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

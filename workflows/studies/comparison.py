@@ -1,7 +1,5 @@
 """Runs side by side: where their scenes differ, verdicts and figures at each speed; as text, JSON, CSV, chart, page."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

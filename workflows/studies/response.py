@@ -1,7 +1,5 @@
 """Steady states through every crossing of an engine order with a mode, without and with the ball; and their records."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

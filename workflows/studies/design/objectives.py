@@ -5,8 +5,6 @@ load holds the ball at rest within these, it is worth nothing; what is compared 
 the least amplitude. :class:`LeastAmplitude`: the greatest amplitude at the crossings of engine orders with modes.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A design as files: `design.json`, the winning scene as `best.toml`, and one page; sentences in `design.txt.j2`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

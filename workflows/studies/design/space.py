@@ -1,7 +1,5 @@
 """What is free and what limits it: from a point of the unit cube to a damper, and to what it is worth."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """`spindamp design`: the search, and a map around what it found."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math
