@@ -44,7 +44,12 @@ def test_go_installs_the_known_versions(tmp_path, monkeypatch):
     go["PYTHON"].parent.mkdir(parents=True)
     go["PYTHON"].touch()
     installs = []
-    monkeypatch.setattr(subprocess, "run", lambda command, check: installs.append([str(part) for part in command]))
+
+    def run(command, check):
+        if "pip" in command:
+            installs.append([str(part) for part in command])
+
+    monkeypatch.setattr(subprocess, "run", run)
     for _ in range(2):
         go["install"]("[test]")
     assert len(installs) == 1

@@ -12,7 +12,7 @@ Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomia
 
 How far the frequencies at a new point are from those foretold is the error of the polynomial through those before,
 about where it is largest. Points are added until it is within the tolerance; the last of them only makes it better. The
-error at one end of the range need not be that at the other: part of the error at the point before counts too.
+error at one end of the range need not be that at the other: part of the error at the two points before counts too.
 """
 
 from __future__ import annotations
@@ -52,7 +52,10 @@ PLACES = 96
 """Parts into which Chebyshev-Lobatto points divide the range, out of which these are taken."""
 
 FADED = 0.3
-"""Part of an interpolation's error that the next two points are trusted to leave at most: up to 0.16 on six blades."""
+"""Part of an interpolation's error that the next two points are trusted to leave at most: up to 0.16 on six blades.
+
+That of the last two interpolations counts, since one of them may be right at its next point by chance.
+"""
 
 PROJECTED = 0.1
 """Part of the tolerance that may be left at a speed whose modes are sought among those of others."""
@@ -291,7 +294,7 @@ def sweep_blade(
     if requested.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
-    missed, left, errors = np.array([np.inf]), 0.0, np.full(count, np.inf)
+    missed, left, errors = [np.inf, np.inf], 0.0, np.full(count, np.inf)
     for place in _places():
         square = low + bend * float(np.expm1(np.log1p((high - low) / bend) * place))
         guess = known.guess(square, operators.mass)[:count]
@@ -299,9 +302,9 @@ def sweep_blade(
         if not off <= PROJECTED * tolerance:
             _solve_between(operators, square, count, known)
             off = 0.0
-        left, before = max(left, off), missed.max()
-        missed = np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0)
-        errors = np.full(count, FLOOR + SPREAD * left + max(float(missed.max()), FADED * before))
+        left = max(left, off)
+        missed.append(float(np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0).max()))
+        errors = np.full(count, FLOOR + SPREAD * left + max(missed[-1], FADED * max(missed[-3:-1])))
         if progress is not None:
             progress(len(known.states))
         if errors.max() <= tolerance:

@@ -49,7 +49,11 @@ TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
     ({"rotor__speeds": MANY, "release__cycles": 1000}, "[rotor] speeds", "fewer speeds"),
     ({"rotor__speeds": MANY, "rotor__modes": 200}, "[rotor] speeds", "fewer speeds"),
     (
-        {"rotor__modes": 200, "plate__theory": "solid", "rotor__speeds": {"start": 0, "stop": 10, "count": 60_000}},
+        {
+            "rotor__modes": 200,
+            "plate__theory": "solid",
+            "rotor__speeds": MANY | {"count": 60_000},
+        },
         "",
         "",
     ),

@@ -241,6 +241,9 @@ def compare(
     """
     from workflows.studies import comparison
 
+    for each in runs:
+        if not Path(each).is_dir():
+            _load(each)  # for its remarks, and its mistakes before any is run
     _study(lambda stages: comparison.compare(runs, stages), comparison, out, json)
 
 

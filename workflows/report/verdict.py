@@ -41,19 +41,26 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ]
     able = [each for each in able if not math.isnan(each[2][0])]
     ends, ranges = able[:1] + able[1:][-1:], list[str]()
+    limit = limits.endured(results) or math.inf
+    ball, its = ("the ball gives", "its") if _balls(results) == 1 else ("the balls give", "their")
     for point, figures, (low, high) in ends:
         ends_there = f", the limit of what the {carrier(results)} endures" if high < figures.half[1] else ""
-        every = [each for each in humps(figures) if each[1] < low] + [(low, high)]
+        others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
+        every = sorted([*others, (low, high)])
         amplitudes = f"amplitudes of {listed([_in_mm_and_g(results, point, *each) for each in every])}{ends_there}"
-        half = "" if ranges else "the ball gives at least half of its largest damping "
+        half = "" if ranges else f"{ball} at least half of {its} largest damping "
         ranges.append(f"{at_load(point)} {half}at {amplitudes}")
     sustained = [
         f"{at_load(p)} below {millimetres(w.cutoff)} mm{_goes_on(results, p, w.cutoff)}"
         for p, w, _ in ends
         if w.cutoff > 0
     ]
-    rests = f"The load holds the ball at rest {', '.join(sustained)}."
+    rests = f"The load holds the {'ball' if _balls(results) == 1 else 'balls'} at rest {', '.join(sustained)}."
     return [*([f"{capital(', '.join(ranges))}."] if ranges else []), *([rests] if sustained else [])]
+
+
+def _balls(results: Results) -> int:
+    return 1 if results.scene.damper is None else results.scene.damper.count
 
 
 def _in_mm_and_g(results: Results, point: SpeedPoint, low: float, high: float) -> str:
@@ -341,8 +348,7 @@ def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> l
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     error = 0.0 if at.damping_curve is None else min(at.damping_curve.error, 1.0)
     within = f" (±{percent(error)} %)" if error > _KNOWN else ""
-    damper = results.scene.damper
-    count = 1 if damper is None else damper.count
+    count = _balls(results)
     ball, it = ("the ball adds", "it adds") if count == 1 else (f"the {count} balls together add", "they add")
     text = (
         f"{'While the rotor turns,' if turning else 'In a slowly growing vibration'} {ball} an equivalent damping"

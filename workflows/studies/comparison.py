@@ -209,7 +209,7 @@ def document(comparison: Comparison) -> dict[str, Any]:
             for name, results in zip(comparison.names, comparison.results, strict=True)
         ],
         "differences": {key: list(values) for key, values in comparison.differences.items()},
-        "rows": rows(comparison),
+        "rows": [{name: value for name, value in row.items() if name != "marks"} for row in rows(comparison)],
     }
 
 

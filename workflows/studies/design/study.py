@@ -292,10 +292,15 @@ def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[
     return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
 
 
+_ALONE = 6
+"""Designs on a plate or blade that are screened before workers start."""
+
+
 class Scorer:
     """Scores designs: by formulas in this process until a ball has to be simulated, from then on by the workers.
 
-    Workers take seconds to start. In a space in which the load holds every ball none starts.
+    Workers take seconds to start. In a space in which the load holds every ball of a known structure none starts; a
+    plate or blade is solved for each design, and workers start after a few.
     """
 
     def __init__(self, start: Callable[[], Workers]) -> None:
@@ -304,7 +309,8 @@ class Scorer:
 
     def __call__(self, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
         """Scores at rows of shares."""
-        scores = spaces.screened(space, shares, _plates) if self._workers is None else []
+        first = shares if space.source.scene.given is not None else shares[:_ALONE]
+        scores = spaces.screened(space, first, _plates) if self._workers is None else []
         if len(scores) == len(shares):
             return scores
         self._workers = self._workers or self._start()
@@ -334,4 +340,6 @@ def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
     xs, ys = (np.array(space.axes[k].at(shares), dtype=float) for k, shares in zip((x, y), along, strict=True))
     beyond = np.array([each.impossible for each in every]).reshape(shape)
     values = np.where(beyond, np.nan, np.array([each.value for each in every]).reshape(shape))
+    if not space.goal.of_damping:  # an amplitude of 0: nothing drives it
+        values = np.where(values == 0, np.nan, values)
     return Grid(space.axes[x].name, xs, space.axes[y].name, ys, values, beyond)

@@ -123,7 +123,7 @@ class EffectChange:
         on: whether it is simulated, as the scene and the rules have it.
         changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds, None
             where no speed has a value both with and without it.
-        scatter: by how much each of these quantities changes as the cavity changes by a billionth, where motion is
+        scatter: by how much each of these quantities changes as the clearance changes by a billionth, where motion is
             chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
         time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
@@ -196,18 +196,19 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
     effects = {name: effect.on for name, effect in choice.effects.items()}
     size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
 
-    def run(cavity: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
-        """The scene with all effects as decided but those switched, on the mesh of its own run; `cavity`: a factor."""
+    def run(clearance: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
+        """The scene, its effects as decided but those switched, on the mesh of its own run; a factor of clearance."""
         tables: dict[str, Any] = {"effects": effects | switches}
-        if source.scene.damper is not None:
-            tables["damper"] = {"cavity": tuple(cavity * side for side in source.scene.damper.cavity)}
+        if source.scene.damper is not None and clearance != 1.0:
+            ball, cavity = 2 * source.scene.damper.radius, source.scene.damper.cavity
+            tables["damper"] = {"cavity": tuple(ball + clearance * (side - ball) for side in cavity)}
         scene = source.changed(**tables)
         return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
     called = selection.called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
         own = run()
-        scatter = _scatter(own, [run(cavity=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
+        scatter = _scatter(own, [run(clearance=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
@@ -218,7 +219,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
 
 
 _PERTURBED, _WITHIN = 1e-9, 2.0
-"""Relative change of the cavity by which the scatter is measured, and how many times the scatter an effect exceeds."""
+"""Relative change of the clearance that measures the scatter, and how many times the scatter an effect exceeds."""
 
 
 def _scatter(own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]]) -> dict[str, float]:
