@@ -11,8 +11,8 @@ at each are turned, within their space, to be as like those of one speed as they
 Comput. 33 (2011) 2169): through these and their small stiffnesses the polynomials go, past crossings and veerings.
 
 How far the frequencies at a new point are from those foretold is the error of the polynomial through those before,
-about where it is largest. Points are added until it is within the tolerance; the last of them only makes it better. The
-error at one end of the range need not be that at the other: part of the error at the two points before counts too.
+about where it is largest. It does not fall evenly, and may be small by chance: points are added until half as much
+again as the largest of the last three errors is within the tolerance.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ MOST = 25
 PLACES = 96
 """Parts into which Chebyshev-Lobatto points divide the range, out of which these are taken."""
 
-FADED = 0.3
-"""Part of an interpolation's error that the next two points are trusted to leave at most: up to 0.16 on six blades.
+ENVELOPE = 1.5
+"""Factor on the largest of the last three errors measured: their decay is not even, one may be small by chance.
 
-That of the last two interpolations counts, since one of them may be right at its next point by chance.
+Adding a point may raise the error between by a factor of six, to about the second last of those measured before.
 """
 
 PROJECTED = 0.1
@@ -294,7 +294,7 @@ def sweep_blade(
     if requested.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
-    missed, left, errors = [np.inf, np.inf], 0.0, np.full(count, np.inf)
+    missed, left, errors = [np.inf] * 2, 0.0, np.full(count, np.inf)
     for place in _places():
         square = low + bend * float(np.expm1(np.log1p((high - low) / bend) * place))
         guess = known.guess(square, operators.mass)[:count]
@@ -304,7 +304,7 @@ def sweep_blade(
             off = 0.0
         left = max(left, off)
         missed.append(float(np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0).max()))
-        errors = np.full(count, FLOOR + SPREAD * left + max(missed[-1], FADED * max(missed[-3:-1])))
+        errors = np.full(count, FLOOR + SPREAD * left + ENVELOPE * max(missed[-3:]))
         if progress is not None:
             progress(len(known.states))
         if errors.max() <= tolerance:

@@ -69,7 +69,7 @@ def test_a_dent_is_less_steep_by_what_springs_back() -> None:
     bounds = [resting(float(load), RADIUS, STEEL, TITANIUM).dent_slope for load in loads]
     assert (np.diff(slopes) > 0).all()
     assert (np.array(slopes) < bounds).all()
-    soft = Solid(16e9, 0.44, 11e6, 45e6)
+    soft = Solid(16e9, 0.44, 12e6, 45e6)
     load, stiff = 100.0, modulus(STEEL, soft)
     a = math.sqrt(load / (math.pi * 45e6))
     hollow = 1 / (
@@ -78,6 +78,19 @@ def test_a_dent_is_less_steep_by_what_springs_back() -> None:
     assert resting(load, RADIUS, STEEL, soft, floor_radius=hollow).hertz_radius == pytest.approx(a)
     assert rim_slope(load, RADIUS, STEEL, soft) == pytest.approx(a / hollow, rel=1e-6)
     assert math.isnan(rim_slope(1.0, RADIUS, STEEL, STEEL))
+
+
+@pytest.mark.parametrize("ratio", [1.5, 2.8, 4.0, 4.1, 5.9])
+def test_no_hit_returns_more_than_it_had_and_every_dent_has_a_rim(ratio: float) -> None:
+    """However much harder a metal is than it is strong: annealed stainless steel has 5.9."""
+    floor = Solid(193e9, 0.29, 250e6, ratio * 250e6)
+    mass = 7850 * 4 / 3 * math.pi * RADIUS**3
+    first = yield_speed(mass, RADIUS, STEEL, floor)
+    bounces = [restitution(float(v) * first, mass, RADIUS, STEEL, floor) for v in np.geomspace(0.5, 1e3, 60)]
+    assert max(bounces) <= 1.0
+    assert (np.diff(bounces) <= 1e-12).all()
+    at_yield = 1 / resting(1.0, RADIUS, STEEL, floor).yield_ratio
+    assert all(rim_slope(float(f) * at_yield, RADIUS, STEEL, floor) > 0 for f in (1.1, 3.0, 10.0, 100.0))
 
 
 def test_rolling_by_hysteresis() -> None:

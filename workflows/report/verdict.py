@@ -454,8 +454,18 @@ def _orders(results: Results) -> list[list[str]]:
     for order in unmet:
         rpm = engine_orders.crossing_beyond(results.speeds, order)
         where = "" if rpm is None else f"; it would meet the first near {whole(rpm)} rpm"
+        error = 0.0 if rpm is None else _doubt(results, rpm)
+        if error > 0:
+            where += f", and may within them, since frequencies are accurate to {percent(error)} %"
         met.append([f"Engine order {order} meets no mode between {low} and {high} rpm{where}."])
     return met
+
+
+def _doubt(results: Results, rpm: float) -> float:
+    """The first mode's error at the end of the speeds nearest to another speed, where that lies within it; else 0."""
+    end = min(results.speeds, key=lambda point: abs(point.rpm - rpm))
+    error = end.modes[0].error_estimate if end.modes else None
+    return error if error is not None and abs(rpm / end.rpm - 1) <= error else 0.0
 
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str, overload: str) -> list[str]:

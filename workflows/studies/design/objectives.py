@@ -61,6 +61,7 @@ class Evaluation:
         cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
         without: amplitude without any ball that the value stands beside [m]; nan where there is none.
         grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
+        dent: the dent's part of what holds the ball at rest [-].
         mass: of all balls [kg].
         used: shares of the limits.
         endured: amplitude that the plate endures [m]; inf where it is not known.
@@ -80,6 +81,7 @@ class Evaluation:
     order: int = 0
     without: float = math.nan
     grows: float = math.nan
+    dent: float = 0.0
     endured: float = math.inf
     falling: float = math.nan
 
@@ -122,7 +124,8 @@ class LeastDamping:
         if cutoff < self.low:
             return None
         lost = math.log(cutoff / self.low) if math.isfinite(cutoff) else _NEVER
-        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, why=Obstacle("held"))
+        dent = next(dent_of(each.verdict_damper) for each in cases if each.point.omega == worst)
+        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, dent=dent, why=Obstacle("held"))
 
     def _limits(self, cases: list[DamperCase]) -> tuple[float, float, float]:
         """Largest cut-off [m], the speed where that is [rad/s], and the bound."""
@@ -164,6 +167,12 @@ def cutoff_of(damper: ParticleDamper) -> float:
     """Amplitude up to which the ball stays at rest in the middle of a flat floor [m]; inf where nothing drives it."""
     driven = abs(1 - damper.tilt_share[0]) >= 1e-3
     return damper.amplitude_of(damper.break_away_threshold) if driven else math.inf
+
+
+def dent_of(damper: ParticleDamper) -> float:
+    """The dent's part of what holds the ball at rest in the middle of a flat floor [-]."""
+    held = damper.break_away_threshold
+    return 1 - damper.leaving_threshold / held if held > 0 else 0.0
 
 
 def bound_of(damper: ParticleDamper, amplitude: float) -> float:
@@ -505,6 +514,7 @@ class LeastAmplitude:
             order=at.crossing.order,
             without=without,
             grows=lines.grows,
+            dent=dent_of(at.system),
         )
 
 

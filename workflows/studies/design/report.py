@@ -65,6 +65,11 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         if not _AT_END < share < 1 - _AT_END:
             end = f"{formatted(name, values[name])} is the {'least' if share < 0.5 else 'greatest'} allowed"
             constraints.append(ActiveConstraint(NAMES[name], end, _gain(space, optimum, score, k)))
+    for axis in space.axes:
+        numbers = [each for each in axis.values if isinstance(each, int | float) and math.isfinite(each)]
+        if len(numbers) > 1 and (value := values[axis.name]) in (min(numbers), max(numbers)):
+            end = f"{formatted(axis.name, value)} is the {'least' if value == min(numbers) else 'greatest'} of the list"
+            constraints.append(ActiveConstraint(NAMES[axis.name], end))
     return (*constraints, *_amplitude_constraint(space, optimum, score))
 
 
