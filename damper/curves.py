@@ -270,7 +270,8 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
     """Mean damping ratio in bins of amplitude, shape (n,) each: what was lost in a bin over the cycles spent in it.
 
     A cycle that crosses bins counts in each by its share, so that nothing is left out or counted twice however steep
-    the decay.
+    the decay; what a cycle that begins above the cut-off would lose in bins wholly below it does not count, since
+    there the load holds the ball.
     """
     before, after = samples[:, 0], samples[:, 1]
     if cutoff > 0:
@@ -293,6 +294,8 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
         np.add.at(lost, bins, share[inside] * ratio[inside])
         np.add.at(place, bins, share[inside] * 0.5 * (begin + end)[inside])
     met = cycles > _LEAST_STAY
+    if cutoff > 0:
+        met &= origin + np.arange(1, size + 1) > math.log(cutoff) / _WIDTH
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 
 
