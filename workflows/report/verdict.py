@@ -28,8 +28,8 @@ from workflows.solve.results import Figures, Reason, Results, SpeedPoint, Vibrat
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
 
-_KNOWN = 0.05
-"""Relative error of a peak that is worth a word."""
+_KNOWN, _ROUGH = 0.05, 0.5
+"""Relative errors of a peak that are worth a word, beside the figure and in the headline."""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -154,7 +154,9 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     if not parted:
         return []
     point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
-    (stops, rolls), most = figures.folds, figures.from_above.peak
+    (stops, rolls), above = figures.folds, figures.from_above
+    bounces = above.amplitude >= stops  # below, it rolls
+    most = above.damping_ratio[bounces].max() if bounces.any() else above.peak
     return [
         "These figures are the least of the starts evaluated:"
         f" {at_load(point)} the ball may roll or rest without hitting a wall up to {millimetres(rolls)} mm.",
@@ -295,6 +297,10 @@ def _alone(results: Results) -> Answer:
         None if remarks.met(results) else remarks.sentence(results),
     )
     verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
+    errors = [(0.0 if p.damping_curve is None else p.damping_curve.error, p) for p in judged]
+    error, worst = max(errors, key=lambda pair: pair[0], default=(0.0, None))
+    if refused is None and worst is not None and error > _ROUGH:
+        verdict += f"; at {at_speed(worst)} the damping is known only roughly"
     return Answer(verdict, tuple(part for part in parts if part))
 
 
@@ -346,8 +352,14 @@ def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> l
     if not ratios:
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
-    error = 0.0 if at.damping_curve is None else min(at.damping_curve.error, 1.0)
-    within = f" (±{percent(error)} %)" if error > _KNOWN else ""
+    error = 0.0 if at.damping_curve is None else at.damping_curve.error
+    within = (
+        ""
+        if error <= _KNOWN
+        else f" (±{percent(error)} %)"
+        if error < 1
+        else f" (known only within a factor of {1 + error:.0f})"
+    )
     count = _balls(results)
     ball, it = ("the ball adds", "it adds") if count == 1 else (f"the {count} balls together add", "they add")
     text = (

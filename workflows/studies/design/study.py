@@ -231,23 +231,24 @@ def design(
     clock = stages or Stages()
     space = spaces.design_space(source, clock)
     resumed = nullcontext() if partial_results is None else folder.resumable(_GOES_ON)
-    with resumed, ExitStack() as started, clock("design") as step:
-        score = Scorer(lambda: started.enter_context(pool or executor.local()))
-        designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
-        optimum = search(space, designs, seed)
-        impossible = optimum.evaluation.impossible
-        constraints = () if impossible else report.active_constraints(space, optimum, score)
-        grid = None if impossible else _around(space, optimum, designs)
+    with resumed:
+        with ExitStack() as started, clock("design") as step:
+            score = Scorer(lambda: started.enter_context(pool or executor.local()))
+            designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
+            optimum = search(space, designs, seed)
+            impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
+            constraints = () if impossible else report.active_constraints(space, optimum, score)
+            grid = None if impossible else _around(space, optimum, designs)
+        response = respond(winner(space, optimum), clock) if works and not space.goal.of_damping else None
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
         raise _infeasible(space, optimum.evaluation)
     best = winner(space, optimum)
-    if not optimum.evaluation.works:
+    if not works:
         return DesignResult(space, optimum, constraints, best, "", grid, None)
     model = choose_model(best, Stages(visible=False))
     toml = provenance.as_toml(best.with_full_paths().scene, model.effects, model.theory) + "\n"
-    response = None if space.goal.of_damping else respond(best, clock)
     return DesignResult(space, optimum, constraints, best, toml, grid, response)
 
 
