@@ -353,13 +353,8 @@ def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> l
         return []
     top, at = max(ratios, key=lambda pair: pair[0].damping_ratio)
     error = 0.0 if at.damping_curve is None else at.damping_curve.error
-    within = (
-        ""
-        if error <= _KNOWN
-        else f" (±{percent(error)} %)"
-        if error < 1
-        else f" (known only within a factor of {1 + error:.0f})"
-    )
+    rough = f" (±{percent(error)} %)" if error < 1 else f" (known only within a factor of {1 + error:.0f})"
+    within = rough if error > _KNOWN else ""
     count = _balls(results)
     ball, it = ("the ball adds", "it adds") if count == 1 else (f"the {count} balls together add", "they add")
     text = (
