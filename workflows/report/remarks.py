@@ -195,12 +195,15 @@ def dents(results: Results) -> str | None:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
     floor = damper.floor_material or (None if material is None else material.name)
+    made_of = limits.solids(results.scene)
+    flattened = made_of is not None and made_of[0].yield_strength < made_of[1].yield_strength
+    yields = "The ball yields, with a flat" if flattened else "It leaves a dent"
     return (
         f"The resting {damper.ball_material} ball presses on the {floor} floor with up to"
         f" {significant(most.peak_pressure / 1e9, 3)} GPa ({at_load(point)}), under {significant(most.yield_ratio, 2)}"
-        " times the load of first yield. It leaves a dent of at most"
-        f" {significant(1e3 * most.dent_radius, 2)} mm radius and {significant(1e6 * most.dent_depth, 2)} µm depth,"
-        f" with a rim slope of at most {significant(most.dent_slope, 2)}."
+        f" times the load of first yield. {yields} of at most {significant(1e3 * most.dent_radius, 2)} mm radius and"
+        f" {significant(1e6 * most.dent_depth, 2)} µm depth; after elastic recovery its rim slopes by"
+        f" {significant(limits.rim_slope(results.scene, point), 2)}."
     )
 
 

@@ -28,8 +28,8 @@ from workflows.solve.results import Figures, Reason, Results, SpeedPoint, Vibrat
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
 
-_KNOWN, _ROUGH = 0.05, 0.5
-"""Relative errors of a peak that are worth a word, beside the figure and in the headline."""
+_KNOWN, _ROUGH, _UNSURE = 0.05, 0.5, 0.1
+"""Relative errors of a peak that are worth a word, beside the figure and in the headline; of a frequency there."""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -259,11 +259,13 @@ def answer(results: Results) -> Answer:
     if not orders or all(each.reason for each in results.reductions):
         return Answer(alone.verdict, (*map(" ".join, orders), *alone.sentences))
     (first, *rest), *others = orders
-    judged, none, where = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".partition("; no verdict ")
+    unsure = _unsure(results)
+    judged = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".removesuffix(unsure)
+    judged, none, where = judged.partition("; no verdict ")
     by_itself = f"Compared with the damping by air alone: {judged.replace(': ', ', ', 1)}{none}{where}."
     estimated = TOO_LOOSE if any(each.loose for each in results.reductions) else SHORT_WAY
     said = [" ".join(each) for each in (rest, *others) if each]
-    return Answer(first.removesuffix("."), (*said, estimated, by_itself, *alone.sentences))
+    return Answer(first.removesuffix(".") + unsure, (*said, estimated, by_itself, *alone.sentences))
 
 
 def _alone(results: Results) -> Answer:
@@ -301,7 +303,16 @@ def _alone(results: Results) -> Answer:
     error, worst = max(errors, key=lambda pair: pair[0], default=(0.0, None))
     if refused is None and worst is not None and error > _ROUGH:
         verdict += f"; at {at_speed(worst)} the damping is known only roughly"
+    if refused is None:
+        verdict += _unsure(results)
     return Answer(verdict, tuple(part for part in parts if part))
+
+
+def _unsure(results: Results) -> str:
+    """That the first mode's frequency, and with it the speeds of crossings, is known only within an error worth it."""
+    errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
+    error = max(errors, default=0.0)
+    return f"; the first frequency is known only to {percent(error)} %" if error > _UNSURE else ""
 
 
 def first_frequency(point: SpeedPoint) -> float | None:

@@ -248,7 +248,7 @@ class ContactFigures:
     dent_depth: Annotated[Unknown, quantity("m")]
     """at most"""
     dent_slope: Annotated[Unknown, quantity("1")]
-    """of the dent's rim, which the ball climbs to leave it, at most"""
+    """of the dent's rim under the load; elastic recovery leaves less to climb"""
 
 
 class Grade(StrEnum):
