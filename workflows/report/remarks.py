@@ -931,11 +931,12 @@ def _rolling(results: Results) -> str | None:
     if damper is None or not beyond:
         return None
     points, lifts, demands = zip(*beyond, strict=True)
-    lift = span(1e3 * min(lifts), 1e3 * max(lifts), 3)
+    lift, most = span(1e3 * min(lifts), 1e3 * max(lifts), 3), max(demands)
     return (
-        f"In the ring-downs (release {lift} mm), rolling without slip requires"
-        f" a friction coefficient of {span(min(demands), max(demands))} {stretch(points, [p for p, _, _ in rolled])},"
-        f" more than the {damper.friction:g} given for wall hits: unless the floor grips better, the ball would slip."
+        f"In the ring-downs (release {lift} mm), rolling without slip requires a friction coefficient of up to"
+        f" {significant(most, 2)} (at {points[demands.index(most)].rpm:.6g} rpm), and more than the {damper.friction:g}"
+        f" given for wall hits {stretch(points, [p for p, _, _ in rolled])}: unless the floor grips better, the ball"
+        " would slip."
     )
 
 
