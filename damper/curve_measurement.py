@@ -324,7 +324,8 @@ def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
         level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
     number = np.repeat(np.arange(len(level)), level.shape[1])
     rows: Floats = np.column_stack([level.reshape(-1, 2), number])
-    return rows[np.isfinite(rows[:, 0] + rows[:, 1])]
+    known: Floats = rows[np.isfinite(rows[:, 0] + rows[:, 1])]
+    return known
 
 
 def _ramped(

@@ -383,9 +383,10 @@ def test_the_text_has_a_line_for_each_statement():
     result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
     result |= {"without_verdict": 1, "without_answer": 2}
     spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
+    best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
+    assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, None)[:2] == ["T: 4 points (4 a)", best]
     assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, spread) == [
         "T: 4 points (4 a)",
-        "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm",
         "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), with a median of 0.3 %; share of the"
         " variance by parameter, interactions included: k 50 ± 10 %",
         "1 point has no verdict: `spindamp run` of such a point says why",
