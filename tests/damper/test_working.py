@@ -357,3 +357,13 @@ def test_printed_equations_feed_the_vibration() -> None:
 def test_any_number_of_threads() -> None:
     one, two = damping_curve(paper(), threads=1), damping_curve(paper(), threads=2)
     assert np.array_equal(one.damping_ratio, two.damping_ratio)
+
+
+def test_a_heavy_ball_damps_nothing_below_its_cutoff() -> None:
+    """Of one that takes more in a cycle than a bin of amplitudes is wide, no cycle counts in bins below the cut-off."""
+    ball, omega = 9e-3, 2 * math.pi * 300
+    stiffness = (3e-2 + ball) * omega**2
+    heavy = ParticleDamper(3e-2, (stiffness,) * 2, ball, 2e-3, (5e-3, 5e-3), 2000 * 9.81, 0.6, 0.3, 2e-5)
+    found = damping_curve(heavy, threads=1)
+    for way in (found, found.descending):
+        assert way.amplitude[way.damping_ratio > 0].min() > found.cutoff / 2 ** (1 / 24)
