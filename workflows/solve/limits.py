@@ -398,7 +398,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     return Remedy(
         figures.cutoff,
         _eased(results, point, ease),
-        radius if 2 * radius < _room(results) else math.nan,
+        radius if 2 * radius < room(results.scene) else math.nan,
         _slower(results, point, rolls + slope, limit),
         figures.cutoff * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
     )
@@ -436,9 +436,9 @@ def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
     return damper.radius * left if left > 0 or slope == 0 else math.nan
 
 
-def _room(results: Results) -> float:
-    """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it, if it is known."""
-    damper, plate = results.scene.damper, results.scene.plate
+def room(scene: Scene) -> float:
+    """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it; inf: not known."""
+    damper, plate = scene.damper, scene.plate
     if damper is None or plate is None or plate.length is None or damper.housing is not None:
         return math.inf
     return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)

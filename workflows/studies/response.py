@@ -14,7 +14,7 @@ from workflows.errors import during, read_from
 from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import Excitation
+from workflows.scene.scene import Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation, limits, resources
 from workflows.solve import damper as damper_stage
 from workflows.solve.engine_orders import Crossing
@@ -298,25 +298,25 @@ def _excited_dampers(
         only = None if own is None else excitation.modes_followed(point, own)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
-        used = coupling.damper_modes(source.scene, point) if only is None else only
         dampers += [system] * len(forcing.levels)
-        bare += [without_pull(system, point, used)] * len(forcing.levels)
+        bare += [without_pull(system, source.scene, point, only)] * len(forcing.levels)
         harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
     return dampers, harmonics, bare
 
 
 def without_pull(
-    system: damper.ParticleDamper, point: SpeedPoint, modes: Sequence[CavityMode]
+    system: damper.ParticleDamper, scene: Scene, point: SpeedPoint, only: Sequence[CavityMode] | None
 ) -> damper.ParticleDamper:
     """The damper on its structure as it is without the ball, whose centrifugal pull stiffens it.
 
-    Modes above those of the scene, which no order asked for meets, keep the pull.
+    Modes above those of the scene, which no order asked for meets, keep the pull. `only`: the modes that are followed;
+    None: those of the scene.
     """
     if system.modes is None:
         share = 1.0 if point.reduced is None else point.reduced.K2 / point.reduced.K1
         return replace(system, stiffness=(share * system.stiffness[0], share * system.stiffness[1]))
     free = {k + 1: (2 * math.pi * mode.frequency_hz) ** 2 for k, mode in enumerate(point.modes)}
-    pairs = zip(system.modes, modes, strict=True)
+    pairs = zip(system.modes, coupling.damper_modes(scene, point) if only is None else only, strict=True)
     return replace(
         system, modes=tuple(replace(each, stiffness=each.mass * free.get(k.number, k.stiffness)) for each, k in pairs)
     )

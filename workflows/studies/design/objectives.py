@@ -307,7 +307,7 @@ def crossing_objective(
         return None
     followed = None if modes is None else excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
-    bare = without_pull(system, point, followed or coupling.damper_modes(scene, point))
+    bare = without_pull(system, scene, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
     return CrossedDamper(crossing, system, bare, axis, harmonic, leads, (low, high))
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
@@ -109,21 +108,19 @@ def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:
 
 def has_thickness(scene: Scene) -> bool:
     """Whether the thickness of what holds the cavity is known: that of a plate without a mesh of its own is."""
-    plate, damper = scene.plate, scene.damper
-    return plate is not None and plate.length is not None and (damper is None or damper.housing is None)
+    return math.isfinite(limits.room(scene))
 
 
 def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
-    shares, damper, plate = {}, scene.damper, scene.plate
+    shares, damper = {}, scene.damper
     assert damper is not None
     if damper.ball_density is None:
         shares["density"] = damper.density(ball_mass) / OSMIUM
     if design.mass is not None:
         shares["mass"] = ball_mass / design.mass
-    if plate is not None and plate.length is not None and damper.housing is None:
-        thickness = plate_mesh.plate_thickness(plate, damper.on_plate or (plate.length, 0.0))
-        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / thickness
+    if has_thickness(scene):
+        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / limits.room(scene)
     contact = limits.contact(scene, fastest)
     if contact is not None and not math.isnan(contact.hardness_ratio):
         shares["hardness"] = contact.hardness_ratio / design.hardness_ratio

@@ -239,12 +239,13 @@ def design(
             impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
             constraints = () if impossible else report.active_constraints(space, optimum, score)
             grid = None if impossible else _around(space, optimum, designs)
-        response = respond(winner(space, optimum), clock) if works and not space.goal.of_damping else None
+        if not impossible:
+            best = winner(space, optimum)
+            response = respond(best, clock) if works and not space.goal.of_damping else None
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
         raise _infeasible(space, optimum.evaluation)
-    best = winner(space, optimum)
     if not works:
         return DesignResult(space, optimum, constraints, best, "", grid, None)
     model = choose_model(best, Stages(visible=False))

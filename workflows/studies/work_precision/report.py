@@ -74,7 +74,6 @@ def files(work_precision: WorkPrecision) -> dict[str, str | bytes]:
     page = from_template(
         "accuracy.html.j2",
         milliseconds=_milliseconds,
-        two_digits=_two_digits,
         result=work_precision,
         figures=figures,
         policy=POLICY,
@@ -98,13 +97,15 @@ def text(work_precision: WorkPrecision) -> str:
         for row in study.rows:
             unknowns = formatting.DASH if row.unknowns is None else str(row.unknowns)
             figures = (
-                f"{_milliseconds(row):>10} {_two_digits(row.error):>9}" if row.failed is None else f" {row.failed}"
+                f"{_milliseconds(row):>10} {formatting.significant(row.error, 2):>9}"
+                if row.failed is None
+                else f" {row.failed}"
             )
             lines.append(f"  {row.method:<30} {row.setting:<{wide}} {unknowns:>9} {figures}")
         lines.append("")
     lines.append("chosen by the scene's accuracy")
     for stage, chosen in work_precision.chosen.items():
-        estimate, error = (_two_digits(value) for value in (chosen.error_estimate, chosen.error))
+        estimate, error = (formatting.significant(value, 2) for value in (chosen.error_estimate, chosen.error))
         lines.append(f"  {stage}: {chosen.method}, {chosen.setting}; estimate {estimate}, true {error}")
     return "\n".join(lines)
 
@@ -155,7 +156,3 @@ def _target_of(work_precision: WorkPrecision, study: ConvergenceStudy) -> float:
 
 def _milliseconds(row: Setting) -> str:
     return formatting.significant(1e3 * (row.time_s or 0.0), 3)
-
-
-def _two_digits(value: float | None) -> str:
-    return formatting.significant(value, 2)
