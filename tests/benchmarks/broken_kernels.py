@@ -1,10 +1,10 @@
 """Whether a program with a broken kernel publishes numbers: `python -m tests.benchmarks.broken_kernels [NAME …]`.
 
-Each break is made in a copy of this tree. Its commands are run as they are (`all guards`) and with laws that forbid
-nothing and a self-check that is said to be passed (`no guards`); with `--laws` also with the laws alone. A command has
-published if it ends with status 0, or with 3, which is a statement on the physics; where its figures are those of the
-unbroken tree, the break is not in its way. Chaos magnifies what a break does to rounding: how far the figures are off
-is said. A break of a kernel takes some minutes, for all kernels have to be compiled anew.
+Each break of broken_kernels.toml is made in a copy of this tree. Its commands are run as they are (`all guards`) and
+with laws that forbid nothing and a self-check that is said to be passed (`no guards`); with `--laws` also with the
+laws alone. A command has published if it ends with status 0, or with 3, which is a statement on the physics; where its
+figures are those of the unbroken tree, the break is not in its way. Chaos magnifies what a break does to rounding: how
+far the figures are off is said. A break of a kernel takes some minutes, for all kernels have to be compiled anew.
 """
 
 import argparse
@@ -16,11 +16,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from damper.compiled import mark_of
+from tests.workflows.conftest import KNOWN, changed, write
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,98 +71,11 @@ class Break:
         mark.touch()
 
 
-BREAKS = (
-    Break("nothing"),
-    Break(
-        "a weight of the quadrature is off by 1e-3",
-        (
-            "damper/flight.py",
-            "    return 0.5 * (1.0 + points), 0.5 * weights",
-            "    weights[3] *= 1.001\n    return 0.5 * (1.0 + points), 0.5 * weights",
-        ),
-    ),
-    Break(
-        "the guard of a wall hit has the wrong sign",
-        ("damper/events.py", "guard[k] = -side * s[k]", "guard[k] = side * s[k]"),
-    ),
-    Break("the guard of setting off has the wrong sign", ("damper/events.py", "_drive(i, it, -d)", "_drive(i, it, d)")),
-    Break(
-        "a reversal leaves a stale series",
-        (
-            "damper/engine.py",
-            "    expand(g, it, flow)\n    seek(g, it)",
-            "    if it.motion.kind[g] != 3:\n        expand(g, it, flow)\n    seek(g, it)",
-        ),
-    ),
-    Break(
-        "restitution has the wrong sign", ("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, e * axis.w")
-    ),
-    Break(
-        "restitution is a tenth too small",
-        ("damper/impacts.py", "_exchange(i, -e * axis.w", "_exchange(i, -0.9 * e * axis.w"),
-    ),
-    Break(
-        "the rolling ball has 1 % too much inertia",
-        ("damper/model.py", 'np.where(rows["printed"], 5 / 2, 5 / 7)', 'np.where(rows["printed"], 5 / 2, 5 / 7.07)'),
-    ),
-    Break(
-        "rolling friction has the wrong sign",
-        ("damper/flight.py", "float(axis.direction * ball.threshold)", "float(-axis.direction * ball.threshold)"),
-    ),
-    Break(
-        "wall friction has the wrong sign",
-        ("damper/impacts.py", "w - math.copysign(min", "w + math.copysign(min"),
-    ),
-    Break(
-        "the rolling threshold is 1 % too high",
-        (
-            "damper/model.py",
-            'rows["rolling_friction"] / rows["ball_radius"]',
-            '1.01 * rows["rolling_friction"] / rows["ball_radius"]',
-        ),
-    ),
-    Break(
-        "the floor does not tilt",
-        ("damper/equations.py", "pull = load[:, :, None] * slope - spin", "pull = -spin"),
-    ),
-    Break(
-        "a step is taken 0.1 % too long",
-        (
-            "damper/flight.py",
-            "time, squares, first = x * system.span[g]",
-            "time, squares, first = 1.001 * x * system.span[g]",
-        ),
-    ),
-    Break(
-        "rolling is booked twice",
-        ("damper/flight.py", "books.rolling += ball.mass", "books.rolling += 2.0 * ball.mass"),
-    ),
-    Break(
-        "a hit of the second axis is not carried out",
-        ("damper/impacts.py", "impulse = hit(i, it)", "impulse = hit(i, it) if i == 0 else 0.0"),
-    ),
-    Break(
-        "eigenvalues are 1 % too large",
-        (
-            "fem/modes.py",
-            "    order = np.argsort(values)\n",
-            "    values = 1.01 * values\n    order = np.argsort(values)\n",
-        ),
-        (
-            "fem/sweep/reduced_basis.py",
-            "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5\n",
-            "    rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5 * 1.005\n",
-        ),
-    ),
-    Break(
-        "geometric stiffness is 1 % too large",
-        (
-            "fem/assembly.py",
-            "return displacement, forms.geometric_stiffness(",
-            "return displacement, 1.01 * forms.geometric_stiffness(",
-        ),
-    ),
-)
+def breaks() -> list[Break]:
+    """Nothing, and what broken_kernels.toml holds."""
+    given = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    return [Break("nothing"), *(Break(name, *map(tuple, each["changes"])) for name, each in given.items())]
+
 
 LAWLESS = Break(
     "no law",
@@ -168,40 +83,25 @@ LAWLESS = Break(
     ("fem/sweep/laws.py", "    if not holds.all():\n", "    if False:\n"),
 )
 
-STRUCTURE = """
-title = "broken"
-[structure]
-frequency = "200 Hz"
-mass = "0.3 kg"
-floor_tilt = 2.0
-[rotor]
-speeds = ["3000 rpm", "5000 rpm"]
-radius = "20 cm"
-[damper]
-mass_ratio = 0.01
-count = 12
-radius = "2 mm"
-cavity = ["5 mm", "5 mm"]
-restitution = 0.5
-friction = 0.3
-rolling_friction = "0.05 mm"
-damping_ratio = 0.05
-[release]
-ratio = 0.5
-[excitation]
-orders = [3]
-force = ["20 N"]
-"""
-
-DESIGN = (
-    STRUCTURE.replace('[excitation]\norders = [3]\nforce = ["20 N"]\n', "")
-    + """
-[design]
-clearance = ["0.5 mm", "1 mm", "2 mm"]
-mass = "20 g"
-amplitude = ["1 mm", "3 mm"]
-"""
+TILTED = changed(
+    KNOWN,
+    structure={"frequency": "200 Hz", "mass": "0.3 kg", "floor_tilt": 2.0},
+    rotor__speeds=["3000 rpm", "5000 rpm"],
+    damper__mass_ratio=0.01,
+    damper__count=12,
+    damper__radius="2 mm",
+    damper__cavity=["5 mm", "5 mm"],
+    damper__rolling_friction="0.05 mm",
+    damper__damping_ratio=0.05,
+    release={"ratio": 0.5},
+    excitation={"orders": [3], "force": ["20 N"]},
 )
+DESIGN = {"clearance": ["0.5 mm", "1 mm", "2 mm"], "mass": "20 g", "amplitude": ["1 mm", "3 mm"]}
+SCENES = {
+    "scene": TILTED,
+    "level": changed(TILTED, structure__floor_tilt=None),
+    "design": changed(TILTED, excitation=None, design=DESIGN),
+}
 
 SWEEP = ("--vary", "damper.restitution=0.4,0.5", "--quick", "--workers", "1", "--out", "out-sweep")
 ON_STRUCTURES = {
@@ -287,9 +187,8 @@ def broken_copy(tree: Path, each: Break) -> Path:
         else:
             shutil.copy2(ROOT / part, tree / part)
     each.apply(tree)
-    (tree / "scene.toml").write_text(STRUCTURE, encoding="utf-8")
-    (tree / "level.toml").write_text(STRUCTURE.replace("floor_tilt = 2.0\n", ""), encoding="utf-8")
-    (tree / "design.toml").write_text(DESIGN, encoding="utf-8")
+    for name, scene in SCENES.items():
+        write(scene, tree / f"{name}.toml")
     return tree
 
 
@@ -340,7 +239,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*", help="breaks whose names begin so; default: all")
     parser.add_argument("--laws", action="store_true", help="also with the laws alone")
     given = parser.parse_args()
-    for each in BREAKS:
+    for each in breaks():
         if each.changes and given.names and not any(each.name.startswith(name) for name in given.names):
             continue
         for row in results(each, laws=given.laws):

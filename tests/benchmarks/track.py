@@ -11,6 +11,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -44,6 +46,8 @@ def tasks() -> dict[str, Callable[[], Any]]:
     driven = scenes.paper(damping_ratio=2e-3, floor_tilt=(6.8, 6.8))
     speeds = driven.stuck_frequency * np.linspace(0.985, 1.015, 60)
     crossing = [Harmonic(float(nu), (size, 0.0)) for nu in speeds for size in (83.0, 193.0, 414.0, 828.0, 1655.0)]
+    vary = {"damper.mass_ratio": "log:0.001:0.05:3", "damper.clearance": "log:0.1 mm:4 mm:4"}
+    sweep = partial(spindamp.sweep, "paper", executor=ThreadPoolExecutor(1))
     return {
         "matrices": lambda: assemble(plate, Rotor(0.1, 0.5), Effects()),
         "six modes at one speed": lambda: solve_modes(operators, 1000.0),
@@ -57,6 +61,7 @@ def tasks() -> dict[str, Callable[[], Any]]:
         "the JSON of a run of the paper": lambda: dumps(paper),
         "the data set of a run of the paper": lambda: spindamp.dataset(paper),
         "a run of the paper": lambda: spindamp.run("paper"),
+        "a quick sweep of 84 points": lambda: sweep(vary, quick=True),
     }
 
 

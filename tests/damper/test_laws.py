@@ -34,6 +34,7 @@ from damper.equations import structures_by
 from damper.laws import bounds_of
 from damper.motion import APART, Flights
 from damper.state import HIT, RUB, STUCK, TIRED
+from tests.benchmarks.broken_kernels import ROOT, breaks
 from tests.compiler import needs_compiler
 from tests.damper.scenes import paper_like
 from tests.damper.test_linear import scene
@@ -92,6 +93,12 @@ def test_impossible_ring_downs(said: str) -> None:
         else:
             with pytest.raises(LawViolation, match=said):
                 laws.check_ringdowns(damper, damper.parameters, run, extremes)
+
+
+def test_what_the_broken_kernels_break_is_there() -> None:
+    for each in breaks():
+        for file, right, _ in each.changes:
+            assert right in (ROOT / file).read_text(encoding="utf-8"), (each.name, file)
 
 
 def test_the_printed_equations_have_no_books() -> None:

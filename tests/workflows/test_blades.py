@@ -126,62 +126,6 @@ def test_the_thickness_is_exported(tmp_path: Path) -> None:
     assert "2 to 4 mm thick" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
-NO_THICKNESS = [
-    (
-        {"polynomial": [["4 mm"], ["-30 um/mm"]]},
-        "thickness",
-        r"above 0 all over the plate, but it is -0.002 m at \(0.2",
-    ),
-    ({"polynomial": [["4 mm"], ["-30 um"]]}, "thickness.polynomial", "expected a number such as '0.02 mm/mm'"),
-    ({"polynomial": ["4 mm"]}, "thickness.polynomial", "expected a list of lists"),
-    ({"polynomial": [["4 mm"]] * 13}, "thickness.polynomial", "at most 12 lists of at most 12"),
-    (
-        {"x": ["0 cm", "10 cm"], "values": ["4 mm", "2 mm"]},
-        "thickness",
-        "x from 0 to 0.1 m, and the plate from 0 to 0.2",
-    ),
-    ({"x": ["9 cm", "0 cm"], "values": ["4 mm", "2 mm"]}, "thickness.x", "expected places that ascend"),
-    (
-        {"x": ["0 cm", "20 cm"], "values": ["4 mm"]},
-        "thickness.values",
-        "one thickness for each of the 2 places along x",
-    ),
-    ({"x": ["0 cm", "20 cm"], "values": ["4 mm", "-2 mm"]}, "thickness.values", "expected thicknesses above 0"),
-    ({"x": ["0 cm", "20 cm"], "values": ["4 mm", float("nan")]}, "thickness.values", "must be finite"),
-    ({"x": [0, 0.2], "y": [-0.04, 0.04], "values": [4e-3, 2e-3]}, "thickness.values", "a list of 2 thicknesses"),
-    ({"values": ["4 mm", "2 mm"]}, "thickness.x", "missing"),
-    ({"x": [0, 0.2], "field": "h"}, "thickness.x", "belongs to a table"),
-    ({"field": "h"}, "thickness.field", "belongs to a mesh"),
-    ({}, "thickness.values", "expected one of a table"),
-    ({"feild": "h"}, "thickness.feild", "did you mean 'field'"),
-    ({"polynomial": [["30 cm"]]}, "thickness", "expected less than the length"),
-    ({"polynomial": [["1 nm"]]}, "thickness", "expected at least 2e-05 m"),
-]
-NO_ROOT = [
-    ({"stiffness": "5e8 N/m/m"}, "root.rotational_stiffness", "missing"),
-    (ROOT | {"stiffness": 0}, "root.stiffness", "expected a value above 0"),
-    (ROOT | {"rotational_stiffness": "0 N*m/rad/m"}, "root.rotational_stiffness", "expected a value above 0"),
-    (ROOT | {"stiffness": float("inf")}, "root.stiffness", "must be finite"),
-    (ROOT | {"stiffness": "5 N/m"}, "root.stiffness", "expected a stiffness per length such as '5e9 N/m/m'"),
-    (ROOT | {"rotational_stiffness": "5 N"}, "root.rotational_stiffness", "a rotational stiffness per length such as"),
-    (ROOT | {"stifness": 1}, "root.stifness", "did you mean 'stiffness'"),
-    (1.0, "root", "expected a table"),
-]
-
-
-@pytest.mark.parametrize(
-    ("where", "value", "key", "words"),
-    [
-        *(("plate__thickness", value, f"[plate] {key}", words) for value, key, words in NO_THICKNESS),
-        *(("plate__root", value, f"[plate] {key}", words) for value, key, words in NO_ROOT),
-    ],
-)
-def test_what_is_no_thickness_and_no_root(where: str, value: object, key: str, words: str) -> None:
-    with pytest.raises(BadInput, match=words) as error:
-        parse(changed(TAPER, **{where: value}))
-    assert key in str(error.value)
-
-
 FIELDS = [
     ({"g": np.ones(28)}, "holds no point data 'h': it holds g"),
     ({}, "holds no point data 'h': it holds none"),

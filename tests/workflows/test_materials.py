@@ -130,38 +130,6 @@ def test_check_says_what_the_balls_weigh(spindamp: Command, paper: Scene, tmp_pa
     assert "60 balls together weigh 3.74 g" in said
 
 
-WRONG = [
-    ({"material__name": "steel"}, "[material] youngs_modulus", "already given by name = 'steel': leave one out"),
-    (NUMBERS | {"material__name": "lead"}, "[material] name", "expected one of steel"),
-    (NUMBERS, "[material] youngs_modulus", "missing (or give the material's name: steel, "),
-    ({"material__density": None}, "[material] density", "missing (or give the material's name"),
-    (
-        {"damper__mass_ratio": None, "damper__ball_material": "lead", "damper__ball_density": 11300},
-        "[damper] ball_density",
-        "already given by ball_material = 'lead': leave one out",
-    ),
-    (
-        {"damper__mass_ratio": None, "damper__ball_density": 7.85},
-        "[damper] ball_density",
-        "was '7.85 g/cm^3' meant?",
-    ),
-    (
-        {"damper__mass_ratio": None, "damper__ball_density": "23 g/cm^3"},
-        "[damper] ball_density",
-        "expected at most 22600 kg/m^3",
-    ),
-    ({"damper__density": "7850 kg/m^3"}, "[damper] density", "did you mean 'ball_density'?"),
-]
-
-
-@pytest.mark.parametrize(("changes", "key", "message"), WRONG)
-def test_wrong_materials(changes: dict[str, object], key: str, message: str, paper: Scene) -> None:
-    with pytest.raises(BadInput) as caught:
-        parse(changed(paper, **changes))
-    assert caught.value.key == key
-    assert message in caught.value.problem
-
-
 def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper: Scene) -> None:
     """Read again it says the same."""
     for ball, density in (("tungsten", 19_300.0), ("lead", None)):

@@ -1,6 +1,7 @@
 """Scenes that are wrong: exit 2, one line that names file, key and value, no traceback, nothing written."""
 
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,58 +12,19 @@ import pytest
 
 from fem.meshes.planform import MeshError, check_mesh
 from tests.workflows.conftest import Command, Scene, changed, refused, write
+from tests.workflows.test_blades import TAPER
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.report import remarks
 from workflows.scene import quantities
-from workflows.scene.load import parse
+from workflows.scene.load import SHIPPED, parse
 from workflows.studies.sweep import study
 
-# What is changed in the paper's scene, the key that the message names, and a part of what it says.
-MALFORMED: list[tuple[dict[str, Any], str, str]] = [
-    (
-        {"material__density": 7.85},
-        "[material] density = 7.85",
-        "at least 10 kg/m^3, the lightest foam: was '7.85 g/cm^3' m",
-    ),
-    (
-        {"material__youngs_modulus": 113.8},
-        "[material] youngs_modulus = 113.8",
-        "expected at least 10000 Pa, of the softest rubber: 113.8 is in Pa; was '113.8 GPa' meant?",
-    ),
-    ({"plate__length": 150, "plate__width": 40}, "[plate] thickness", "; length = 150 is in m: was '150 mm' meant?"),
-    ({"rotor__speeds": {"start": 0, "stop": 1, "count": 1}}, "[rotor] speeds", "for one speed give a list"),
-    (
-        {"rotor__speeds": ["0 rpm"], "release": {"ratio": 0.2}},
-        "[release] ratio = 0.2",
-        "at rest there is no load",
-    ),
-    (
-        {"structure__floor_tilt": "7 1/m"},
-        "[structure] floor_tilt",
-        "on a plate the floor's tilt follows from the bending",
-    ),
-    ({"damper__mass_ratio": 11}, "[damper] mass_ratio = 11", "at most 10"),
-    ({"damper__damping_ratio": 0.999}, "[damper] damping_ratio = 0.999", "at most 0.9"),
-    ({"rotor__speeds": {"start": 0, "stop": 1, "steps": 2, "unit": "rpm"}}, "[rotor] speeds", "key 'steps', 'unit'"),
-    (
-        {"effects": {"large_deflection": True, "stress_stiffening": False}},
-        "[effects] large_deflection = true",
-        "needs stress_stiffening",
-    ),
-    ({"damper__length": 1}, "[damper] length", "it belongs in [plate]"),
-    ({"rotor__twist": "20 deg"}, "[rotor] twist = '20 deg'", "a plate is flat: use a [blade] with a mesh"),
-    ({"plate__camber": "20 deg"}, "[plate] camber", "a mesh of its volume; a camber up"),
-    ({"rotor__blades": 12}, "[rotor] blades = 12", "unknown key: spindamp computes one blade"),
-    ({"damper__diameter": "wide"}, "[damper] diameter", "by its radius, half its diameter"),
-    (  # a housing frees the cavity of the plate's thickness, not of the axis 5 cm away
-        {"damper__at": ["5 cm", 0], "damper__housing": "1 g", "damper__cavity": ["6 cm", "2.4 mm"]},
-        "[damper] cavity = ['6 cm', '2.4 mm']",
-        "the cavity is larger than its distance from the axis, 0.05 m",
-    ),
-    ({"plate__tip_mass_at": ["1 cm", 0], "plate__tip_mass": 1}, "[plate] tip_mass_at", "at the damper's place"),
-    ({"plate__tip_mass_at": ["1 cm", 0]}, "[plate] tip_mass_at", "expected a tip_mass beside it"),
-]
+REFUSED = tomllib.loads(Path(__file__).with_name("wrong_scenes.toml").read_text(encoding="utf-8"))
+SCENES: dict[str, Scene] = {"taper": TAPER}
+SCENES |= {
+    name: tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8")) for name in ("paper", "structure")
+}
 
 
 @pytest.fixture
@@ -108,70 +70,11 @@ def test_a_thousand_unknown_keys_are_counted(paper: Scene, wrong: Callable[..., 
     assert len(wrong(scene, "[plate] xxx", "and 979 more", "check")) < 3000
 
 
-STRUCTURE_ONLY: list[tuple[dict[str, Any], str, str]] = [
-    ({"rotor__modes": 5}, "[rotor] modes = 5", "belongs to a plate"),
-    ({"accuracy": {"frequency": 1e-2}}, "[accuracy] frequency = 0.01", "belongs to a plate"),
-    ({"damper__housing": "1 g"}, "[damper] housing", "belongs to a plate; the mass of a [structure] includes it"),
-    ({"effects__coriolis": True}, "[effects] coriolis = true", "the scene has no plate"),
-    (
-        {"structure__floor_tilt": "7 1/m", "damper__formulation": "printed"},
-        "[structure] floor_tilt",
-        "the printed equations support a level floor only",
-    ),
-    ({"effects__floor_tilt": True}, "[effects] floor_tilt = true", "structure.floor_tilt is 0: give the slope"),
-    (
-        {"damper__mass_ratio": None, "damper__mass": "1000 kg"},
-        "[damper] mass = '1000 kg'",
-        "at most 10 times the structure's mass, 1 kg; these weigh 1000 kg",
-    ),
-    (
-        {
-            "damper__mass_ratio": None,
-            "damper__ball_material": "steel",
-            "damper__radius": "60 mm",
-            "damper__cavity": ["0.13 m", "0.13 m"],
-            "damper__count": 2,
-        },
-        "[damper] ball_material = 'steel'",
-        "these weigh 14.2",
-    ),
-    (
-        {"damper__count": 10**9},
-        "[damper] count = 1000000000",
-        "expected at most 143239 of radius 0.001 m that weigh 0.006 kg together",  # 0.006 / (4.18879e-9 · 10)
-    ),
-    (
-        {"damper__radius": "25 cm", "damper__cavity": ["60 cm", "60 cm"], "damper__count": None},
-        "[damper] radius = '25 cm'",
-        "the ball is larger than its distance from the axis, 0.2 m",
-    ),
-    (
-        {"damper__cavity": ["2.5 mm", "60 cm"]},
-        "[damper] cavity = ['2.5 mm', '60 cm']",
-        "the cavity is larger than its distance from the axis, 0.2 m",
-    ),
-    (
-        {"release__displacement": ["0 mm", "-30 cm"]},
-        "[release] displacement = ['0 mm', '-30 cm']",
-        "expected at most the damper's distance from the axis, 0.2 m",
-    ),
-    ({"structure__floor_tilt": "7 deg"}, "[structure] floor_tilt", "a slope over a displacement such as '6.9 1/m'"),
-]
-
-
-@pytest.mark.parametrize(
-    ("scene", "changes", "key", "message"),
-    [*(("paper", *case) for case in MALFORMED), *(("structure", *case) for case in STRUCTURE_ONLY)],
-)
-def test_malformed_scene(
-    scene: str,
-    changes: dict[str, Any],
-    key: str,
-    message: str,
-    wrong: Callable[..., str],
-    request: pytest.FixtureRequest,
-) -> None:
-    wrong(changed(request.getfixturevalue(scene), **changes), key, message)
+@pytest.mark.parametrize(("base", "case"), [(base, case) for base, cases in REFUSED.items() for case in cases])
+def test_wrong_scene(base: str, case: dict[str, Any], wrong: Callable[..., str]) -> None:
+    changes = case.get("change", {}) | dict.fromkeys(case.get("without", ()))
+    scene = changed(SCENES[base], **{key.replace(".", "__"): value for key, value in changes.items()})
+    wrong(scene, case["key"], case["says"])
 
 
 def test_hertz_are_no_speed() -> None:
