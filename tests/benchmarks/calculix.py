@@ -20,22 +20,14 @@ def available():
     return shutil.which(COMMAND) is not None
 
 
-def frequencies(size, material, cells, omega, *, hub=0.0, stagger=0.0, count=6, mass=None, timeout=None):
-    """Frequencies (count,) in Hz of a plate size = (length, width, thickness) in m.
-
-    material: (E, nu, rho). cells: bricks along x, y and z. omega in rad/s, stagger in rad. mass: (kg, x, y).
-    timeout: seconds that `ccx` may take.
-    """
-    return solved(deck(*grid(size, cells), material, omega, hub, stagger, count, mass), count, timeout)
-
-
 def frequencies_on(
     mesh, thickness, layers, material, omega, *, hub=0.0, stagger=0.0, precone=0.0, count=6, timeout=None
 ):
-    """The same of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`), clamped at its smallest x.
+    """Frequencies (count,) in Hz of a plate whose planform is a mesh of quadrilaterals (`skfem.MeshQuad`).
 
-    thickness in m, or a function of x and y. precone in rad: the plate leaves the hub at this angle to the plane of
-    rotation, towards the axis's positive end.
+    It is clamped at its smallest x. thickness in m, or a function of x and y. layers: of bricks.
+    material: (E, nu, rho). omega in rad/s, stagger in rad. precone in rad: the plate leaves the hub at this angle to
+    the plane of rotation, towards the axis's positive end. timeout: seconds that `ccx` may take.
     """
     lines = deck(*extruded(mesh, thickness, layers), material, omega, hub, stagger, count, precone=precone)
     return solved(lines, count, timeout)
@@ -126,30 +118,6 @@ def _in_the_plate(vector, stagger, precone):
     c, s = np.cos(stagger), np.sin(stagger)
     turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
     return (raised @ turned).T @ vector
-
-
-def grid(size, cells):
-    """Nodes (n, 3) and 20-node bricks (m, 20), from 0, of a regular grid."""
-    nx, ny, nz = cells
-    length, width, height = size
-    index = {}
-    nodes = []
-    for i in range(2 * nx + 1):
-        for j in range(2 * ny + 1):
-            for k in range(2 * nz + 1):
-                if (i % 2) + (j % 2) + (k % 2) <= 1:
-                    index[i, j, k] = len(nodes)
-                    nodes.append((length * i / (2 * nx), width * (j / (2 * ny) - 0.5), height * (k / (2 * nz) - 0.5)))
-    corner = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
-    middle = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-    local = corner + [tuple((np.add(corner[a], corner[b]) // 2).tolist()) for a, b in middle]
-    bricks = [
-        [index[2 * i + a, 2 * j + b, 2 * k + c] for a, b, c in local]
-        for i in range(nx)
-        for j in range(ny)
-        for k in range(nz)
-    ]
-    return np.array(nodes), np.array(bricks)
 
 
 def extruded(mesh, thickness, layers):

@@ -9,30 +9,32 @@ from fem_cases import STEEL, rpm
 
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, equilibrium, rectangle, solve_modes
 from fem.accuracy.neglected_effects import bent
-from tests.benchmarks import calculix, calculix_turning
+from fem.meshes.mesh_sequence import graded
+from tests.benchmarks import calculix
+from tests.benchmarks.calculix_tables import TABLES, TITANIUM, stored
 from tests.limits import HANG
 
 needs_calculix = pytest.mark.skipif(not calculix.available(), reason="CalculiX (ccx) is not installed")
 
 FLAT, BENT = Effects(), Effects(large_deflection=True)
 
-MESH = 8
-"""Cells across; Mindlin's own frequencies are then within 0.15 % of those of finer meshes."""
+MESH = 2
+"""Fineness; Mindlin's own frequencies are then within 0.15 % of those of finer meshes."""
 
 
-def plate(case, size):
-    return Plate(case.planform(size), case.thickness, Material(*case.material))
+def plate(case, fineness):
+    return Plate(case.planform.graded(fineness), case.thickness, Material(*case.material))
 
 
 def rotor(case):
     return Rotor(case.hub, np.radians(case.stagger))
 
 
-@pytest.mark.parametrize("name", calculix_turning.BENT)
+@pytest.mark.parametrize("name", TABLES["bent"])
 def test_rotations_as_in_calculix(name):
     """Six modes within 0.3 %, or within what Mindlin's theory and the mesh are off at rest, about the turned state."""
-    case = calculix_turning.BENT[name]
-    (still, spinning), differences = calculix_turning.stored("bent")[name]
+    case = TABLES["bent"][name]
+    (still, spinning), differences = stored("bent")[name]
     operators = assemble(plate(case, MESH), rotor(case), BENT)
     own = np.abs(solve_modes(operators, 0.0).frequencies_hz / still - 1.0).max()
     found = solve_modes(operators, case.omega).frequencies_hz
@@ -42,11 +44,9 @@ def test_rotations_as_in_calculix(name):
 @needs_calculix
 def test_a_bent_plate_nobody_tabulated():
     """At a rotation of 0.2, on a mesh on which CalculiX is good to 0.1 %."""
-    mesh, omega, stagger = calculix_turning.rectangle(6), rpm(12000), np.radians(30.0)
-    expected = calculix.frequencies_on(
-        mesh, 0.002, 1, calculix_turning.TITANIUM, omega, hub=0.02, stagger=stagger, count=4
-    )
-    operators = assemble(Plate(mesh, 0.002, Material(*calculix_turning.TITANIUM)), Rotor(0.02, stagger), BENT)
+    mesh, omega, stagger = graded(0.2, 0.1, 12, 6), rpm(12000), np.radians(30.0)
+    expected = calculix.frequencies_on(mesh, 0.002, 1, TITANIUM, omega, hub=0.02, stagger=stagger, count=4)
+    operators = assemble(Plate(mesh, 0.002, Material(*TITANIUM)), Rotor(0.02, stagger), BENT)
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=3e-3)
 
 
@@ -79,12 +79,12 @@ def test_strain_moves_a_flat_plate_as_it_moves_a_solid(nu):
 @pytest.mark.parametrize("name", ["L, slow", "L, fast"])
 def test_the_shift_of_a_coarse_mesh_is_that_of_calculix(name):
     """What linear stiffening misses on an L, whose load bends it in its own plane, is seen on a hundred cells."""
-    case = calculix_turning.BENT[name]
-    still, spinning = calculix_turning.stored("bent")[name][0]
+    case = TABLES["bent"][name]
+    still, spinning = stored("bent")[name][0]
     operators = assemble(plate(case, MESH), rotor(case), FLAT)
     at_rest, flat = (solve_modes(operators, omega).frequencies_hz for omega in (0.0, case.omega))
     missed = np.abs(spinning / flat / (still / at_rest) - 1.0).max()
-    found = bent(plate(case, 2), rotor(case), FLAT, (case.omega,), 6)
+    found = bent(plate(case, 1), rotor(case), FLAT, (case.omega,), 6)
     assert found.shift == pytest.approx(missed, rel=0.15)
     assert 0.02 < found.rotation < 0.2
 
@@ -139,8 +139,8 @@ def test_a_heavy_mass_is_softened():
 
     CalculiX softens the plate alone, of a fiftieth of the mass.
     """
-    size, omega, kg = (0.1, 0.04, 0.01), rpm(3000), 15.0
-    nodes, bricks = calculix.grid(size, (10, 4, 2))
+    omega, kg = rpm(3000), 15.0
+    nodes, bricks = calculix.extruded(rectangle(0.1, 0.04, 10, 4), 0.01, 2)
     material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
 
     def squares(stagger, mass):
@@ -154,9 +154,9 @@ def test_a_heavy_mass_is_softened():
 @pytest.mark.parametrize(("stagger", "hub"), [(0.0, 0.1), (0.4, 0.05)])
 @needs_calculix
 def test_a_plate_nobody_tabulated(stagger, hub):
-    size, omega = (0.16, 0.06, 0.006), rpm(8000)
+    mesh, omega = rectangle(0.16, 0.06, 16, 6), rpm(8000)
     material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
-    expected = calculix.frequencies(size, material, (16, 6, 2), omega, hub=hub, stagger=stagger, count=4, timeout=HANG)
-    plate = Plate(rectangle(0.16, 0.06, 16, 6), 0.006, STEEL)
+    expected = calculix.frequencies_on(mesh, 0.006, 2, material, omega, hub=hub, stagger=stagger, count=4, timeout=HANG)
+    plate = Plate(mesh, 0.006, STEEL)
     operators = assemble(plate, Rotor(hub, stagger), Effects(large_deflection=stagger > 0.0))
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=4e-3)

@@ -17,7 +17,7 @@ from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
 from fem.theory.fields import gram
 from fem.theory.finite_rotation import Section
 from fem.theory.registry import discretise
-from tests.benchmarks.calculix_turning import BLADES, COUNT, stored
+from tests.benchmarks.calculix_tables import COUNT, TABLES, stored
 
 THEORIES = ("kirchhoff/bfs", "kirchhoff/argyris", "kirchhoff/morley", "mindlin", "solid")
 STRIP = Material(2e11, 0.0, 7850.0)
@@ -235,7 +235,7 @@ def test_blades_as_in_calculix(name):
     compare(name, "mindlin", 4e-3, 5)
 
 
-@pytest.mark.parametrize("name", [name for name in BLADES if "precone" in name])
+@pytest.mark.parametrize("name", [name for name in TABLES["blades"] if "precone" in name])
 def test_cones_as_in_calculix(name):
     """Six modes of plates that leave the hub at an angle, some staggered or tapered, about the state they bend to."""
     compare(name, "mindlin", 4e-3, 5)
@@ -247,7 +247,7 @@ def test_a_thick_solid_blade_as_in_calculix():
 
 
 def compare(name, theory, rtol, size):
-    case = BLADES[name]
+    case = TABLES["blades"][name]
     frequencies, differences = stored("blades")[name]
     plate = Plate(Rectangle(0.2, 0.08).mesh(size), case.thickness, Material(*case.material))
     rotor = Rotor(case.hub, np.radians(case.stagger), np.radians(case.precone))

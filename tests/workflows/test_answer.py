@@ -22,7 +22,17 @@ from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
 from workflows.solve import limits
-from workflows.solve.results import ForceLevel, Grade, Reason, Results, SpeedPoint, Verdict, VibrationReduction
+from workflows.solve.results import (
+    ErrorParts,
+    ForceLevel,
+    Grade,
+    Mode,
+    Reason,
+    Results,
+    SpeedPoint,
+    Verdict,
+    VibrationReduction,
+)
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 
@@ -239,6 +249,19 @@ def test_a_crossing_that_holds_the_ball_names_the_friction_that_does_not() -> No
     said = re.search(words, answer(held).verdict)
     assert 0.99 < float(said[1]) / (1e3 * friction) <= 1
     assert [holds in answer(crossed(factor * friction)).verdict for factor in (0.99, 1.01)] == [False, True]
+
+
+def test_a_locked_ball_in_its_dent_moves_with_the_rolling_friction_that_is_named() -> None:
+    """A dent holds with its slope, whatever that friction is: one percent below it moves, one above it does not."""
+    pressed = {"damper__ball_density": None, "damper__ball_material": "hardened steel", "material__name": "Ti-6Al-4V"}
+    found = workflows.run(thick(10000, **pressed))
+    (point,), limit = found.speeds, limits.endured(found)
+    assert limits.rim_slope(found.scene, point) > 0
+    friction = limits.what_moves(found, point).rolling_friction
+    said = re.search(r"at the [0-9.]+ mm that the plate endures, .* a rolling friction below ([0-9.]+) mm", text(found))
+    assert 0.99 < float(said[1]) / (1e3 * friction) <= 1
+    moved = [sets_off(thick(10000, **pressed, damper__rolling_friction=f * friction), limit) for f in (0.99, 1.01)]
+    assert moved == [True, False]
 
 
 def test_without_a_plate_only_the_amplitude_is_known() -> None:
@@ -591,6 +614,25 @@ def test_levels_at_which_the_ball_is_of_no_use_come_first() -> None:
     assert answer(run).verdict.startswith(
         "At engine order 4 (5000 rpm, flap mode): not useful at 0.5, 50 and 0.9 N, but up to 68 % less vibration at 3 N"
     )
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(0.02, "and may within them, since frequencies are accurate to 2 %"), (0.01, "")]
+)
+def test_an_order_that_may_meet_its_mode_within_the_error_is_not_denied(error: float, said: str) -> None:
+    """A mode of 200 Hz meets order 3 at 4000 rpm, 1.3 % beyond the speeds."""
+    run = at(1000, 3500)
+    modes = (Mode(200.0, "flap", ErrorParts(error, 0.0, 0.0, 0.0, None, None)),)
+    speeds = tuple(
+        replace(point, modes=modes, rpm=rpm, omega=rpm * math.pi / 30)
+        for point, rpm in zip(run.speeds, (1000.0, 3950.0), strict=True)
+    )
+    excitation = Excitation.model_validate({"orders": [3], "force": ["1 N"]})
+    (sentence,) = of_orders(replace(run, scene=run.scene.changed(excitation=excitation), speeds=speeds, reductions=()))
+    assert sentence.startswith(
+        "Engine order 3 meets no mode between 1000 and 3950 rpm; it would meet the first near 4000"
+    )
+    assert sentence.endswith(f" rpm, {said}." if said else "4000 rpm.")
 
 
 def test_friction_beyond_the_given_names_every_speed() -> None:

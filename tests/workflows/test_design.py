@@ -280,6 +280,33 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
     assert searched(2).evaluations == len({each[1:] for each in tried[count:]})
 
 
+@pytest.mark.usefixtures("few_speeds")
+def test_designs_stay_known_until_they_are_confirmed(shaken, here, tmp_path, monkeypatch):
+    """Stopped while the best one's motion is followed, the same command scores none of them again."""
+    rows, score, path = [], spaces.evaluate_designs, tmp_path / "designs"
+
+    def counted(space, shares, plates, *, quick):
+        rows.append(len(shares))
+        return score(space, shares, plates, quick=quick)
+
+    def found():
+        rows.clear()
+        return study.design(shaken, pool=executor.external(here, 1), partial_results=path)
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(spaces, "evaluate_designs", counted)
+    with monkeypatch.context() as patch:
+        patch.setattr(study, "respond", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            found()
+    known, first = len(path.read_text().splitlines()) - 1, sum(rows)
+    assert found().optimum.evaluation.works
+    assert first - sum(rows) == known > 0
+    assert not path.exists()
+
+
 def test_nothing_better_among_all_designs(slow, here):
     """27 designs, all that come within 10 % of the best with full figures: the search finds the best of them."""
     found = spindamp.design(slow, executor=here)
