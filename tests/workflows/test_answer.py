@@ -602,6 +602,8 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
         ": roughly up to 68 % less vibration at 3 N, at least half of that between 1.7 and 7.7 N. At 50 N the root"
         " would be overstressed. At 0.5 N the load holds the ball at rest; it moves from 0.8 N on."
     )
+    leaning = replace(run, speeds=tuple(replace(point, lean=(0.1, 0.0)) for point in run.speeds))
+    assert "the load holds the ball at rest; it moves, first to a wall, from 0.8 N on" in of_orders(leaning)[0]
 
 
 def test_levels_at_which_the_ball_is_of_no_use_come_first() -> None:

@@ -502,11 +502,12 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str, overlo
     )
     borne = [each for each in reduction.levels if each.endured]
     moves_from = f"{significant(reduction.moves_from)} {unit}"
+    to_a_wall = ", first to a wall," if any(any(point.lean) for point in results.speeds) else ""
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
     outside = [] if reduction.loose else outside  # a rough estimate does not tell levels apart
     idle = {
         f"At {{}} {unit} the {overload}.": [each for each in reduction.levels if not each.endured],
-        f"At {{}} {unit} the load holds the ball at rest; it moves from {moves_from} on.": [
+        f"At {{}} {unit} the load holds the ball at rest; it moves{to_a_wall} from {moves_from} on.": [
             each for each in borne if each.level < reduction.moves_from
         ],
         f"At {{}} {unit} the reduction is less than half of {percent(1 - reduction.ratio)} %.": [
