@@ -67,12 +67,12 @@ _LESS = re.compile(
 _AT_MOST = re.compile(rf"the ball reduces the amplitude by {_NUMBER} % at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
 _IDLE = (
-    ("overstressed", re.compile(r"Not useful at ([\d., and]+) \S+: such levels")),
+    ("overstressed", re.compile(r"At ([\d., and]+) \S+ the (?:root|plate) would be ")),
     ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the ball at rest")),
     ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the reduction is less than half of")),
 )
 _BESIDE = re.compile(rf"At {_NUMBER} \S+ the reduction is {_NUMBER} %")
-_GOES_ON = re.compile(r"(Not useful at|At [\d.]+ )")
+_GOES_ON = re.compile(r"At [\d.]+[, ]")
 _RATIO = re.compile(
     rf"equivalent damping ratio of up to {_NUMBER} %"
     rf"|at most {_NUMBER} % equivalent damping ratio \(at {_NUMBER} rpm"

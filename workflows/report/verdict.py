@@ -22,6 +22,7 @@ from workflows.report.remarks import (
     tilt,
 )
 from workflows.solve import engine_orders, limits
+from workflows.solve.excitation import HELPS
 from workflows.solve.limits import AIR, FRICTION_DAMPERS, in_g
 from workflows.solve.results import Figures, Reason, Results, SpeedPoint, VibrationReduction
 
@@ -458,9 +459,8 @@ def _orders(results: Results) -> list[list[str]]:
     if excitation is None or results.scene.damper is None or not results.speeds:
         return []
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
-    overload = (
-        "bend the plate beyond small deflections" if limits.deflection_governs(results) else "overstress the root"
-    )
+    bends = limits.deflection_governs(results)
+    overload = "plate would bend beyond small deflections" if bends else "root would be overstressed"
     met = [_of_order(results, each, excitation.unit, overload) for each in every]
     low, high = (whole(end(point.rpm for point in results.speeds)) for end in (min, max))
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
@@ -496,13 +496,18 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str, overlo
     low, high = reduction.range
     at = f"at {significant(reduction.level)} {unit}"
     between = f", at least half of that between {significant(low)} and {significant(high)} {unit}" * (low < high)
-    text = f"{where}: up to {percent(1 - reduction.ratio)} % less vibration {at}{between}."
+    rough = "roughly " if reduction.loose else ""
+    text = (
+        f"{where}: {_idle(reduction, unit)}{rough}up to {percent(1 - reduction.ratio)} % less vibration {at}{between}."
+    )
     borne = [each for each in reduction.levels if each.endured]
     moves_from = f"{significant(reduction.moves_from)} {unit}"
+    to_a_wall = ", first to a wall," if any(any(point.lean) for point in results.speeds) else ""
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
+    outside = [] if reduction.loose else outside  # a rough estimate does not tell levels apart
     idle = {
-        f"Not useful at {{}} {unit}: such levels {overload}.": [each for each in reduction.levels if not each.endured],
-        f"At {{}} {unit} the load holds the ball at rest; it moves from {moves_from} on.": [
+        f"At {{}} {unit} the {overload}.": [each for each in reduction.levels if not each.endured],
+        f"At {{}} {unit} the load holds the ball at rest; it moves{to_a_wall} from {moves_from} on.": [
             each for each in borne if each.level < reduction.moves_from
         ],
         f"At {{}} {unit} the reduction is less than half of {percent(1 - reduction.ratio)} %.": [
@@ -513,6 +518,14 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str, overlo
     aside = [each for each in outside if 1 - each.ratio >= (1 - reduction.ratio) / 2]
     parts += [f"At {significant(e.level)} {unit} the reduction is {percent(1 - e.ratio)} %." for e in aside]
     return [text, *parts]
+
+
+def _idle(reduction: VibrationReduction, unit: str) -> str:
+    """That the ball is of no use at the levels of the scene, where that is so, before what it does at others."""
+    levels = reduction.levels
+    if not levels or any(e.endured and e.level >= reduction.moves_from and e.ratio <= HELPS for e in levels):
+        return ""
+    return f"not useful at {listed([each.level for each in levels])} {unit}, but "
 
 
 _NOTICED = 1e-3

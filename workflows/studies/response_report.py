@@ -197,6 +197,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         range=_range(estimate, levels, useful, best.level),
         moves_from=passage.least_force,
         levels=tuple(each for each in levels if each.level in result.requested_levels),
+        loose=False,
         reason=Reason.NONE,
         detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {result.excitation.unit}",
     )

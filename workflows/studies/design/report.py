@@ -19,7 +19,7 @@ from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping
-from workflows.studies.design.space import NAMES, Optimum, Space, formatted, has_thickness
+from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep import evaluate
 from workflows.studies.sweep import plan as plans
@@ -71,6 +71,30 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
             end = f"{formatted(axis.name, value)} is the {'least' if value == min(numbers) else 'greatest'} of the list"
             constraints.append(ActiveConstraint(NAMES[axis.name], end))
     return (*constraints, *_amplitude_constraint(space, optimum, score))
+
+
+def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:
+    """What is left of the best design if one of its lengths is a little off, the least; None: it has none, or fails.
+
+    A deviation beyond a limit, as of the mass, does not count.
+    """
+    if not optimum.evaluation.works:
+        return None
+    deviations = []
+    for k in space.continuous:
+        axis, value = space.axes[k], float(space.values(optimum.shares)[space.axes[k].name])
+        axes = list(space.axes)
+        axes[k] = replace(axis, spread=None, values=(value / (1 + OFF), value * (1 + OFF)))
+        shares = np.repeat(optimum.shares[None], 2, axis=0)
+        shares[:, k] = 0.25, 0.75
+        both = score(replace(space, axes=tuple(axes)), shares, False)
+        deviations += [Deviation(NAMES[axis.name], off, each) for off, each in zip((-OFF, OFF), both, strict=True)]
+    possible = [each for each in deviations if not each.evaluation.impossible]
+    return min(possible, key=lambda each: each.evaluation.score, default=None)
+
+
+OFF = 0.02
+"""Relative deviation of a length, as wear and manufacture leave it."""
 
 
 def _amplitude_constraint(space: Space, optimum: Optimum, score: Score) -> list[ActiveConstraint]:
@@ -142,7 +166,7 @@ class DesignResult:
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
-        evaluation, design = self.optimum.evaluation, self.space.design
+        evaluation, design, worst = self.optimum.evaluation, self.space.design, self.optimum.worst
         values = self.space.values(self.optimum.shares)
         damper = self.scene.scene.damper
         best: dict[str, Any] = {name.partition(".")[2]: plans.as_plain([value])[0] for name, value in values.items()}
@@ -164,6 +188,9 @@ class DesignResult:
             "cutoff": finite(evaluation.cutoff),
             "ball_mass": finite(evaluation.mass),
             "holds": [vars(each) for each in self.active_constraints],
+            "worst_deviation": None
+            if worst is None
+            else {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value},
             "evaluations": self.optimum.evaluations,
             "verdict": verdict(self.space, self.optimum),
             "why": sentences(self),
@@ -184,7 +211,7 @@ document = DesignResult.document
 
 def verdict(space: Space, optimum: Optimum) -> str:
     """The answer in a line."""
-    return " ".join(_phrased("verdict", optimum.evaluation, space.goal))
+    return " ".join(_phrased("verdict", optimum, space.goal))
 
 
 def sentences(result: DesignResult) -> list[str]:

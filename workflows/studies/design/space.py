@@ -29,12 +29,22 @@ from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Spread, Value, at_s
 
 
 @dataclass(frozen=True)
+class Deviation:
+    """A design with one of its lengths off by so much, relative, and its worth with full figures."""
+
+    name: str
+    relative: float
+    evaluation: Evaluation
+
+
+@dataclass(frozen=True)
 class Optimum:
-    """The best design: its shares, its worth with full figures, and how many were tried."""
+    """The best design: its shares, its worth with full figures, how many were tried, and its worst small deviation."""
 
     shares: Floats
     evaluation: Evaluation
     evaluations: int
+    worst: Deviation | None = None
 
 
 NAMES = {

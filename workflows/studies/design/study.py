@@ -238,6 +238,7 @@ def design(
             optimum = search(space, designs, seed)
             impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
             constraints = () if impossible else report.active_constraints(space, optimum, score)
+            optimum = replace(optimum, worst=report.worst_deviation(space, optimum, score))
             grid = None if impossible else _around(space, optimum, designs)
         if not impossible:
             best = winner(space, optimum)
