@@ -176,6 +176,19 @@ ANSWERS = {
 """What a newcomer asks, and what stands in the files that the page sends him to."""
 
 
+def test_the_page_of_hard_cases_names_tests_and_all_that_are_hard_cases():
+    named = re.findall(r"`(\S+)::(\w+)` \|$", (DOCS / "hard_cases.md").read_text(encoding="utf-8"), flags=re.M)
+    defined = {
+        (path.relative_to(ROOT).as_posix(), node.name)
+        for path in {ROOT / file for file, _ in named} | set((ROOT / "tests" / "hard_cases").glob("test_*.py"))
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    }
+    assert len(named) == len(set(named)) > 50
+    assert set(named) <= defined
+    assert {case for case in defined if "hard_cases" in case[0]} <= set(named)
+
+
 def rows_of_architecture():
     lines = (DOCS / "architecture.md").read_text(encoding="utf-8").splitlines()
     return dict(line.strip("| ").split(" | ", 1) for line in lines if line.startswith("| ") and "?" in line)

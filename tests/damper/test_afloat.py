@@ -17,10 +17,6 @@ STILL = (1e-9, 1e-16, 1e-20, 1e-40, 0.0)
 """Speeds to set off at; rounding leaves one like them to a ball that a structure draws off its wall."""
 
 
-@pytest.mark.hard(
-    why="a ball sets off next to still, and the structure catches up with it within one step of the series",
-    keeps="reversal and hit where the free modes have them; books closed",
-)
 @pytest.mark.parametrize("excess", [0.01, 0.05, 0.1])
 @pytest.mark.parametrize("speed", STILL)
 def test_a_short_hop_off_the_wall(speed: float, excess: float) -> None:
@@ -45,10 +41,6 @@ def test_a_short_hop_off_the_wall(speed: float, excess: float) -> None:
     assert abs(run.energy.residual) <= 1e-14 * run.energy.initial
 
 
-@pytest.mark.hard(
-    why="a ball begins to roll next to still, and comes to rest again within one step of the series",
-    keeps="the reversal where a dense integration has it; books closed",
-)
 @pytest.mark.parametrize("excess", [0.01, 0.05])
 @pytest.mark.parametrize("speed", STILL)
 def test_a_short_roll_under_load(speed: float, excess: float) -> None:

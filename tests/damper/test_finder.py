@@ -66,13 +66,10 @@ def test_against_brute_force(seed: int) -> None:
             assert np.polynomial.polynomial.polyval(x, guard).min() <= 1e-15 * np.abs(guard).sum()
 
 
-@pytest.mark.hard(
-    why="a guard that dips to within rounding of zero, between any two samples",
-    keeps="the dip is met where it goes below zero, and only there",
-)
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-12, -1e-12, -1e-9, -1e-6, -1e-3])
 @pytest.mark.parametrize("place", [0.013, 0.31, 0.77, 0.999])
 def test_near_tangent(depth: float, place: float) -> None:
+    """A guard that dips to within rounding of zero, between any two samples."""
     guard = np.zeros(TERMS)
     k = np.arange(TERMS)
     guard[:] = -np.cos(0.5 * np.pi * k - 0.9 * place) * 0.9**k / [math.factorial(n) for n in k]
@@ -84,22 +81,17 @@ def test_near_tangent(depth: float, place: float) -> None:
         assert found == pytest.approx(place - math.acos(1 + depth) / 0.9 if -depth < 0.4 * place**2 else 0, abs=1e-7)
 
 
-@pytest.mark.hard(
-    why="a triple zero: slope and bend vanish with the guard", keeps="the zero, to the cube root of rounding"
-)
 def test_triple_zero() -> None:
+    """A triple zero: slope and bend vanish with the guard."""
     guard = np.zeros(TERMS)
     guard[:4] = 0.027, -0.27, 0.9, -1.0  # (0.3 - x)**3
     assert first_root(guard, 1.0) == pytest.approx(0.3, abs=2e-5)
 
 
-@pytest.mark.hard(
-    why="a guard that rises from next to zero, as rounding leaves it, and falls again: the terms of its zero cancel",
-    keeps="that zero, at any scale of what rounding left",
-)
 @pytest.mark.parametrize("begun", [0, 1], ids=["above zero", "at zero"])
 @pytest.mark.parametrize("left", [1e-6, 1e-12, 1e-15, 1e-16, 1e-18, 1e-24, 1e-40, 1e-300])
 def test_rises_from_next_to_nothing(left: float, begun: int) -> None:
+    """A guard that rises from next to zero, as rounding leaves it, and falls again: the terms of its zero cancel."""
     for place in (0.05, 0.31, 0.54, 0.77, 0.999):
         for others in ([], [1.4], [1.4, -0.8], [-3.0, 2.0, 2.5, -1.1]):
             guard = np.zeros(TERMS)

@@ -394,12 +394,9 @@ def test_bad_runs() -> None:
             made()
 
 
-@pytest.mark.hard(
-    why="a floor tilted next to nothing: two equal eigenvalues with one direction, which plain modes cannot resolve",
-    keeps="the way to the level floor is linear in the tilt; books closed",
-)
 @pytest.mark.parametrize("tilt", [1e-3, 1e-5, 1e-7, 1e-9])
 def test_nearly_level(tilt: float) -> None:
+    """A floor tilted next to nothing: two equal eigenvalues with one direction, which plain modes cannot resolve."""
     level = ringdown(PAPER, (20e-3, 5e-3), 5)
     run = ringdown(replace(PAPER, floor_tilt=(tilt, tilt)), (20e-3, 5e-3), 5)
     assert run.impacts == level.impacts
@@ -407,11 +404,8 @@ def test_nearly_level(tilt: float) -> None:
     assert abs(run.energy.residual) <= 1e-13 * run.energy.initial
 
 
-@pytest.mark.hard(
-    why="both walls in the same instant, and two modes that push the ball from one wall against the other",
-    keeps="an end to the hits; books closed, ball inside",
-)
 def test_a_corner_under_coupled_modes() -> None:
+    """Both walls in the same instant, and two modes that push the ball from one wall against the other."""
     k = PAPER.stiffness[0]
     modes = (Mode(1.0, k, (1.0, 0.4)), Mode(1.3, 2.7 * k, (-0.3, 1.0)), Mode(0.8, 9 * k, (0.5, 0.9)))
     square = replace(PAPER, cavity=(2.4e-3, 2.4e-3), floor_friction=0.01, modes=modes)
@@ -423,11 +417,8 @@ def test_a_corner_under_coupled_modes() -> None:
     assert np.abs(inside).max() <= 0.2e-3 * (1 + 1e-12)
 
 
-@pytest.mark.hard(
-    why="a ball let go under coupled modes: as it sets off along one axis its drive along the other turns round",
-    keeps="both directions against the resistance; books closed",
-)
 def test_let_go_at_rest_under_coupled_modes() -> None:
+    """A ball let go under coupled modes: as it sets off along one axis its drive along the other turns round."""
     modes = (Mode(1.0, 1.0, (1.0, 0.6)), Mode(1.0, 3.0, (0.5, 1.0)))
     damper = ParticleDamper(1.0, (1.0, 1.0), 0.3, 1.0, (4.0, 4.0), 1.0, 0.6, rolling_friction=0.01, modes=modes)
     for angle in np.linspace(0.0, 2 * math.pi, 361):

@@ -45,15 +45,18 @@ def beam_rates(theory, family, gammas, *, stagger=0.0, hub=0.0, width=0.01, heig
         yield np.array([2.0 * np.pi * f / unit for f, name in named if name == family])
 
 
-def promise_kept(choice, build, finer, tolerance):
-    """Whether a chosen mesh is within the tolerance of one so fine, and its estimate within a factor of three."""
+def promise_kept(choice, build, finer, tolerance, order=None):
+    """Whether a chosen mesh is within the tolerance of one so fine, and its estimate within a factor of three.
+
+    order: at which errors fall from the one to the other, and so beyond; else the finer mesh is the limit.
+    """
     assert choice.met
     count, fine = choice.errors.shape[1], build(finer)
     limit, found = (
         np.array([solve_modes(operators, speed, count).frequencies_hz for speed in choice.probes])
         for operators in (fine, choice.operators)
     )
-    true = np.abs(found / limit - 1.0).max()
+    true = np.abs(found / limit - 1.0).max() / (1.0 - (0.0 if order is None else (choice.size / finer) ** order))
     assert true <= tolerance
     assert true / 3.0 <= choice.errors.max() <= 3.0 * true
     return true

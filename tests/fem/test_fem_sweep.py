@@ -1,5 +1,7 @@
 """Campbell diagrams: bounds that hold, whatever is swept, and modes that are followed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -24,31 +26,20 @@ from fem.sweep.campbell import follow
 
 TOP = rpm(17500)
 
+THICK, THIN = (Plate(rectangle(0.2, 0.08, 6, 3), thickness, STEEL) for thickness in (0.01, 0.004))
+LADEN = replace(THICK, tip_mass=1.0, tip_at=(0.2, 0.0))
+UNSTIFFENED = Effects(stress_stiffening=False, spin_softening=False)
+
 CASES = {
-    "the paper's plate": (Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL), Rotor(), Effects(), TOP),
-    "in the plane of rotation": (
-        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
-        Rotor(stagger=np.pi / 2),
-        Effects(),
-        TOP,
-    ),
-    "staggered, with a hub": (Plate(rectangle(0.2, 0.08, 12, 5), 0.004, STEEL), Rotor(0.2, 0.6), Effects(), TOP),
-    "square": (Plate(rectangle(0.2, 0.2, 8, 8), 0.002, STEEL), Rotor(), Effects(), rpm(6000)),
-    "far beyond its own stiffness": (Plate(rectangle(0.2, 0.02, 16, 2), 1e-3, STEEL), Rotor(), Effects(), rpm(20000)),
-    "tip mass": (Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL, 1.0, (0.2, 0.0)), Rotor(0.1), Effects(), rpm(9000)),
-    "Coriolis": (Plate(rectangle(0.2, 0.08, 12, 5), 0.004, STEEL), Rotor(0.1, 0.6), Effects(coriolis=True), rpm(12000)),
-    "no rotary inertia": (
-        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
-        Rotor(0.1, 0.2),
-        Effects(rotary_inertia=False),
-        TOP,
-    ),
-    "nothing on": (
-        Plate(rectangle(0.2, 0.08, 12, 5), 0.01, STEEL),
-        Rotor(),
-        Effects(stress_stiffening=False, spin_softening=False),
-        TOP,
-    ),
+    "the paper's plate": (THICK, Rotor(), Effects(), TOP),
+    "in the plane of rotation": (THICK, Rotor(stagger=np.pi / 2), Effects(), TOP),
+    "staggered, with a hub": (THIN, Rotor(0.2, 0.6), Effects(), TOP),
+    "square": (Plate(rectangle(0.2, 0.2, 5, 5), 0.002, STEEL), Rotor(), Effects(), rpm(6000)),
+    "far beyond its own stiffness": (Plate(rectangle(0.2, 0.02, 12, 2), 1e-3, STEEL), Rotor(), Effects(), rpm(20000)),
+    "tip mass": (LADEN, Rotor(0.1), Effects(), rpm(9000)),
+    "Coriolis": (THIN, Rotor(0.1, 0.6), Effects(coriolis=True), rpm(12000)),
+    "no rotary inertia": (THICK, Rotor(0.1, 0.2), Effects(rotary_inertia=False), TOP),
+    "nothing on": (THICK, Rotor(), UNSTIFFENED, TOP),
 }
 
 
@@ -90,10 +81,6 @@ def test_sparse_and_dense_agree():
     np.testing.assert_allclose(solve_modes(operators, TOP, 20).frequencies_hz, expected, rtol=1e-9)
 
 
-@pytest.mark.hard(
-    why="double eigenvalues: a Krylov space from one vector sees one of them",
-    keeps="both are found, and no third",
-)
 def test_double_modes_are_found_whole():
     """A square-section beam has flap and lag at the same frequency; both must come, and no third."""
     plate = Plate(rectangle(1.0, 0.02, 20, 1), 0.02, Material(2e11, 0.0, 7850.0))
@@ -142,10 +129,6 @@ def test_a_thousand_speeds_for_the_factors_of_one(monkeypatch):
     np.testing.assert_allclose(found.frequencies_hz[0], fine, rtol=1e-3)
 
 
-@pytest.mark.hard(
-    why="modes that cross along a sweep",
-    keeps="each keeps its name and branch",
-)
 def test_families_and_branches_through_a_crossing():
     """The paper's plate: lag falls through the second flap mode near 17000 rpm; each keeps its name and branch."""
     operators = assemble(paper_plate(), Rotor(), Effects())
@@ -159,12 +142,9 @@ def test_families_and_branches_through_a_crossing():
         assert len(set(names[found.branches == branch])) == 1
 
 
-@pytest.mark.hard(
-    why="a point mass of a thousand plates, and bases that may not grow: none answers the speeds between",
-    keeps="speeds without a bound are solved by themselves; all bounds are within the tolerance and true",
-)
 @pytest.mark.parametrize("halvings", [0, 6])
 def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
+    """A point mass of a thousand plates, and bases that may not grow: none answers the speeds between."""
     monkeypatch.setattr("fem.sweep.reduced_basis.answer.__defaults__", (halvings,))
     monkeypatch.setattr("fem.sweep.reduced_basis.LARGEST", 2)
     mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
@@ -194,10 +174,6 @@ def test_follow_crossing_and_veering():
     assert veerings[0].likeness == (0.5, 0.5)
 
 
-@pytest.mark.hard(
-    why="modes that veer: who is who has no answer",
-    keeps="the step is flagged; fine steps need no flag",
-)
 def test_veering_is_flagged():
     """Under stagger flap and lag couple and veer; a step across the veering cannot tell who is who."""
     plate = Plate(rectangle(0.2, 0.02, 16, 2), 0.018, STEEL)
@@ -208,10 +184,6 @@ def test_veering_is_flagged():
     assert not fine.veerings
 
 
-@pytest.mark.hard(
-    why="two modes veer within less than a step and look as if they had crossed",
-    keeps="coupled modes that change places are flagged at any step, crossing ones of a symmetric plate at none",
-)
 @pytest.mark.parametrize(
     ("speeds", "coriolis"), [(6, False), (41, False), (201, False), (6, True), (41, True), (101, True)]
 )
@@ -252,13 +224,10 @@ def test_no_critical_speed_is_soon_found(monkeypatch):
     assert critical_speed(operators) == np.inf
 
 
-@pytest.mark.hard(
-    why="a frequency that vanishes: its inverse is 1e5 times the others', which drown in its rounding",
-    keeps="it falls as the root of the distance; the others keep nine digits",
-)
 @pytest.mark.parametrize("near", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_modes_next_to_the_critical_speed_are_soon_found(monkeypatch, near, coriolis):
+    """A frequency that vanishes: its inverse is 1e5 times the others', which drown in its rounding."""
     monkeypatch.setattr("fem.linalg.LARGEST", (60, 10))
     effects = Effects(stress_stiffening=False, coriolis=coriolis)
     operators = assemble(Plate(rectangle(0.2, 0.08, 6, 4), 0.004, STEEL), Rotor(stagger=np.pi / 2), effects)

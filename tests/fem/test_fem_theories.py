@@ -296,10 +296,6 @@ def thin(theory, height, width, cells, root=None, triangles=False, poissons_rati
     return solve_modes(assemble(plate, Rotor(), AT_REST, theory), 0.0, 3).frequencies_hz / height
 
 
-@pytest.mark.hard(
-    why="bending is 1e11 times softer than stretching, and the rounding of the one drowns the other",
-    keeps="what is believed is as it is at a hundred times the thickness",
-)
 @pytest.mark.parametrize(
     ("theory", "height", "width", "cells", "root", "triangles"),
     [

@@ -23,7 +23,6 @@ STEEL = Material(2e11, 0.3, 7850.0)
 SQUARE = np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
 
 
-@pytest.mark.hard(keeps="the literature's frequencies to 1 % in every theory for thin plates")
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin"])
 @pytest.mark.parametrize("ratio", [1e-3, 1e-5])
 def test_thinner_and_thinner(theory: str, ratio: float) -> None:
@@ -35,7 +34,6 @@ def test_thinner_and_thinner(theory: str, ratio: float) -> None:
     np.testing.assert_allclose(found, SQUARE, rtol=1e-2)
 
 
-@pytest.mark.hard(keeps="as many modes as a dense solver finds, at rest and at speed")
 @pytest.mark.parametrize("omega", [0.0, 500.0])
 def test_pairs_of_modes(omega: float) -> None:
     """A square section: bending modes come in pairs of nearly one frequency."""
@@ -45,7 +43,6 @@ def test_pairs_of_modes(omega: float) -> None:
     np.testing.assert_allclose(solve_modes(operators, omega, 8).eigenvalues, dense, rtol=1e-6)
 
 
-@pytest.mark.hard(keeps="the lowest mode is that of the mass on the plate's static compliance")
 def test_point_mass_far_heavier_than_the_plate() -> None:
     """A point mass a million times as heavy as the plate: the plate is a spring, its own modes are far above."""
     size, weight = (0.2, 0.05, 0.004), 7850.0 * 0.2 * 0.05 * 0.004
@@ -55,7 +52,6 @@ def test_point_mass_far_heavier_than_the_plate() -> None:
     assert found == pytest.approx(beam / (1e6 * weight), rel=2e-2)
 
 
-@pytest.mark.hard(keeps="the frequencies at rest, to rounding, with every effect on")
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_hardly_spinning(coriolis: bool) -> None:
     """Omega -> 0: differences between spinning and resting plate drown in rounding."""
@@ -68,7 +64,6 @@ def test_hardly_spinning(coriolis: bool) -> None:
     np.testing.assert_allclose(swept.frequencies_hz, np.tile(rest, (3, 1)), rtol=1e-8)
 
 
-@pytest.mark.hard(keeps="NoEquilibrium with the speed, or a state that its modes call unstable; never a nan")
 @pytest.mark.parametrize(
     ("thickness", "omega", "stagger", "expected"),
     [(1e-3, 3e4, 0.7, NoEquilibrium), (1e-4, 100.0, np.pi / 2, Divergence)],

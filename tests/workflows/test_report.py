@@ -66,6 +66,7 @@ def test_a_limit_that_one_speed_sets_for_all_names_that_speed(coarse: Results) -
 _MINUS_NOTHING = re.compile(r"(?<![\d.\w])[-−]0(\.0*)?(?![\d.])")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
     """Losses that are -0.0, or below 0 by rounding alone, in the printed table, every CSV, and on the page."""
     point = next(each for each in coarse.speeds if each.damper is not None)
