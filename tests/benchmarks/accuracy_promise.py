@@ -14,23 +14,25 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, choose_theory, solve_modes
+from tests.soak import plates
 
 COUNT = 6
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 DEAR = 3.0
 
 
-def draw(rng):
+def drawn(seed):
     """A plate's planform, thickness, material, rotor and speeds."""
-    length = rng.uniform(0.05, 0.5)
-    width = length / np.exp(rng.uniform(np.log(0.5), np.log(6.0)))
-    thickness = min(length, width) * np.exp(rng.uniform(np.log(0.005), np.log(0.25)))
-    young, density = [(2e11, 7850.0), (1.14e11, 4430.0), (7e10, 2700.0)][rng.integers(3)]
-    material = Material(young, rng.uniform(0.2, 0.4), density)
-    first = 0.16 * thickness / length**2 * np.sqrt(young / density)
-    top = 2.0 * np.pi * first * rng.uniform(0.0, 2.0)
-    rotor = Rotor(length * rng.uniform(0.0, 2.0), np.deg2rad(rng.choice([0.0, 0.0, 20.0, 90.0])))
-    return Rectangle(length, width), thickness, material, rotor, (0.0, top)
+    given = plates.sensible(seed)
+    length, width, thickness = given["plate"].values()
+    rotor = Rotor(given["rotor"]["hub_radius"], given["rotor"]["stagger"])
+    return (
+        Rectangle(length, width),
+        thickness,
+        Material(*given["material"].values()),
+        rotor,
+        (0.0, *given["rotor"]["speeds"]),
+    )
 
 
 def bends(rotor):
@@ -50,7 +52,7 @@ def timed(work, *arguments):
 
 def scene(seed):
     """Search and truth for one plate: rows of (tolerance, size, estimate, true error, time, cheapest time)."""
-    planform, thickness, material, rotor, speeds = draw(np.random.default_rng(seed))
+    planform, thickness, material, rotor, speeds = drawn(seed)
     rows = []
     for tolerance in TOLERANCES:
         theory = choose_theory(Plate(planform.mesh(2), thickness, material), accuracy=tolerance).name

@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import workflows
+from tests.soak import plates
 from tests.soak.dice import Seeded, power
+from tests.workflows.conftest import KNOWN, changed
 
 SHIPPED = ("paper", "printed", "structure", "campbell")
 PLATES, RINGS = 16, 20
@@ -29,41 +31,24 @@ def scenes() -> dict[str, Any]:
 
 
 def _plate(number: int) -> dict[str, Any]:
-    dice = Seeded((16, number))
-    length = power(dice, -1.3, -0.3)
-    return {
-        "plate": {
-            "length": length,
-            "width": length * dice.between(0.2, 1.2),
-            "thickness": length * power(dice, -2.3, -1),
-        },
-        "material": {"youngs_modulus": 2e11, "poissons_ratio": dice.between(0.0, 0.45), "density": 7850.0},
-        "rotor": {
-            "speeds": [f"{speed} rpm" for speed in (0, 500, 1500)],
-            "hub_radius": dice.one_of((0.0, 0.1, 1.0)),
-            "stagger": dice.one_of((0.0, 0.6, 1.5)),
-            "modes": 4,
-        },
-        "effects": {"coriolis": dice.one_of((True, False))},
-    }
+    scene = plates.sensible(number)
+    scene["rotor"] |= {"speeds": [share * scene["rotor"]["speeds"][0] for share in (0.0, 0.3, 1.0)], "modes": 4}
+    return scene | {"accuracy": {"frequency": 1e-3}, "effects": {"coriolis": number % 2 == 0}}
 
 
 def _ring(number: int) -> dict[str, Any]:
     dice = Seeded((17, number))
-    return {
-        "structure": {"frequency": f"{power(dice, 1, 3)} Hz", "mass": "1 kg"},
-        "rotor": {"speeds": ["3000 rpm", "9000 rpm"], "radius": "20 cm"},
-        "damper": {
-            "mass_ratio": power(dice, -3.5, -1.5),
-            "radius": "1 mm",
-            "cavity": ["2.5 mm", "2.4 mm"],
-            "restitution": dice.between(0.2, 0.95),
-            "friction": 0.3,
-            "rolling_friction": f"{power(dice, -3, -1)} mm",
-            "damping_ratio": dice.one_of((0.0, 0.001)),
-        },
-        "release": {"ratio": power(dice, -1.0, 0.0), "cycles": 5},
-    }
+    return changed(
+        KNOWN,
+        structure__frequency=f"{power(dice, 1, 3)} Hz",
+        rotor__speeds=["3000 rpm", "9000 rpm"],
+        damper__count=None,
+        damper__mass_ratio=power(dice, -3.5, -1.5),
+        damper__restitution=dice.between(0.2, 0.95),
+        damper__rolling_friction=f"{power(dice, -3, -1)} mm",
+        damper__damping_ratio=dice.one_of((0.0, 0.001)),
+        release={"ratio": power(dice, -1.0, 0.0), "cycles": 5},
+    )
 
 
 def answers() -> dict[str, Any]:

@@ -66,6 +66,26 @@ def scene(dice: Dice) -> Scene:
     }
 
 
+def sensible(seed: int) -> Scene:
+    """Of metal: aspect 0.5 to 6, h/b 0.005 to 0.2, any stagger, up to three times as fast as its first frequency."""
+    rng = np.random.default_rng(seed)
+    length = rng.uniform(0.05, 0.5)
+    width = length / np.exp(rng.uniform(np.log(0.5), np.log(6.0)))
+    thickness = min(length, width) * np.exp(rng.uniform(np.log(0.005), np.log(0.2)))
+    young, density = ((2e11, 7850.0), (1.14e11, 4430.0), (7e10, 2700.0))[rng.integers(3)]
+    poisson = rng.uniform(0.0, 0.45)
+    first = 2.0 * np.pi * 0.16 * thickness / length**2 * np.sqrt(young / density)
+    fastest = np.sqrt(2e-2 * young / density) / (3.0 * length)  # strains stay below about 1 %
+    stagger = rng.choice([0.0, 90.0, rng.uniform(0.0, 90.0), rng.uniform(70.0, 90.0)])
+    speed, hub = min(fastest, first * rng.uniform(0.1, 3.0)), length * rng.choice([0.0, rng.uniform(0.0, 2.0)])
+    return {
+        "plate": {"length": length, "width": width, "thickness": thickness},
+        "material": {"youngs_modulus": young, "poissons_ratio": poisson, "density": density},
+        "rotor": {"speeds": [speed], "hub_radius": hub, "stagger": np.deg2rad(stagger), "modes": 6},
+        "accuracy": {"frequency": rng.choice([1e-2, 1e-3, 1e-3, 1e-4])},
+    }
+
+
 def mesh(dice: Dice, given: Scene) -> Any:
     """A coarse mesh of rectangles, of skewed quadrilaterals or of triangles, graded or not."""
     plate = given["plate"]

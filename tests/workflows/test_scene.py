@@ -15,6 +15,7 @@ import pytest
 import fem
 import workflows
 from fem.theory.registry import THEORIES
+from tests.soak import plates
 from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, write
 from workflows import pipeline
 from workflows.effects import ball, plate, selection
@@ -237,31 +238,6 @@ def test_coriolis_is_called_for_where_modes_nearly_coincide(paper: Scene, thickn
     assert not selection.resolve(parse(changed(scene, rotor__modes=1)))["coriolis"].on
 
 
-def drawn(seed: int) -> Any:
-    """A scene: aspect 0.5 to 6, h/b 0.005 to 0.2, any stagger, up to three times as fast as its first frequency."""
-    rng = np.random.default_rng(seed)
-    length = rng.uniform(0.05, 0.5)
-    width = length / np.exp(rng.uniform(np.log(0.5), np.log(6.0)))
-    thickness = min(length, width) * np.exp(rng.uniform(np.log(0.005), np.log(0.2)))
-    young, density = ((2e11, 7850.0), (1.14e11, 4430.0), (7e10, 2700.0))[rng.integers(3)]
-    first = 2.0 * np.pi * 0.16 * thickness / length**2 * np.sqrt(young / density)
-    fastest = np.sqrt(2e-2 * young / density) / (3.0 * length)  # strains stay below about 1 %
-    stagger = rng.choice([0.0, 90.0, rng.uniform(0.0, 90.0), rng.uniform(70.0, 90.0)])
-    return parse(
-        {
-            "plate": {"length": length, "width": width, "thickness": thickness},
-            "material": {"youngs_modulus": young, "poissons_ratio": rng.uniform(0.0, 0.45), "density": density},
-            "rotor": {
-                "speeds": [float(min(fastest, first * rng.uniform(0.1, 3.0)))],
-                "hub_radius": length * rng.choice([0.0, rng.uniform(0.0, 2.0)]),
-                "stagger": f"{stagger} deg",
-                "modes": 6,
-            },
-            "accuracy": {"frequency": float(rng.choice([1e-2, 1e-3, 1e-3, 1e-4]))},
-        }
-    )
-
-
 def frequencies(scene: Any, switches: fem.Effects) -> np.ndarray | None:
     """The six lowest with these effects; None where the plate diverges."""
     given, metal = scene.plate, scene.material
@@ -278,7 +254,7 @@ def test_what_is_left_out_moves_no_frequency_by_more_than_the_accuracy() -> None
     """Random plates at one speed each, on a mesh finer than the one it was decided on."""
     left_out = 0
     for seed in range(5):
-        scene = drawn(seed)
+        scene = parse(plates.sensible(seed))
         decided = {name: selection.resolve(scene)[name].on for name in ("coriolis", "large_deflection")}
         known = frequencies(scene, fem.Effects(**decided))
         for name in (name for name, on in decided.items() if not on):
