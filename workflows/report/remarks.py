@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from workflows.effects.selection import EFFECTS
-from workflows.formatting import upwards
+from workflows.formatting import turning, upwards
 from workflows.report import templates
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import cavities_abreast
@@ -91,8 +91,8 @@ def beyond_of(results: Results) -> str:
     With the speed by which all are judged, where the strain of a structure's root differs between them.
     """
     torn = limits.root_stress(results, 1.0) or 0.0
-    held = [p for p in results.speeds if p.root_strain is not None and torn * p.omega**2 <= limits.STRONGEST]
-    strains = [(p.root_strain or 0.0, p.rpm) for p in held]
+    holds = [p for p in results.speeds if torn * p.omega**2 <= limits.STRONGEST]
+    strains = [(p.root_strain, p.omega) for p in holds if p.root_strain is not None]
     differ = bool(strains) and max(strains)[0] > _ALIKE * min(strains)[0]
     return phrase("beyond_of", limits.deflection_governs(results), max(strains)[1] if differ else None)
 
@@ -108,7 +108,7 @@ def torn_from(results: Results) -> str | None:
     if not torn:
         return None
     first = min(torn, key=lambda point: point.omega)
-    return templates.sentence("phrases.txt.j2", "torn", first.rpm, stress * first.omega**2)
+    return templates.sentence("phrases.txt.j2", "torn", turning(first.omega), stress * first.omega**2)
 
 
 def too_dense(results: Results) -> tuple[str, str] | None:
@@ -133,13 +133,6 @@ def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     return phrase("flows", [contact for _, contact in _contacts(results, points)])
 
 
-def _floor(results: Results) -> str | None:
-    """What the floor is made of."""
-    damper, material = results.scene.damper, results.scene.material
-    floor = None if damper is None else damper.floor_material
-    return floor or (None if material is None else material.name)
-
-
 @worded
 def unknown_floor(results: Results) -> Values:
     """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
@@ -149,7 +142,8 @@ def unknown_floor(results: Results) -> Values:
         return None
     point, most = max(every, key=lambda pair: pair[1].peak_pressure)
     mean = 2 / 3 * most.peak_pressure
-    return {"floor": _floor(results), "point": point, "pressure": mean, "brinell": mean / KGF}
+    floor = results.scene.contact_materials[1]
+    return {"floor": floor, "point": point, "pressure": mean, "brinell": mean / KGF}
 
 
 def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:
@@ -199,8 +193,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
     cases = {name: effect.assumed(scene, results.effects[name].on, theory) for name, effect in EFFECTS.items()}
     assumed = {name: words[name][case] for name, case in cases.items() if case in words.get(name, {})}
-    ball = None if scene.damper is None else scene.damper.ball_material
-    strengths = dict.fromkeys((ball, _floor(results))) if limits.solids(scene) is not None else ()
+    strengths = dict.fromkeys(scene.contact_materials) if limits.solids(scene) is not None else ()
     of = {
         "scene": scene,
         "effects": {of: [assumed[name] for name in assumed if EFFECTS[name].of == of] for of in ("plate", "damper")},
@@ -450,15 +443,16 @@ def level_structure(results: Results) -> Values:
 @remark
 def dents(results: Results) -> Values:
     """What the resting ball does to its floor where that yields, or the floor to the ball."""
-    damper, made_of = results.scene.damper, limits.solids(results.scene)
+    made_of = limits.solids(results.scene)
     every = _contacts(results, results.speeds)
     pressed = [(point, c) for point, c in every if c.dent_radius > 0 and not c.hardness_ratio >= 1]
-    if not pressed or damper is None:
+    if not pressed:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
+    ball, floor = results.scene.contact_materials
     return {
-        "ball": damper.ball_material,
-        "floor": _floor(results),
+        "ball": ball,
+        "floor": floor,
         "point": point,
         "most": most,
         "flattened": made_of is not None and made_of[0].yield_strength < made_of[1].yield_strength,
@@ -525,7 +519,7 @@ def rolling(results: Results) -> Values:
     return {
         "lifts": [1e3 * math.hypot(*d.release) for _, d, _ in beyond],
         "most": most,
-        "rpm": point.rpm,
+        "at": point,
         "friction": damper.friction,
         "points": [p for p, _, _ in beyond],
         "among": [p for p, _, _ in rolled],
@@ -540,15 +534,15 @@ def held(results: Results) -> Values:
     if not peaks:
         return None
     point, damping, cutoff = min(peaks, key=lambda entry: entry[0].load_g)
-    return {"rpm": point.rpm, "lift": math.hypot(*damping.release), "needed": cutoff}
+    return {"point": point, "lift": math.hypot(*damping.release), "needed": cutoff}
 
 
 @remark
 def nothing_released(results: Results) -> Values:
     """A release by a ratio of a load that is not there."""
     release = results.scene.release
-    still = [p.rpm for p, _, _ in ring_downs(results) if p.load_g == 0]
-    return {"rpm": still[0]} if still and release is not None and release.ratio is not None else None
+    still = [p for p, _, _ in ring_downs(results) if p.load_g == 0]
+    return {"point": still[0]} if still and release is not None and release.ratio is not None else None
 
 
 @remark
@@ -645,11 +639,9 @@ def modes_left_out(results: Results) -> Values:
 def lent(results: Results) -> Values:
     """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
     rung = [] if limits.is_printed(results) else ring_downs(results)
-    borrowed = [(_share(d), p.rpm) for p, _, d in rung if lost_at_most(d) != d.peak_sdc and d.impacts]
-    if not borrowed:
-        return None
-    share, rpm = max(borrowed, key=lambda pair: pair[0])
-    return {"share": share, "rpm": rpm}
+    borrowed = [(_share(d), p) for p, _, d in rung if lost_at_most(d) != d.peak_sdc and d.impacts]
+    share, point = max(borrowed, key=lambda pair: pair[0], default=(0.0, None))
+    return {"share": share, "point": point} if borrowed else None
 
 
 @remark

@@ -353,19 +353,11 @@ def _orders(results: Results) -> list[list[str]]:
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
         return [*met, _said("one_speed", results)]
-    ends = [end(point.rpm for point in results.speeds) for end in (min, max)]
     for order in unmet:
-        rpm = engine_orders.crossing_beyond(results.speeds, order)
-        error = 0.0 if rpm is None else _doubt(results, rpm)
-        met.append(_said("unmet", results, order=order, ends=ends, rpm=rpm, error=error))
+        first = engine_orders.crossing_beyond(results.speeds, order)
+        error = 0.0 if first is None else engine_orders.reached_within_error(results.speeds, first)
+        met.append(_said("unmet", results, order=order, points=results.speeds, first=first, error=error))
     return met
-
-
-def _doubt(results: Results, rpm: float) -> float:
-    """The first mode's error at the end of the speeds nearest to another speed, where that lies within it; else 0."""
-    end = min(results.speeds, key=lambda point: abs(point.rpm - rpm))
-    error = end.modes[0].error_estimate if end.modes else None
-    return error if error is not None and abs(rpm / end.rpm - 1) <= error else 0.0
 
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> list[str]:
@@ -400,5 +392,5 @@ def _plate_only(results: Results) -> Answer:
     verdict = f"The {carrier(results)} alone{'' if remarks.met(results) else ', less accurate than requested'}"
     if torn is not None:
         verdict += f"; it cannot turn {torn}"
-    sentences = _said("plate_only", results, first=first, rpm=[p.rpm for p in results.speeds])
+    sentences = _said("plate_only", results, first=first, points=results.speeds)
     return Answer(verdict, (*sentences, *([] if accuracy is None else [accuracy])))
