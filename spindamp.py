@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
 from workflows.laws import lawful
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file, load, parse, shipped
-from workflows.scene.scene import Scene
+from workflows.scene.scene import Scene, omega_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -132,7 +132,7 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     from workflows import pipeline
     from workflows.report import text
 
-    return text.run(pipeline.at_one_speed(as_scene_file(scene), rpm))
+    return text.run(pipeline.at_one_speed(as_scene_file(scene), None if rpm is None else omega_of(rpm)))
 
 
 @lawful()

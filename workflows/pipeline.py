@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from workflows.errors import BadInput, read_from
+from workflows.errors import read_from
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.scene.plate_mesh import place
-from workflows.scene.scene import omega_of
 from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle_speed
@@ -122,18 +121,13 @@ def plate_only(source: SceneFile) -> SceneFile:
     return source.plate_alone()
 
 
-def at_one_speed(source: SceneFile, rpm: float | None = None) -> SceneFile:
-    """The scene at one speed [rev/min]; by default its middle one.
+def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
+    """The scene at one speed [rad/s]; by default its middle one.
 
     Raises:
-        BadInput: it has no damper, or nothing spins so fast.
+        BadInput: it has no damper.
     """
     if source.scene.damper is None:
         raise source.wrong("the table is missing: ringdown needs a damper", "[damper]")
     speeds = sorted(source.scene.rotor.speeds)
-    omega = speeds[(len(speeds) - 1) // 2]
-    if rpm is not None:
-        if isinstance(rpm, bool) or not isinstance(rpm, int | float):
-            raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
-        omega = omega_of(rpm)
-    return source.changed(rotor={"speeds": (omega,)})
+    return source.changed(rotor={"speeds": (speeds[(len(speeds) - 1) // 2] if omega is None else omega,)})

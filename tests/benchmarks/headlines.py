@@ -289,9 +289,8 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
         document = of_response.document(found)
         motion = said(document["headline"])
         faults = [fault for each in motion for fault in of_crossings(each, document)]
-        faults += of_added(document["headline"], reductions) + disagreements(
-            short, motion, rough=verdict.TOO_LOOSE in every
-        )
+        rough = any(sentence.startswith("A rough estimate") for sentence in every)
+        faults += of_added(document["headline"], reductions) + disagreements(short, motion, rough=rough)
         yield Line(name, "response", document["headline"], faults)
     except SpindampError as failed:
         yield Line(name, "response", [f"No answer: {failed}"], ["no answer"])

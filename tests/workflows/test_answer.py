@@ -17,7 +17,8 @@ from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report import text as summary
-from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, beyond, stretch
+from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS
+from workflows.report.templates import stretch
 from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
@@ -400,7 +401,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=())
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
-    assert beyond(by_deflection=limits.deflection_governs(found)).startswith(
+    assert remarks.phrase("beyond_of", limits.deflection_governs(found), None).startswith(
         "bend the plate by over 25 % of its length"
     )
 

@@ -98,8 +98,9 @@ def ringdown(
     Without --out, no files are written.
     """
     from workflows import pipeline
+    from workflows.scene.scene import omega_of
 
-    _simulate(pipeline.at_one_speed(_load(scene), rpm), out, json)
+    _simulate(pipeline.at_one_speed(_load(scene), None if rpm is None else omega_of(rpm)), out, json)
 
 
 @_commands.command()

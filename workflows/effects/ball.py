@@ -54,9 +54,9 @@ def _rolling_resistance(case: Case) -> Called:
     return Called(True, "rolling_friction is above 0 and the load presses the ball on the floor")
 
 
-def _rolling_arguments(spec: Damper, _: float, on: bool) -> dict[str, Any]:
+def _rolling_arguments(damper: Damper, _: float, on: bool) -> dict[str, Any]:
     """The lever arm of the resistance, where a scene gives it."""
-    lever = spec.rolling_friction
+    lever = damper.rolling_friction
     return {"rolling_friction": lever if on and isinstance(lever, float) else 0.0}
 
 
@@ -67,31 +67,12 @@ def _impact_friction(case: Case) -> Called:
     return Called(True, "friction is above 0: it acts where the ball moves along a wall as it hits it")
 
 
-def _wall_friction_arguments(spec: Damper, _: float, on: bool) -> dict[str, Any]:
-    """The cap on the tangential impulse."""
-    return {"friction": spec.friction if on else 0.0}
-
-
-def _ball_slip(case: Case) -> Called:
-    """Only where it is asked for."""
-    return Called(False, "the paper's model: the ball rolls again at once after a wall hit")
-
-
 def _slip_refused(scene: Scene) -> Refusal | None:
     """Slip needs a friction to slip against, and equations that know it."""
-    damper = scene.damper
-    if damper is None or scene.effects.ball_slip is not True:
-        return None
-    if damper.formulation == "printed":
-        return Refusal("the printed equations have no slip", "[effects] ball_slip", True)
-    if damper.friction == 0:
-        return Refusal("ball_slip needs a friction above 0", "[damper] friction", 0)
-    return None
-
-
-def _slip_arguments(spec: Damper, omega: float, on: bool) -> dict[str, Any]:
-    """The friction of the floor, which takes a load."""
-    return {"floor_friction": spec.friction if on and omega > 0 else None}
+    if not_printed(scene):
+        return Refusal("the printed equations have no slip")
+    slips = scene.damper is None or scene.damper.friction != 0
+    return None if slips else Refusal("ball_slip needs a friction above 0", "[damper] friction", 0)
 
 
 def _floor_tilt(case: Case) -> Called:
@@ -134,9 +115,7 @@ def _indentation(case: Case) -> Called:
     scene = case.scene
     if not case.spins:
         return Called(False, "the rotor is at rest: no load presses the ball on the floor")
-    plate = None if scene.material is None else scene.material.name
-    names = case.damper.ball_material, case.damper.floor_material or plate
-    known = [KNOWN[name] for name in names if name is not None]
+    known = [KNOWN[name] for name in scene.contact_materials if name is not None]
     if len(known) < 2 or any(each.youngs_modulus is None for each in known):
         return Called(False, "the materials of ball and floor are not known by name")
     if all(each.hardness is None for each in known):
@@ -174,12 +153,7 @@ def _structural_modes(case: Case) -> Called:
 
 def _modes_refused(scene: Scene) -> Refusal | None:
     """A structure's own modes where none are known."""
-    key, switch = "[effects] structural_modes", scene.effects.structural_modes
-    if (refusal := not_printed("structural_modes")(scene)) is not None:
-        return refusal
-    if switch is True and scene.given is not None:
-        return Refusal("the scene has no plate", key, True)
-    return None
+    return not_printed(scene) or (None if scene.given is None else Refusal("the scene has no plate"))
 
 
 def _modes_assumed(scene: Scene, on: bool, _: str) -> str:
@@ -220,13 +194,9 @@ def _cavity_mass(case: Case) -> Called:
 
 def _cavity_refused(scene: Scene) -> Refusal | None:
     """What has no plate out of which metal could be taken."""
-    damper = scene.damper
-    if scene.effects.cavity_mass is not True or damper is None:
-        return None
-    key = "[effects] cavity_mass"
-    if scene.plate is None:
-        return Refusal(IN_THE_MESH if scene.blade is not None else "the scene has no plate", key, True)
-    return Refusal(HOUSED, key, True) if damper.housing else None
+    if scene.damper is not None and scene.plate is None:
+        return Refusal(IN_THE_MESH if scene.blade is not None else "the scene has no plate")
+    return Refusal(HOUSED) if scene.damper is not None and scene.damper.housing else None
 
 
 def _cavity_assumed(scene: Scene, on: bool, _: str) -> str:
@@ -238,16 +208,19 @@ def _cavity_assumed(scene: Scene, on: bool, _: str) -> str:
 EFFECTS = {
     "rolling_resistance": Definition("damper", _rolling_resistance, "rolling resistance", arguments=_rolling_arguments),
     "impact_friction": Definition(
-        "damper", _impact_friction, "friction at the walls", arguments=_wall_friction_arguments
+        "damper",
+        _impact_friction,
+        "friction at the walls",
+        arguments=lambda damper, _, on: {"friction": damper.friction if on else 0.0},
     ),
     "ball_slip": Definition(
         "damper",
-        _ball_slip,
+        lambda _: Called(False, "the paper's model: the ball rolls again at once after a wall hit"),
         "slip of the ball",
         refused=_slip_refused,
-        arguments=_slip_arguments,
+        arguments=lambda damper, omega, on: {"floor_friction": damper.friction if on and omega > 0 else None},
     ),
-    "floor_tilt": Definition("damper", _floor_tilt, "tilt of the floor", refused=not_printed("floor_tilt")),
+    "floor_tilt": Definition("damper", _floor_tilt, "tilt of the floor", refused=not_printed),
     "indentation": Definition("damper", _indentation, "indentation"),
     "structural_modes": Definition(
         "damper", _structural_modes, "modes of the plate", refused=_modes_refused, assumed=_modes_assumed

@@ -77,25 +77,11 @@ class Case:
 
 
 class Refusal(NamedTuple):
-    """Why a scene cannot have an effect as it asks for it, and the key and value that say so."""
+    """Why a scene cannot have an effect that it insists on, and the key and value that say so: by default its own."""
 
     problem: str
-    key: str
-    value: object
-
-
-def nothing_refused(_: Scene) -> None:
-    """Of an effect that any scene may have."""
-
-
-def on_or_off(_: Scene, on: bool, __: str) -> str:
-    """Of an effect whose assumptions depend on nothing else."""
-    return "on" if on else "off"
-
-
-def no_term(_: Damper, __: float, ___: bool) -> dict[str, Any]:
-    """Of an effect that no argument of a damper is about."""
-    return {}
+    key: str = ""
+    value: object = True
 
 
 @dataclass(frozen=True)
@@ -106,7 +92,7 @@ class Definition:
         of: what it belongs to.
         called_for: the rule: whether a scene calls for it, and why (not).
         word: what people call it.
-        refused: what rules it out where the scene insists, None where nothing does.
+        refused: what rules it out where the scene insists on it, None where nothing does.
         part_of: another effect without which it makes no sense.
         after: effects to be decided before.
         assumed: the key of what is taken for granted with it (True) or without it, in a theory of the plate; the words
@@ -120,11 +106,11 @@ class Definition:
     of: Literal["plate", "damper"]
     called_for: Callable[[Case], Called]
     word: str
-    refused: Callable[[Scene], Refusal | None] = nothing_refused
+    refused: Callable[[Scene], Refusal | None] = lambda scene: None
     part_of: str = ""
     after: tuple[str, ...] = ()
-    assumed: Callable[[Scene, bool, str], str] = on_or_off
-    arguments: Callable[[Damper, float, bool], dict[str, Any]] = no_term
+    assumed: Callable[[Scene, bool, str], str] = lambda scene, on, theory: "on" if on else "off"
+    arguments: Callable[[Damper, float, bool], dict[str, Any]] = lambda damper, omega, on: {}
     on_the_mesh: bool = True
     costs: tuple[str, ...] = ()
 
@@ -135,15 +121,9 @@ AT_REST = Called(False, "nothing spins")
 PRINTED = "the printed equations support one mode along each axis and a level floor"
 
 
-def not_printed(name: str) -> Callable[[Scene], Refusal | None]:
+def not_printed(scene: Scene) -> Refusal | None:
     """Refuses what the printed equations do not know."""
-
-    def refused(scene: Scene) -> Refusal | None:
-        printed = scene.damper is not None and scene.damper.formulation == "printed"
-        insists = getattr(scene.effects, name) is True
-        return Refusal(PRINTED, f"[effects] {name}", True) if printed and insists else None
-
-    return refused
+    return Refusal(PRINTED) if scene.damper is not None and scene.damper.formulation == "printed" else None
 
 
 @dataclass(frozen=True)

@@ -155,10 +155,8 @@ def _large_deflection(case: Case) -> Called:
 
 def _deflection_refused(scene: Scene) -> Refusal | None:
     """The bent state is found from the stresses that stiffen it."""
-    if scene.effects.large_deflection is not True or scene.effects.stress_stiffening is not False:
-        return None
-    problem = "needs stress_stiffening, which is false"
-    return Refusal(problem, "[effects] large_deflection", True)
+    stiffened = scene.effects.stress_stiffening is not False
+    return None if stiffened else Refusal("needs stress_stiffening, which is false")
 
 
 def _deflection_assumed(scene: Scene, on: bool, theory: str) -> str:

@@ -65,9 +65,10 @@ def resolve(
         BadInput: the scene insists on an effect that its own values rule out.
     """
     _check_plate(scene, file)
-    for kind in EFFECTS.values():
-        if (refusal := kind.refused(scene)) is not None:
-            raise BadInput(refusal.problem, file=file, key=refusal.key, value=refusal.value)
+    for name, kind in EFFECTS.items():
+        if getattr(scene.effects, name) is True and (refusal := kind.refused(scene)) is not None:
+            key = refusal.key or f"[effects] {name}"
+            raise BadInput(refusal.problem, file=file, key=key, value=refusal.value)
     effects = {}
     for name, (called, why, moves) in called_for(scene, form, settled=settled).items():
         switch = getattr(scene.effects, name)

@@ -24,9 +24,9 @@ from workflows.solve.results import Results, Theory
 def resolved_scene(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> dict[str, Any]:
     """The resolved scene as plain data; a material is its numbers, but for the strengths of the contact."""
     data = scene.model_dump(mode="json", exclude_none=True)
-    name, damper = data.get("material", {}).pop("name", None), data.get("damper", {})
-    both = damper.get("ball_material"), damper.get("floor_material", name)
-    if None not in both and any(KNOWN[each].hardness for each in both):
+    data.get("material", {}).pop("name", None)
+    both, damper = scene.contact_materials, data.get("damper", {})
+    if all(both) and any(KNOWN[each].hardness for each in both if each is not None):
         damper["floor_material"] = both[1]
         del damper["ball_density"]
     else:

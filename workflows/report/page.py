@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import base64
 import json
-import math
 import os
-import re
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +19,12 @@ from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
 from workflows.report.mode_viewer import View
+from workflows.report.templates import from_template, script
 from workflows.report.text import shown
 from workflows.scene import paper
 from workflows.solve import limits
 from workflows.solve.results import BallPath, Floats, Results, SpeedPoint, middle_speed, require_results
 from workflows.versions import versions
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 _WORDS = {"start": "sets off", "reversal": "turns back", "hit": "hits the wall", "grip": "rolls without slip again"}
 """Kinds of event that are told; the release and the rubbing that belongs to a hit are not."""
@@ -73,54 +68,6 @@ def _packed(motion: Floats) -> dict[str, Any]:
     """Places (n, 2) in mm as 16-bit integers of the largest, one axis after the other."""
     largest = float(np.abs(motion).max())
     return {"largest": 1e3 * largest, "places": mode_viewer.shorts(motion.T, largest)}
-
-
-_TEMPLATES = Path(__file__).parents[1] / "templates"
-
-_FILTERS = "fixed", "amount", "significant", "percent", "prose", "share", "whole"
-"""Functions of `formatting` by which templates turn values into words."""
-
-
-def from_template(template: str, css: str = "", **values: Any) -> str:
-    """A page as text.
-
-    Args:
-        template: its name.
-        css: style beside that of every page.
-        values: what it shows.
-    """
-    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return _environment(autoescape=True).get_template(template).render(css=style, **values)
-
-
-def sentences(template: str, macro: str, *values: Any) -> list[str]:
-    """Sentences that a macro of a text template makes of some values: its paragraphs, each on one line."""
-    module = _environment(autoescape=False).get_template(template).module
-    paragraphs = re.split(r"\n\s*\n", getattr(module, macro)(*values))
-    lines = [re.sub(r" *\n *([,;.]?)", lambda gap: gap[1] or " ", each.strip()) for each in paragraphs]
-    return [line for line in lines if line]
-
-
-@cache
-def _environment(*, autoescape: bool) -> Environment:
-    """Templates, each compiled once, with the filters that turn values into words."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=autoescape,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
-    environment.globals |= {"AIR": limits.AIR, "inf": math.inf, "remarks": remarks}
-    return environment
-
-
-def script(name: str) -> str:
-    """A script that stands in a page."""
-    return (_TEMPLATES / name).read_text(encoding="utf-8")
 
 
 _MODES_AT_MOST = 7

@@ -30,7 +30,8 @@ WIDTH = 4.5
 INK, MUTED, RULE, PAPER = "#010203", "#010204", "#010205", "#010206"
 """Text and axes, secondary text, grid, and the page itself: placeholders, which a page replaces by its variables."""
 
-_CSS = (Path(__file__).parents[1] / "templates" / "report.css").read_text(encoding="utf-8")
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+_CSS = (_TEMPLATES / "report.css").read_text(encoding="utf-8")
 _LIGHT = dict(re.findall(r"(--[\w-]+): (#\w+)", _CSS.partition("@media")[0])) | {"--paper": "#ffffff"}
 """The colours of a light page, whose style sheet is their one source; a picture by itself lies on white."""
 
@@ -56,50 +57,6 @@ _APART = 2.0
 
 _REACH = 5.0
 """Radius in points around a value within which the pointer shows its title."""
-
-_STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "spindamp",
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 8.5,
-    "axes.labelsize": 8.5,
-    "axes.titlesize": 8.5,
-    "axes.titlelocation": "left",
-    "axes.titlepad": 8.0,
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.titlecolor": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.facecolor": "none",
-    "axes.formatter.limits": (-4, 7),
-    "axes.formatter.min_exponent": 5,
-    "axes.formatter.useoffset": False,
-    "figure.facecolor": "none",
-    "grid.color": RULE,
-    "grid.linewidth": 0.5,
-    "text.color": INK,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "legend.frameon": False,
-    "legend.fontsize": 8.0,
-    "legend.title_fontsize": 8.0,
-    "lines.linewidth": 1.3,
-    "path.simplify_threshold": 0.25,
-    "lines.markersize": 3.2,
-}
 
 
 @dataclass(frozen=True)
@@ -128,7 +85,7 @@ def style() -> Iterator[None]:
 
     interactive = mpl.is_interactive()
     try:
-        with mpl.rc_context(_STYLE):
+        with mpl.rc_context(mpl.rc_params_from_file(_TEMPLATES / "plots.mplstyle", use_default_template=False)):
             try:
                 yield
             finally:

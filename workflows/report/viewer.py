@@ -14,7 +14,8 @@ from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
 from workflows.report.mode_viewer import loops
-from workflows.report.page import from_template, put, script
+from workflows.report.page import put
+from workflows.report.templates import from_template, script
 from workflows.scene import load
 from workflows.scene.scene import Scene, as_typed, omega_of
 from workflows.solve import resources

@@ -355,26 +355,12 @@ def error_text(error: Any, loc: list[str]) -> str:
         case "missing":
             named = loc[0] == "material" and len(loc) == 2
             return f"missing (or give the material's name: {', '.join(PLATES)})" if named else f"missing{_meant(loc)}"
-        case "greater_than":
-            return f"expected a value above {context['gt']:g}"
-        case "greater_than_equal":
-            return f"expected at least {context['ge']:g}"
-        case "less_than":
-            return f"expected a value below {context['lt']:g}"
-        case "less_than_equal":
-            return f"expected at most {context['le']:g}"
         case "literal_error":
             value, expected = error["input"], context["expected"]
             names = expected.split("'")[1::2]
             return f"expected {expected}{did_you_mean(value, names) if isinstance(value, str) else ''}"
-        case "int_type" | "int_from_float" | "int_parsing":
-            return "expected a whole number"
-        case "too_long" | "string_too_long":
-            return f"expected at most {context['max_length']} letters"
-        case "string_type":
-            return "expected text in quotes"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            return "expected a table"
+        case kind if kind in _hints()["errors"]:
+            return _hints()["errors"][kind].format(**context)
         case _:
             text = str(error["msg"])
             return text[:1].lower() + text[1:]

@@ -32,8 +32,10 @@ def omega_of(rpm: float) -> float:
     """The speed [rad/s] of the option --rpm.
 
     Raises:
-        BadInput: nothing turns so fast, or so slowly.
+        BadInput: it is no number, or nothing turns so fast, or so slowly.
     """
+    if isinstance(rpm, bool) or not isinstance(rpm, int | float):
+        raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
     omega = from_rpm(rpm)
     if not (omega == 0 or SLOWEST <= omega <= FASTEST):
         low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
@@ -750,6 +752,12 @@ class Scene(Table):
         at = self.damper.on_plate if self.damper is not None else None
         x = self.plate.length if at is None else at[0]
         return None if self.plate.length is None or x is None else self.rotor.hub_radius + x
+
+    @property
+    def contact_materials(self) -> tuple[str | None, str | None]:
+        """Names of the materials of ball and floor, as far as they have one; the floor is the plate's by default."""
+        own = None if self.material is None else self.material.name
+        return (None, own) if self.damper is None else (self.damper.ball_material, self.damper.floor_material or own)
 
     @property
     def budget(self) -> Budget:

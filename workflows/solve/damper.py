@@ -222,7 +222,7 @@ def _terms(spec: Damper, effects: dict[str, Effect], omega: float) -> dict[str, 
 
 
 def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
-    """What follows from ball and floor for a damper: restitution, and rolling by hysteresis.
+    """What follows from ball and floor for a damper: its law of impact, and rolling by hysteresis.
 
     Raises:
         BadInput: their materials are not known.

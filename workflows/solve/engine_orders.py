@@ -142,6 +142,13 @@ def crossing_beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
     return math.sqrt(square) if square > 0 else None
 
 
+def reached_within_error(points: Sequence[SpeedPoint], rpm: float) -> float:
+    """The first mode's error at the end of the speeds nearest to another speed, where that lies within it; else 0."""
+    end = min(points, key=lambda point: abs(point.rpm - rpm))
+    error = end.modes[0].error_estimate if end.modes else None
+    return error if error is not None and abs(rpm / end.rpm - 1) <= error else 0.0
+
+
 def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, int]]:
     """Points that have a branch, each with which of its modes that is, from 0; of a structure that is given all."""
     every = [(point, k) for point in points for k, mode in enumerate(point.modes) if mode.branch == branch]

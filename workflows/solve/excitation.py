@@ -22,7 +22,16 @@ from workflows.scene.scene import Excitation
 from workflows.solve import coupling, engine_orders, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import CavityMode, Floats, ForceLevel, Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import (
+    CavityMode,
+    Floats,
+    ForceLevel,
+    Reason,
+    Results,
+    SpeedPoint,
+    VibrationReduction,
+    copy_fields,
+)
 from workflows.solve.structure import StructureSolver, StructureState
 
 if TYPE_CHECKING:
@@ -211,13 +220,7 @@ def estimate(
         excitation: its kind and levels.
     """
     system = damper_at(solver, at, crossing, excitation)
-    none = VibrationReduction(
-        order=crossing.order,
-        mode=crossing.branch + 1,
-        family=crossing.family,
-        rpm=crossing.rpm,
-        frequency_hz=crossing.frequency_hz,
-    )
+    none = copy_fields(VibrationReduction, crossing, mode=crossing.branch + 1)
     if isinstance(system, str):
         return replace(none, reason=Reason.NOT_DRIVEN, detail=system)
     limit = endured(results, crossing)

@@ -103,11 +103,7 @@ def solids(scene: Scene) -> tuple[Solid, Solid] | None:
     """What ball and floor are made of; None where one has no name, or not all is known by it."""
     from damper.contact import Solid
 
-    damper, plate = scene.damper, scene.material
-    if damper is None:
-        return None
-    names = damper.ball_material, damper.floor_material or (None if plate is None else plate.name)
-    known = [KNOWN[name] for name in names if name is not None]
+    known = [KNOWN[name] for name in scene.contact_materials if name is not None]
     materials = [
         Solid(each.youngs_modulus, each.poissons_ratio, each.yield_strength or math.nan, each.hardness or math.nan)
         for each in known
@@ -409,7 +405,7 @@ def friction_that_moves(results: Results, reduction: VibrationReduction) -> floa
 
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
-    near = min(results.speeds, key=lambda point: abs(point.rpm - reduction.rpm))
+    near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
     return _eased(results, near, reduction.endured_level / reduction.moves_from)
 
 

@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, co
 from pydantic_core import core_schema
 
 from fem.meshes.planform import clamped_length, root_facets
-from fem.rotor import in_rpm
+from fem.rotor import from_rpm, in_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
 from workflows.scene import plate_mesh
@@ -363,6 +363,11 @@ class VibrationReduction:
     cavity more), ball_swings (in its hollow floor)"""
     detail: Annotated[str, quantity("")] = ""
     """the same in words, where they say more"""
+
+    @property
+    def omega(self) -> float:
+        """The speed [rad/s]."""
+        return from_rpm(self.rpm)
 
 
 @dataclass(frozen=True)

@@ -194,10 +194,13 @@ class StructureSolver:
                 self.discrete = with_cavities(source, self._uncut, cavity)
 
     def with_switches(self, source: SceneFile) -> StructureSolver:
-        """The same structure, met by the damper of a scene that differs in floor_tilt and structural_modes alone."""
-        other = copy(self)
-        switches = {name: getattr(source.scene.effects, name) for name in ("floor_tilt", "structural_modes")}
-        on = {name: replace(self.choice.effects[name], on=True) for name, value in switches.items() if value is True}
+        """The same structure, met by the damper of a scene that differs in what it insists on of the ball alone."""
+        other, switches = copy(self), source.scene.effects
+        on = {
+            name: replace(effect, on=True)
+            for name, effect in self.choice.effects.items()
+            if getattr(switches, name) is True
+        }
         other.source, other.choice = source, replace(self.choice, effects=self.choice.effects | on)
         return other
 

@@ -16,7 +16,7 @@ from workflows.io import provenance, serialise
 from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
-from workflows.report.page import from_template
+from workflows.report.templates import from_template, in_percent
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneLike, as_scene_file
 from workflows.solve import limits
@@ -248,7 +248,7 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
         rows=[_cells(row) for row in rows(comparison)],
         marks=_legend(comparison),
         figure=figure,
-        air=[remarks.percent(ratio) for ratio in limits.AIR],
+        air=[in_percent(ratio) for ratio in limits.AIR],
     )
     return {
         "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(comparison)),

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
-from workflows.report.page import from_template
+from workflows.report.templates import from_template
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.reproduction import FORMULATIONS, SHOWN, TEXTS, Family, Reproduction, Value
 from workflows.studies.sweep.report import Picture

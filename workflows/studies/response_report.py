@@ -14,7 +14,7 @@ from fem.rotor import in_rpm
 from workflows.formatting import DASH, aligned, significant, whole
 from workflows.io import provenance
 from workflows.io.files import finite, global_attributes
-from workflows.report import figures, page, plots, remarks, verdict
+from workflows.report import figures, plots, remarks, templates, verdict
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
@@ -160,7 +160,7 @@ def sentences(result: Response) -> list[str]:
     answer = verdict.of_orders(replace(result.results, reductions=reductions))
     added = [level for level in result.excitation.levels if level not in result.requested_levels]
     if added:
-        levels = f"{verdict.listed(added)} {result.excitation.unit} {'is' if len(added) == 1 else 'are'}"
+        levels = f"{templates.listed(added)} {result.excitation.unit} {'is' if len(added) == 1 else 'are'}"
         answer.append(f"{levels} evaluated too, near the largest reduction that free vibration predicts.")
     for passage in result.passages:
         speeds = [peak(passage, force)[0] for force in range(len(passage.forces))]
@@ -199,7 +199,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=False,
         reason=Reason.NONE,
-        detail=f"the levels followed, {verdict.listed([each.level for each in levels])} {result.excitation.unit}",
+        detail=f"the levels followed, {templates.listed([each.level for each in levels])} {result.excitation.unit}",
     )
 
 
@@ -244,7 +244,7 @@ def text(result: Response) -> str:
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
     values = best_rows(result), zeta, ball_count(result), result.excitation.unit
-    added = page.sentences("response.txt.j2", "added", *values) if zeta else []
+    added = templates.sentences("response.txt.j2", "added", *values) if zeta else []
     return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *added])
 
 
@@ -363,7 +363,7 @@ def render(result: Response) -> str:
         section |= {"endured": endured(result.results, passage.crossing)}
         section |= {"beyond": any(is_beyond(result, row) for row in mine)}
         sections.append(section | {"response": response(result, passage, str(number), shades)})
-    return page.from_template(
+    return templates.from_template(
         "response.html.j2",
         plots.shades_css(max(len(result.excitation.levels), len(result.passages), 1)),
         result=result,

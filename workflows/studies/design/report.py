@@ -12,7 +12,7 @@ from damper import DampingCurve, ParticleDamper
 from workflows import formatting
 from workflows.formatting import significant, whole
 from workflows.io.files import finite
-from workflows.report import page, plots
+from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
 from workflows.solve.limits import AIR
 from workflows.solve.results import Floats
@@ -227,7 +227,7 @@ def obstacle(evaluation: Evaluation) -> str:
 
 
 def _phrased(macro: str, *values: Any) -> list[str]:
-    return page.sentences("design.txt.j2", macro, *values)
+    return templates.sentences("design.txt.j2", macro, *values)
 
 
 def draw(result: DesignResult) -> list[Picture]:
@@ -332,7 +332,7 @@ def in_short(result: DesignResult) -> str:
 def render(result: DesignResult) -> str:
     """The page."""
     pictures = draw(result)
-    return page.from_template(
+    return templates.from_template(
         "design.html.j2",
         plots.shades_css(SHADES) if pictures else "",
         title=result.space.source.scene.title,

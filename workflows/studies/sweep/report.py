@@ -16,7 +16,7 @@ from fem.rotor import in_rpm
 from workflows.formatting import significant, whole
 from workflows.io.files import as_json
 from workflows.io.folder import replacing_file
-from workflows.report import page, plots
+from workflows.report import plots, templates
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -421,7 +421,7 @@ def _headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
 
 
 def _phrased(macro: str, *values: Any) -> list[str]:
-    return page.sentences("sweep.txt.j2", macro, *values)
+    return templates.sentences("sweep.txt.j2", macro, *values)
 
 
 def text(data: xr.Dataset) -> str:
@@ -462,7 +462,7 @@ def render(data: xr.Dataset) -> str:
         numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
         best = _best_keys(data, entries)
         best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
-    return page.from_template(
+    return templates.from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
         result=entries,

@@ -16,7 +16,7 @@ from workflows.formatting import whole
 from workflows.io.files import as_table
 from workflows.progress import Stages
 from workflows.report import plots
-from workflows.report.page import from_template
+from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve import structure
 from workflows.solve.model_choice import choose_model

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
-from workflows.report.page import from_template
-from workflows.report.page import sentences as from_sentences
+from workflows.report.templates import from_template
+from workflows.report.templates import sentences as from_sentences
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
 if TYPE_CHECKING:
