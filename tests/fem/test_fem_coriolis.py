@@ -25,12 +25,6 @@ def test_dense_reference(stagger, rotary):
     np.testing.assert_allclose(found, upper, rtol=1e-7)  # the QZ algorithm's own accuracy with a singular mass
 
 
-def test_gyroscopic_matrix_is_skew():
-    operators = assemble(paper_plate(4, 2), Rotor(0.1, 0.4), CORIOLIS)
-    assert abs(operators.gyroscopic + operators.gyroscopic.T).max() < 1e-15
-    assert assemble(paper_plate(4, 2), Rotor(), Effects()).gyroscopic is None
-
-
 def test_counted_in_later_they_are_the_same():
     """Those of the plate's own point mass too."""
     plate = Plate(rectangle(0.2, 0.08, 4, 2), 0.01, STEEL, 0.3, (0.13, 0.02))
@@ -58,13 +52,6 @@ def test_heavy_bob_in_the_plane():
     moved = np.abs(rows[2] @ modes.shapes) > np.abs(rows[0] @ modes.shapes)
     found = 2.0 * np.pi * modes.frequencies_hz[~moved]
     np.testing.assert_allclose(found, expected, rtol=1e-6)
-
-
-def test_no_spin_no_coriolis():
-    with_it, without = (
-        solve_modes(assemble(paper_plate(6, 3), Rotor(), e), 0.0, 5).frequencies_hz for e in (CORIOLIS, Effects())
-    )
-    np.testing.assert_allclose(with_it, without, rtol=1e-12)
 
 
 def test_conservative_modes_keep_their_energy():

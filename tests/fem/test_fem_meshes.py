@@ -151,15 +151,6 @@ def test_bad_meshes(tmp_path, case):
     assert str(path) in str(caught.value)
 
 
-def test_files_that_are_no_meshes(tmp_path):
-    with pytest.raises(MeshError, match="no such mesh file"):
-        read_mesh(tmp_path / "missing.msh")
-    for name in ("junk.msh", "junk.vtu", "junk.inp", "junk.bdf", "junk.toml"):
-        (tmp_path / name).write_text("not a mesh\n")
-        with pytest.raises(MeshError, match=name):
-            read_mesh(tmp_path / name)
-
-
 def test_folded_triangles_are_refused():
     """scikit-fem forgets the orientation of triangles; two on the same side of their common edge overlap."""
     points = np.array([[0.0, 0.0, 1.0, 0.9], [0.0, 1.0, 0.4, 0.6]])

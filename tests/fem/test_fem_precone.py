@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, beam_rates
+from fem_cases import STEEL
 from scipy.spatial.transform import Rotation
 
 from fem import (
@@ -126,11 +126,3 @@ def test_a_cone_bends_what_is_raised_towards_the_plane():
     operators = assemble(plate, Rotor(0.1, 0.0, precone), BENT)
     lift = (point_rows(operators.model, (0.2, 0.0)) @ equilibrium(operators, 600.0))[2]
     assert -0.2 * np.sin(precone) * 1.05 < lift < -0.2 * np.sin(precone) * 0.8
-
-
-def test_beam_rates_without_a_cone():
-    """The rotor without precone is what it was."""
-    assert Rotor(0.1, 0.3) == Rotor(0.1, 0.3, 0.0)
-    np.testing.assert_array_equal(Rotor(0.1, 0.3).outwards, [1.0, 0.0, 0.0])
-    (found,) = beam_rates("mindlin", "flap", [2.0])
-    assert found[0] == pytest.approx(WRIGHT[2.0], rel=1e-4)

@@ -100,13 +100,6 @@ def test_json_is_what_is_written(spindamp: Command, tmp_path: Path) -> None:
     assert json.loads(outcome.out) == json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
 
 
-def test_run_names_its_folder(spindamp: Command, tmp_path: Path) -> None:
-    outcome = spindamp("run", "structure")
-    assert outcome.status == 0
-    assert "spindamp-a-known-structure/report.html" in outcome.out
-    assert (tmp_path / "spindamp-a-known-structure" / "report.html").is_file()
-
-
 def test_ringdown_takes_one_speed(spindamp: Command) -> None:
     found = json.loads(spindamp("ringdown", "structure", "--rpm", "5000", "--json").out)
     assert [point["rpm"] for point in found["speeds"]] == [5000]

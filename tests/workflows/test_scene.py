@@ -130,10 +130,6 @@ def test_a_plate_may_have_every_theory_that_there_is() -> None:
     assert sorted(known) == sorted(("auto", *THEORIES))
 
 
-def test_a_ball_may_fill_its_cavity(paper: Scene) -> None:
-    assert parse(changed(paper, damper__cavity=["2 mm", "2 mm"])).damper is not None
-
-
 @pytest.mark.parametrize("name", shipped())
 def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
     scene = load(name).scene

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.meshes.planform import MeshError, check_mesh
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from tests.workflows.test_blades import TAPER
 from workflows import pipeline
@@ -110,19 +109,6 @@ def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool,
     else:
         with pytest.raises(BadInput, match=r"accuracy\] frequency.*at least 1e-10"):
             parse(scene)
-
-
-def _unmerged() -> Any:
-    """Two squares with nodes of their own along the side that they share."""
-    from skfem import MeshQuad
-
-    x = np.array([[0, 1, 1, 0, 1, 2, 2, 1], [0, 0, 1, 1, 0, 0, 1, 1]], dtype=float)
-    return MeshQuad(x, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]).T)
-
-
-def test_points_that_are_not_merged_are_why_a_mesh_falls_apart() -> None:
-    with pytest.raises(MeshError, match=r"2 points coincide with others, the first one at \(1, [01]\): merge them"):
-        check_mesh(_unmerged())
 
 
 @pytest.mark.parametrize(
