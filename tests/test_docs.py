@@ -137,7 +137,7 @@ ANSWERS = {
         ("workflows/solve/results.py", "class Verdict"),
         ("workflows/report/verdict.py", "def answer("),
     ],
-    "Where does a sentence of the report come from?": [("workflows/templates/answer.txt.j2", "In a slowly growing")],
+    "Where does a sentence of the report come from?": [("workflows/templates/answer.toml", "In a slowly growing")],
     "Where is the cut-off computed?": [
         ("damper/capacity.py", "cutoff = "),
         ("damper/curve_measurement.py", "cutoff = "),

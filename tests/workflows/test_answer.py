@@ -401,7 +401,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=())
     assert limits.ENDURED / limits.root_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
-    assert remarks.phrase("beyond_of", limits.deflection_governs(found), None).startswith(
+    assert remarks.phrase("beyond_of", by_deflection=limits.deflection_governs(found), omega=None).startswith(
         "bend the plate by over 25 % of its length"
     )
 

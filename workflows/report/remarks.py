@@ -1,6 +1,6 @@
 """What a careful engineer would remark about a run, what it takes for granted, and how exact its frequencies are.
 
-Numbers are found here; the sentences are the macros of the same names in `templates/remarks.txt.j2`.
+Numbers are found here; the sentences are the texts of the same names in `templates/remarks.toml`.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ AT_REST, AT_REST_MEANS = (
 """Marks of numbers in tables, and what they stand for below."""
 
 
-def phrase(macro: str, *values: Any) -> str:
-    """What a macro of the remarks makes of some values."""
-    return templates.sentence("remarks.txt.j2", macro, *values)
+def phrase(text: str, **values: Any) -> str:
+    """What a text of the remarks makes of some values."""
+    return " ".join(templates.said("remarks", text, **values))
 
 
 def worded(values: Callable[[Results], Values]) -> Callable[[Results], str | None]:
-    """The sentence that the macro of the same name makes of the values of a run."""
+    """The sentence that the text of the same name makes of the values of a run."""
 
     @wraps(values)
     def words(results: Results) -> str | None:
         found = values(results)
-        return None if found is None else phrase(values.__name__, found)
+        return None if found is None else phrase(values.__name__, **found)
 
     return words
 
@@ -94,7 +94,8 @@ def beyond_of(results: Results) -> str:
     holds = [p for p in results.speeds if torn * p.omega**2 <= limits.STRONGEST]
     strains = [(p.root_strain, p.omega) for p in holds if p.root_strain is not None]
     differ = bool(strains) and max(strains)[0] > _ALIKE * min(strains)[0]
-    return phrase("beyond_of", limits.deflection_governs(results), max(strains)[1] if differ else None)
+    omega = max(strains)[1] if differ else None
+    return phrase("beyond_of", by_deflection=limits.deflection_governs(results), omega=omega)
 
 
 _ALIKE = 1.01
@@ -108,7 +109,7 @@ def torn_from(results: Results) -> str | None:
     if not torn:
         return None
     first = min(torn, key=lambda point: point.omega)
-    return templates.sentence("phrases.txt.j2", "torn", turning(first.omega), stress * first.omega**2)
+    return phrase("torn_from", speed=turning(first.omega), stress=stress * first.omega**2)
 
 
 def too_dense(results: Results) -> tuple[str, str] | None:
@@ -120,7 +121,7 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     volume = 4 / 3 * math.pi * damper.radius**3
     steel = math.ceil(density * volume * damper.count / (KNOWN["steel"].density * volume))
     values = {"radius": damper.radius, "mass": density * volume, "osmium": density / OSMIUM, "steel": steel}
-    return phrase("too_dense", values), phrase("of_steel", values)
+    return phrase("too_dense", **values), phrase("of_steel", **values)
 
 
 def _contacts(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[SpeedPoint, Contact]]:
@@ -130,7 +131,7 @@ def _contacts(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[Spee
 
 def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     """That the contact of the resting ball flows at some speeds, and how flat it becomes."""
-    return phrase("flows", [contact for _, contact in _contacts(results, points)])
+    return phrase("flows", contacts=[contact for _, contact in _contacts(results, points)])
 
 
 @worded
@@ -160,7 +161,7 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     shares = [p.tilt_share for p in points]
     if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
-    return phrase("tilt", as_it_moves(results), shares)
+    return phrase("tilt", begin=as_it_moves(results), shares=shares)
 
 
 def as_it_moves(results: Results) -> str:
@@ -202,7 +203,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         "table_two": any(paper.row(scene, point.load_g) for point in results.speeds),
         "kirchhoff": _is(results, "kirchhoff"),
     }
-    lines = templates.sentences("remarks.txt.j2", "assumptions", of)
+    lines = templates.said("remarks", "assumptions", **of)
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
 
 
@@ -313,7 +314,7 @@ _REMARKS: list[Callable[[Results], str | None]] = []
 
 
 def remark(values: Callable[[Results], Values]) -> Callable[[Results], str | None]:
-    """A remark that a run may call for, in the words of the macro of the same name."""
+    """A remark that a run may call for, in the words of the text of the same name."""
     _REMARKS.append(worded(values))
     return _REMARKS[-1]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -15,7 +16,7 @@ from workflows.solve import limits
 from workflows.solve.results import SpeedPoint
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    from jinja2 import Environment, Template
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -34,15 +35,35 @@ def from_template(template: str, css: str = "", **values: Any) -> str:
 
 def sentences(template: str, macro: str, *values: Any) -> list[str]:
     """Sentences that a macro of a text template makes of some values: its paragraphs, each on one line."""
-    module = _environment(autoescape=False).get_template(template).module
-    paragraphs = re.split(r"\n\s*\n", getattr(module, macro)(*values))
+    return _paragraphs(getattr(_macros(template), macro)(*values))
+
+
+def said(name: str, text: str, **values: Any) -> list[str]:
+    """Sentences that a text of `templates/<name>.toml` makes of some values, likewise; only that text is compiled."""
+    return _paragraphs(_text(name, text).render(values))
+
+
+def _macros(template: str) -> Any:
+    return _environment(autoescape=False).get_template(template).module
+
+
+@cache
+def _text(name: str, text: str) -> Template:
+    source = _texts(name)[text]
+    shared = {"say": _macros("phrases.txt.j2")} if "say." in source else {}
+    return _environment(autoescape=False).from_string(source, shared)
+
+
+@cache
+def _texts(name: str) -> dict[str, str]:
+    return tomllib.loads((_TEMPLATES / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def _paragraphs(text: str) -> list[str]:
+    """The paragraphs of a text, each on one line."""
+    paragraphs = re.split(r"\n\s*\n", text)
     lines = [re.sub(r" *\n *([,;.:]?)", lambda gap: gap[1] or " ", each.strip()) for each in paragraphs]
     return [line for line in lines if line]
-
-
-def sentence(template: str, macro: str, *values: Any) -> str:
-    """The same in one text."""
-    return " ".join(sentences(template, macro, *values))
 
 
 @cache

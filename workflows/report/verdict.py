@@ -1,4 +1,4 @@
-"""The verdict: does it damp, how much, up to what load; its sentences are macros of `templates/answer.txt.j2`."""
+"""The verdict: does it damp, how much, up to what load; its sentences are texts of `templates/answer.toml`."""
 
 import math
 from collections.abc import Sequence
@@ -23,16 +23,16 @@ _ROUGH, _UNSURE = 0.5, 0.1
 """Relative errors that are worth a word in the headline: of a peak, of the first frequency."""
 
 
-def _said(macro: str, results: Results, **values: Any) -> list[str]:
-    """Sentences of a macro on some values, and on what every one may name."""
+def _said(text: str, results: Results, **values: Any) -> list[str]:
+    """Sentences of a text on some values, and on what every one may name."""
     damper = results.scene.damper
     known = {"carrier": carrier(results), "limit": limits.endured(results), "damper": damper}
-    return templates.sentences("answer.txt.j2", macro, known | {"balls": damper.count if damper else 1} | values)
+    return templates.said("answer", text, **known, balls=damper.count if damper else 1, **values)
 
 
-def _phrase(macro: str, results: Results, **values: Any) -> str:
-    """The same in one text."""
-    return " ".join(_said(macro, results, **values))
+def _phrase(text: str, results: Results, **values: Any) -> str:
+    """The same in one line."""
+    return " ".join(_said(text, results, **values))
 
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:

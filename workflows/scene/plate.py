@@ -50,24 +50,17 @@ def _coefficients(value: object, info: ValidationInfo) -> tuple[tuple[float, ...
     )
 
 
-_ROWS = {"type": "array", "items": q.quantity_schema(q.LENGTH), "minItems": 1}
+_ROWS = q.array_schema(q.quantity_schema(q.LENGTH))
 LengthRows = Annotated[
     tuple[tuple[float, ...], ...],
     BeforeValidator(_length_rows),
-    WithJsonSchema({"type": "array", "items": {"anyOf": [q.quantity_schema(q.LENGTH), _ROWS]}, "minItems": 1}),
+    WithJsonSchema(q.array_schema({"anyOf": [q.quantity_schema(q.LENGTH), _ROWS]})),
 ]
 _COEFFICIENT = {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": ["5 mm", "-0.01 mm/mm"]}
 Coefficients = Annotated[
     tuple[tuple[float, ...], ...],
     BeforeValidator(_coefficients),
-    WithJsonSchema(
-        {
-            "type": "array",
-            "items": {"type": "array", "items": _COEFFICIENT, "minItems": 1, "maxItems": MOST_COEFFICIENTS},
-            "minItems": 1,
-            "maxItems": MOST_COEFFICIENTS,
-        }
-    ),
+    WithJsonSchema(q.array_schema(q.array_schema(_COEFFICIENT, 1, MOST_COEFFICIENTS), 1, MOST_COEFFICIENTS)),
 ]
 
 

@@ -280,6 +280,11 @@ def quantity_schema(kind: Kind) -> dict[str, Any]:
     return {"anyOf": [{"type": "number"}, {"type": "string"}], "examples": [kind.example], "x-si": kind.si}
 
 
+def array_schema(items: dict[str, Any], least: int = 1, most: int | None = None) -> dict[str, Any]:
+    """The JSON Schema of a list of so many items."""
+    return {"type": "array", "items": items, "minItems": least} | ({} if most is None else {"maxItems": most})
+
+
 def _quantity(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(partial(si, kind)), WithJsonSchema(quantity_schema(kind))
 
@@ -326,7 +331,7 @@ def several(
             raise wrong(once)
         return read
 
-    array = {"type": "array", "items": schema, "minItems": least} | ({} if most is None else {"maxItems": most})
+    array = array_schema(schema, least, most)
     if not single:
         return BeforeValidator(validate), WithJsonSchema(array)
     unit = {"x-si": schema["x-si"]} if "x-si" in schema else {}
@@ -488,7 +493,7 @@ _RESTITUTION_SCHEMA = {
     "anyOf": [
         {"type": "number", "minimum": 0, "maximum": 1},
         {"const": "auto"},
-        {"type": "array", "minItems": 1, "maxItems": _PAIRS, "items": {"type": "array", "minItems": 2}},
+        array_schema({"type": "array", "minItems": 2}, most=_PAIRS),
     ]
 }
 _AUTO_LENGTH_SCHEMA = quantity_schema(LENGTH) | {"examples": ["auto", LENGTH.example]}
@@ -516,25 +521,14 @@ LengthPair = Annotated[tuple[float, float], *_pair(LENGTH)]
 LengthTriple = Annotated[tuple[float, float, float], *_triple(LENGTH)]
 Lengths = Annotated[tuple[float, ...], *list_of(LENGTH)]
 Direction = Annotated[
-    tuple[float, float, float],
-    BeforeValidator(_direction),
-    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}),
+    tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(array_schema({"type": "number"}, 3, 3))
 ]
-_LENGTHS = {"type": "array", "items": quantity_schema(LENGTH)}
+_LENGTHS = [array_schema(quantity_schema(LENGTH), count, count) for count in (2, 3)]
+_NODES = [{"type": "string"}, {"type": "integer", "minimum": 0}]
 Place = Annotated[
     tuple[float, ...] | str | int,
     BeforeValidator(_place),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                _LENGTHS | {"minItems": 2, "maxItems": 2},
-                _LENGTHS | {"minItems": 3, "maxItems": 3},
-                {"type": "string"},
-                {"type": "integer", "minimum": 0},
-            ],
-            "x-si": "m",
-        }
-    ),
+    WithJsonSchema({"anyOf": [*_LENGTHS, *_NODES], "x-si": "m"}),
 ]
 LoadPair = Annotated[tuple[float, float], *_pair(LOAD)]
 Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]

@@ -98,7 +98,7 @@ def _whole(value: dict[str, object]) -> None:
 
 _SPEEDS_SCHEMA = {
     "anyOf": [
-        {"type": "array", "items": q.quantity_schema(q.ROTATION), "minItems": 1},
+        q.array_schema(q.quantity_schema(q.ROTATION)),
         {
             "type": "object",
             "properties": {
