@@ -513,8 +513,13 @@ def _crest(s: Floats, end: float) -> float:
         j = derivatives(s, x)[3]
         if j == 0.0 or abs(high - low) < 1e-6 * end:
             break
-        if (j > 0.0) == (j_high > 0.0):
-            high, j_high, j_low = x, j, 0.5 * j_low
-        else:
-            low, j_low, high, j_high = high, j_high, x, j
+        low, j_low, high, j_high = narrowed(low, j_low, high, j_high, x, j)
     return x
+
+
+@part
+def narrowed(low: float, f_low: float, high: float, f_high: float, x: float, f: float) -> tuple[float, ...]:
+    """The last two places, and values there, around a zero after one more: an end that stays counts half (Illinois)."""
+    if (f > 0.0) == (f_high > 0.0):
+        return low, 0.5 * f_low, x, f
+    return high, f_high, x, f
