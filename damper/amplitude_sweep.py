@@ -67,7 +67,8 @@ def _scale(scale: float, it: Record, flow: Floats) -> None:
             it.motion.z[m] *= scale
             it.motion.rate[m] *= scale
     for g in range(it.system.groups):
-        engine.restart(g, it.clock.time, it, flow)
+        if it.motion.next[g] < np.inf:  # nothing moves else
+            engine.restart(g, it.clock.time, it, flow)
 
 
 @part

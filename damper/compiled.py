@@ -138,7 +138,7 @@ def part(function: _F, **more: object) -> _F:
 
 def fused(function: _F) -> _F:
     """As `part`, for power series: set into its callers, with products and sums fused, and sums in any order."""
-    return part(function, fastmath={"contract", "reassoc"}, forceinline=True)
+    return part(function, fastmath={"arcp", "contract", "reassoc"}, forceinline=True)
 
 
 _OPTIONS: Any = {"error_model": "numpy", "nogil": True, "_nrt": False, "no_cfunc_wrapper": True}

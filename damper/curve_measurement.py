@@ -42,7 +42,7 @@ SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
 
 _SLOWER = 4
-"""By how much sweeps become slower, once, where the pace moves the peak."""
+"""By how much sweeps become slower, once and half as many, where the pace moves the peak."""
 
 _SAME = 0.03
 """Relative difference of peaks, and of where half of them is left, up to which the pace does not move them."""
@@ -115,9 +115,9 @@ def damping_curve(
         damper: what is measured; its damping ratio has no influence.
         threads: see :func:`damper.ringdowns`.
         sweeps: down through the amplitudes, from as many starts.
-        stay: cycles that a sweep down takes for an octave, and four times as many where the pace moves the peak, as it
-            does where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the time, and move the
-            peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
+        stay: cycles that a sweep down takes for an octave, and four times as many in half as many sweeps where the pace
+            moves the peak, as it does where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the
+            time, and move the peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
         reach: amplitude up to which the curve goes at least [m].
     """
     above, samples, low, high = _down(damper, _Pace(sweeps, stay), reach, threads)
@@ -182,7 +182,7 @@ def _down(
         return before, *none
     curve, samples = _found(bare, cutoff, lowest, top, pace, threads)
     if _moved(before, curve) > _SAME:
-        slower = replace(pace, stay=_SLOWER * pace.stay)
+        slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
         before, (curve, samples) = curve, _found(bare, cutoff, lowest, top, slower, threads)
     above = replace(curve, error=max(curve.error, _moved(before, curve)))
     return above, samples, max(cutoff, _LOWEST * gap / left), top

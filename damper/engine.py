@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel, part
-from damper.events import account, seek, strongest_drive
+from damper.events import account, narrowed, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, spin_after, travel
 from damper.impacts import let_go, read, resolve
 from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
@@ -58,12 +58,7 @@ def _stationary(it: Record, times: tuple[float, float], slopes: tuple[float, flo
         g = _speed(it, t)[1]
         if g == 0.0 or abs(high - low) < 1e-8 * it.cycle.period:
             break
-        if (g > 0.0) == (g_high > 0.0):
-            high, g_high = t, g
-            g_low *= 0.5
-        else:
-            low, g_low = high, g_high
-            high, g_high = t, g
+        low, g_low, high, g_high = narrowed(low, g_low, high, g_high, t, g)
     return t
 
 

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, path_curvature
-from damper.state import MODES, STEP, SYSTEM, TERMS, Equations
+from damper.state import MODES, STEP, SYSTEM, TERMS, Equations, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -299,7 +299,7 @@ def flows_of(equations: Equations, members: list[list[int]], spans: Floats) -> F
         max(k * len(z) + each * len(axes) + driven for z, axes in zip(members, along, strict=True))
         for k, each in ((1, 2), (2, 1))
     )
-    flows = np.zeros((n, len(members) * pairs, series, sources, TERMS))
+    flows = zeros((n, len(members) * pairs, series, sources, TERMS))
     room = np.zeros((max(map(len, members)) + 1, TERMS + 2))
     for g, (group, axes) in enumerate(zip(members, along, strict=True)):
         fill_flows(equations, np.array(group), np.array(axes), spans, g, driven, room, flows)
@@ -328,13 +328,14 @@ def systems_of(
     equations, members = equations_of(rows, structures, harmonic), members_of(structures)
     order = [z for group in members for z in group]
     spans = _spans(equations, members)
+    compliance = (structures.shape**2 / structures.mass[:, None, :]).sum(axis=2)
     constants = np.zeros(n, SYSTEM)
     for values in (
         _places(members, k, alone=_alone(structures, members)),
         _sorted(_inertia(rows, structures, members), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
-        {"lateral": lateral_pull(rows)},
+        {"lateral": lateral_pull(rows), "reduced": 1.0 / (1.0 / rows["ball_mass"][:, None] + compliance)},
         {"frequency": equations.frequency, "phase": equations.phase, "flow": np.arange(n)},
         {"several": k > 2 and harmonic is None, "damped": (structures.dashpot > 0).any(axis=1)},
     ):

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import fused, part
-from damper.flight import derivatives, gather, regimes, sizes
+from damper.flight import INVERSE, derivatives, gather, regimes, sizes
 from damper.state import GRIP, HIT, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
 if TYPE_CHECKING:
@@ -37,6 +37,9 @@ _SURE = 1e-4
 
 _NOTHING = 1e-290
 """Drive [m/s²] that moves nothing: what is computed of a smaller one has no digits."""
+
+_SMALL = 1e-190
+"""Square of a slope whose cube may have lost its digits to underflow."""
 
 _SET_OFF = 1e-9
 """Share of a velocity's other terms by which a ball that has just set off may seem to accelerate backwards.
@@ -76,7 +79,7 @@ def first_zero(guard: Floats, end: float) -> float:
             return x if x <= end else np.inf
         if not x > end:
             return _searched(guard, end)
-    return np.inf if stays(guard, 0, 0.0, 1.0, end) else _searched(guard, end)
+    return np.inf if stays(guard, 0, 0, 0.0, 1.0, end) else _searched(guard, end)
 
 
 @fused
@@ -91,25 +94,18 @@ def falls(c: Floats, order: int, last: float, slope: float, bend: float) -> bool
 
 
 @fused
-def stays(c: Floats, order: int, level: float, d: float, x: float) -> bool:
+def stays(c: Floats, order: int, skip: int, level: float, d: float, x: float) -> bool:
     """Whether d times a derivative of a series, and a level, is proved to stay above zero up to x.
 
     It is at least the quartic of its first five terms less the sizes of all others, and that is at least the least of
-    its coefficients in Bernstein's basis on (0, x].
+    its coefficients in Bernstein's basis on (0, x]. With `skip` 1 it begins at zero, and counts over its argument.
     """
-    y = x * x
-    c0, c1, c2 = level + d * c[order], d * x * c[order + 1], d * y * c[order + 2] / 2.0
-    c3, c4 = d * x * y * c[order + 3] / 6.0, d * y * y * c[order + 4] / 24.0
-    return _bernstein(c0, c1, c2, c3, c4 - sizes(c, order, 5, x))
-
-
-@fused
-def leaves_zero(c: Floats, order: int, d: float, x: float) -> bool:
-    """The same where it begins at zero: of what it is over its argument."""
-    y = x * x
-    c0, c1, c2 = d * x * c[order + 1], d * y * c[order + 2] / 2.0, d * x * y * c[order + 3] / 6.0
-    c3, c4 = d * y * y * c[order + 4] / 24.0, d * x * y * y * c[order + 5] / 120.0
-    return _bernstein(c0, c1, c2, c3, c4 - sizes(c, order, 6, x))
+    power, k = (x if skip == 1 else 1.0), order + skip
+    c0 = level + d * power * c[k]
+    c1, c2 = d * power * x * c[k + 1] * INVERSE[skip + 1], d * power * x * x * c[k + 2] * INVERSE[skip + 2]
+    power *= x * x * x
+    c3, c4 = d * power * c[k + 3] * INVERSE[skip + 3], d * power * x * c[k + 4] * INVERSE[skip + 4]
+    return _bernstein(c0, c1, c2, c3, c4 - sizes(c, order, 5 + skip, x))
 
 
 @fused
@@ -130,14 +126,13 @@ def polished(c: Floats, order: int, level: float, x: float) -> tuple[float, floa
             break
         near = 1.0 / x
         gain, f1, f2, f3 = derivatives(c, x)
-        miss, slope, bend = (level - gain, f1, f2) if order == 0 else (-f1, f2, f3)
+        miss, slope, bend, third = (level - gain, f1, f2, f3) if order == 0 else (-f1, f2, f3, 0.0)
         inverse = 1.0 / slope
         step = miss * inverse
         curve, share = 0.5 * step * bend * inverse, step * near
-        if not (abs(curve) < 0.25 and abs(share) < 0.5):
+        if not (abs(curve) < 0.25 and abs(share) < 0.5 and slope * slope > _SMALL):
             break
-        wiggle = step * step * f3 * inverse / 6.0 if order == 0 else 0.0
-        last, x = x, x + step * (1.0 - curve + 2.0 * curve * curve - wiggle)
+        last, x = x, x + _step(miss, slope, bend, third)
         off = abs(share) * (curve * curve + share * share)
         if order == 0:
             off *= abs(curve) + abs(share)
@@ -331,37 +326,34 @@ def _stands(series: Floats) -> bool:
     return True
 
 
-@part
+@fused
 def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[float, int]:
     """Hit of the wall ahead, or a zero of the relative velocity before it.
 
     As long as the velocity is positive the ball nears the wall: that it stays positive up to a root proves that neither
-    a hit nor a reversal comes before. Nearly every flight ends by Halley's method and that bound, of the velocity, or
-    of the velocity over x where it begins at zero.
+    a hit nor a reversal comes before. Nearly every flight ends by Householder's method and that bound, of the velocity,
+    or of the velocity over x where it begins at zero.
     """
     d = float(axis.direction)
     gap, v, v1, v2, v3 = axis.half_gap - d * s[0], d * s[1], d * s[2], d * s[3], d * s[4]
     axis.heading, begins = axis.direction, v == 0.0
     if gap > 0.0 and (v > 0.0 or (begins and v1 > 0.0)):
         turn = _root(v1, 0.5 * v2, v3 / 3.0) if begins else _root(v, v1, v2)
-        kind, x = HIT, np.inf
-        if turn < FAR * end and turn * (v + turn * (0.5 * v1 + turn * (v2 / 6.0 + turn * v3 / 24.0))) < gap:
-            x, last, slope, bend, gain = polished(s, 1, 0.0, _nearer(s, 1, -s[1], turn))
-            left = gap - d * gain - abs(slope) * (x - last) ** 2
-            if 0.0 < x <= end and left > 0.0 and falls(s, 1, last, d * slope, d * bend):
-                return x, REVERSAL
-            kind = REVERSAL
-        else:
-            hit = _root(gap, -v, -v1)
-            if v2 * hit > 12.0 * v1:  # just set off: the jerk carries the ball
-                hit = min(hit, (6.0 * gap / v2) ** (1.0 / 3.0))
-            if hit < FAR * end:
-                hit = _nearer(s, 0, d * gap, hit)
-                if hit < FAR * end:
-                    x = polished(s, 0, d * gap, hit)[0]
-        upto = end if kind == REVERSAL else min(x, end)
-        sure = x > 0.0 and not (kind == REVERSAL and x <= end)
-        if sure and (leaves_zero(s, 1, d, upto) if begins else stays(s, 1, 0.0, d, upto)):
+        turns = turn < FAR * end and turn * (v + turn * (0.5 * v1 + turn * (v2 / 6.0 + turn * v3 / 24.0))) < gap
+        guess, order, level, most = turn, 1, 0.0, -s[1]
+        if not turns:
+            guess, order, level, most = _root(gap, -v, -v1), 0, d * gap, d * gap
+            if v2 * guess > 12.0 * v1:  # just set off: the jerk carries the ball
+                guess = min(guess, (6.0 * gap / v2) ** (1.0 / 3.0))
+        x, sure = np.inf, True
+        if guess < FAR * end:
+            x, last, slope, bend, gain = polished(s, order, level, _nearer(s, order, most, guess))
+            if turns and 0.0 < x <= end:
+                left = gap - d * gain - abs(slope) * (x - last) ** 2
+                sure = False
+                if left > 0.0 and falls(s, 1, last, d * slope, d * bend):
+                    return x, REVERSAL
+        if sure and x > 0.0 and stays(s, 1, int(begins), 0.0, d, min(x, end)):
             if x <= end:
                 return x, HIT
             if d * derivatives(s, end)[0] < gap:
@@ -398,12 +390,8 @@ def _nearer(s: Floats, order: int, level: float, x: float) -> float:
 @fused
 def _step(miss: float, slope: float, bend: float, third: float) -> float:
     """How far on a function with these derivatives gains so much: Householder's step, its error of fourth order."""
-    inverse = 1.0 / slope
-    step = miss * inverse
-    curve = 0.5 * step * bend * inverse
-    if not abs(curve) < 0.5:
-        return step
-    return step * (1.0 - curve + 2.0 * curve * curve - step * step * third * inverse / 6.0)
+    square, part = slope * slope, 0.5 * miss * bend
+    return miss * (square + part) / (slope * (square + 2.0 * part) + miss * miss * third / 6.0)
 
 
 @fused
@@ -432,7 +420,7 @@ def _set_off(i: int, it: Record, end: float) -> float:
     drive, least = it.motion.series[system.group[i], drive_lane(i, it)], _least(it.ball)
     for d in (-1, 1):
         if d * it.motion.z[system.place[i]] < axis.half_gap:
-            if stays(drive, 0, least, -float(d), end):
+            if stays(drive, 0, 0, least, -float(d), end):
                 continue
             _drive(i, it, -d)
             guard[0] += least
@@ -525,8 +513,13 @@ def _crest(s: Floats, end: float) -> float:
         j = derivatives(s, x)[3]
         if j == 0.0 or abs(high - low) < 1e-6 * end:
             break
-        if (j > 0.0) == (j_high > 0.0):
-            high, j_high, j_low = x, j, 0.5 * j_low
-        else:
-            low, j_low, high, j_high = high, j_high, x, j
+        low, j_low, high, j_high = narrowed(low, j_low, high, j_high, x, j)
     return x
+
+
+@part
+def narrowed(low: float, f_low: float, high: float, f_high: float, x: float, f: float) -> tuple[float, ...]:
+    """The last two places, and values there, around a zero after one more: an end that stays counts half (Illinois)."""
+    if (f > 0.0) == (f_high > 0.0):
+        return low, 0.5 * f_low, x, f
+    return high, f_high, x, f

@@ -348,7 +348,8 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
     store(c, 16, three)
 
 
-_INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
+INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
+"""Of factorials: what a derivative becomes as a coefficient."""
 _FROM = np.array([np.arange(WIDTH) >= k for k in range(7)], float)
 """Row k leaves out a series' terms before the k-th."""
 
@@ -359,9 +360,9 @@ def _monomials(x: float) -> tuple[Floats, Floats, Floats]:
     power, square = powers(x), x * x
     eighth = square * square * square * square
     return (
-        times(power, load(_INVERSE, 0)),
-        times(power, times(load(_INVERSE, 8), fill(eighth))),
-        times(power, times(load(_INVERSE, 16), fill(eighth * eighth))),
+        times(power, load(INVERSE, 0)),
+        times(power, times(load(INVERSE, 8), fill(eighth))),
+        times(power, times(load(INVERSE, 16), fill(eighth * eighth))),
     )
 
 

@@ -218,7 +218,7 @@ def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
 @part
 def reduced(i: int, it: Record) -> float:
     """Mass that an impulse between ball and cavity along an axis moves [kg]."""
-    return float(1.0 / (1.0 / it.ball.mass - it.system.yielding[i, it.system.place[i]]))
+    return float(it.system.reduced[i])
 
 
 @part

@@ -16,7 +16,7 @@ import numpy as np
 
 from damper.equations import structures_by, systems_of
 from damper.model import Floats, Harmonic, Records, half_gap, number, spin_mass, stuck_decay, stuck_frequency
-from damper.state import FLYING, RUN, Counts, balls_of
+from damper.state import FLYING, RUN, Counts, balls_of, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -108,7 +108,7 @@ def flights(
 
 def _copied(runs: Records, kind: np.dtype[np.record]) -> Records:
     """What a run begins with and leaves, in records of a kind that has it."""
-    copies = np.zeros(len(runs), kind)
+    copies = zeros(len(runs), kind)
     for name in RUN.names or ():
         copies[name] = runs[name]
     return copies

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from damper.equations import forces_on, structures_by
 from damper.model import break_away_threshold, half_gap, number, resting_place
 from damper.motion import flights, kinds, prepare
-from damper.state import BATCHES, DRIVEN, MARGIN, TRACE
+from damper.state import BATCHES, DRIVEN, MARGIN, TRACE, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -102,7 +102,7 @@ def motions_of(
     rows, f = _driven(damper, harmonics)
     answer, order = locked(f.systems), f.systems.order
     weights = _weights(damper, rows, probe)
-    runs = np.zeros(len(rows), DRIVEN)
+    runs = zeros(len(rows), DRIVEN)
     runs["run"] = f.runs
     runs["envelope"], begun = _traces(f.systems, answer, rows, weights[order], longest)
     runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * begun.cavity.max(axis=1)
@@ -123,7 +123,7 @@ def motions_of(
 def together(groups: Sequence[Motions]) -> Motions:
     """All motions of several dampers."""
     room = np.max([group.flows.shape[1:] for group in groups], axis=0)
-    flows, first = np.zeros((sum(len(group.flows) for group in groups), *room)), 0
+    flows, first = zeros((sum(len(group.flows) for group in groups), *room)), 0
     for group in groups:
         here = (slice(first, first + len(group.flows)), *map(slice, group.flows.shape[1:]))
         flows[here], group.runs["run"]["system"]["flow"] = group.flows, group.runs["run"]["system"]["flow"] + first

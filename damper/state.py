@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from damper.model import IMPACT, PARAMETERS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
 
@@ -21,6 +22,29 @@ if TYPE_CHECKING:
 def record(*fields: tuple[Any, ...]) -> np.dtype[np.record]:
     """A dtype whose elements also have their fields as attributes, with and without the compiler."""
     return cast("np.dtype[np.record]", np.dtype((np.record, list(fields))))
+
+
+LINE = 64
+"""Bytes of a cache line: a row of eight numbers that lies across two is loaded and stored at half the speed."""
+
+
+def lines(*fields: tuple[Any, ...]) -> np.dtype[np.record]:
+    """The same, each element whole cache lines long."""
+    plain = np.dtype(list(fields))
+    names = list(plain.names or ())
+    ends = np.cumsum([0, *(plain[name].itemsize for name in names)]).tolist()
+    layout = {"names": names, "formats": [plain[name] for name in names], "offsets": ends[:-1]}
+    layout["itemsize"] = -(-ends[-1] // LINE) * LINE
+    return cast("np.dtype[np.record]", np.dtype((np.record, layout)))
+
+
+def zeros(shape: int | tuple[int, ...], kind: npt.DTypeLike = float) -> npt.NDArray[Any]:
+    """Zeros that begin with a cache line."""
+    dtype = np.dtype(kind)
+    size = int(np.prod(shape)) * dtype.itemsize
+    room = np.zeros(size + LINE, np.uint8)
+    first = -room.ctypes.data % LINE
+    return room[first : first + size].view(dtype).reshape(shape)
 
 
 STUCK, ROLLING, SLIPPING = 0, 1, 2
@@ -210,6 +234,7 @@ SYSTEM = record(
     # velocities that a unit impulse on the cavity along each axis gives the coordinates [1/kg]; those s of the ball
     # it gives by the cavity's motion alone
     ("yielding", "f8", (2, _N)),
+    ("reduced", "f8", 2),  # mass that an impulse between ball and cavity along an axis moves [kg]
     ("dashpot", "f8", (2, _N)),  # coefficients of the modes while the ball is stuck, and else [N s/m]
     ("excess", "f8", 2),  # of the former over the latter, per mass [1/s]
     ("mass", "f8", (_N, _N)),  # E = z' mass z'/2 + z spring z/2, and the spin's
@@ -237,10 +262,12 @@ SYSTEM = record(
 )
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
 
-MOTION = record(
+MOTION = lines(
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
+    ("guard", "f8", TERMS),  # a guard's series
+    ("scaled", "f8", TERMS),  # the terms of a series
     ("z", "f8", _N),
     ("rate", "f8", _N),
-    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
     ("start", "f8", 2),  # of each group's flight
     ("at", "f8", 2),  # when its next event happens, in steps from there
     ("next", "f8", 2),  # the time then
@@ -248,15 +275,13 @@ MOTION = record(
     ("axis", "i8", 2),
     ("settled", "i8", 2),  # 1: nothing will ever happen of itself
     ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
-    ("guard", "f8", TERMS),  # a guard's series
-    ("scaled", "f8", TERMS),  # the terms of a series
     ("gain", "f8", _N),  # what z gained on the last flight
     ("seen", "f8", (2, 3)),  # a time, and the first two derivatives of the cavity's series along each axis then
     ("bend", "f8", _N),  # second derivatives of the series of balls at the end of the last flight
 )
 """What moves: z and its rate at each group's start, their series, and when each group's next event is."""
 
-FLYING = record(*_SHARED, ("system", SYSTEM), ("motion", MOTION))
+FLYING = lines(("motion", MOTION), *_SHARED, ("system", SYSTEM))
 """A run on its way."""
 
 
@@ -316,5 +341,5 @@ TRACE = record(
 )
 """A driven motion on its way to its steady state."""
 
-DRIVEN = record(("run", FLYING), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
+DRIVEN = lines(("run", FLYING), ("envelope", TRACE), ("window", TALLY), ("last", TALLY))
 """A run under a harmonic force: tallies of the window, and of its last batch."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from damper.compiled import kernel, part
 from damper.engine import advance, arrive, earliest, restart
-from damper.events import largest_drive
+from damper.events import largest_drive, narrowed
 from damper.flight import derivatives
 from damper.impacts import let_go
 from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, MARGIN, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
@@ -47,10 +47,7 @@ def follow(it: Record, begin: float, end: float) -> None:
         u, v = _probed(it, t)
         if v == 0.0 or abs(high - low) < 1e-9 * trace.period:
             break
-        if (v > 0.0) == (v_high > 0.0):
-            high, v_high, v_low = t, v, 0.5 * v_low
-        else:
-            low, v_low, high, v_high = high, v_high, t, v
+        low, v_low, high, v_high = narrowed(low, v_low, high, v_high, t, v)
     _take(trace, u)
 
 
