@@ -8,7 +8,7 @@ of their slope; a solid has them as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from fem.meshes.planform import TOLERANCE, locate
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from fem.linalg import Array
+
 
 LATTICE = 9
 """Points along a cell's side at which a thickness is looked at for its least and greatest."""
@@ -31,16 +32,6 @@ modes.
 
 NEWTON = 30
 """Steps of Newton's method to a place in a quadrilateral; it takes some six."""
-
-
-class Profile(Protocol):
-    """A thickness over the planform."""
-
-    def at(self, points: Array) -> Array:
-        """The thickness (ncell, npoint) in m at points (2, ncell, npoint) in m, cell by cell of the plate's mesh."""
-
-    def near(self, place: tuple[float, float]) -> float:
-        """The thickness in m at one place (x, y) in m."""
 
 
 @dataclass(frozen=True)
@@ -141,6 +132,10 @@ class Nodal:
         """The thickness at a place."""
         cell, (x, y) = locate(self.mesh, place)
         return float(_shapes(x, y, self.mesh.t.shape[0]) @ self.values[self.mesh.t[:, cell]])
+
+
+Profile: TypeAlias = Polynomial | Bilinear | Nodal
+"""A thickness over the planform: `at` points of the plate's mesh, cell by cell, and `near` one place."""
 
 
 def of(thickness: float | Profile, points: Array) -> float | Array:
