@@ -21,10 +21,8 @@ from fem.modal_model import SAME_SPEED, ModalModel, ModesAtSpeed, chosen
 from fem.rotor import from_rpm, in_rpm
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
+    from fem.linalg import Array
+    from fem.modal_model import Ints
 
 
 class ModesFileError(ValueError):
@@ -343,6 +341,22 @@ FORMAT = "spindamp modes 1"
 _REQUIRED = ("format", "unit", "mass_unit", "speeds_rpm", "nodes", "frequencies_hz", "shapes", "modal_masses")
 _OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ratios", "frequency_errors", "drawn")
 
+_SHAPES: dict[str, tuple[int | str, ...]] = {
+    "nodes": ("nodes", 3),
+    "speeds_rpm": ("speeds",),
+    "frequencies_hz": ("speeds", "modes"),
+    "shapes": ("speeds", "modes", "nodes", 3),
+    "modal_masses": ("speeds", "modes"),
+    "axis": (3,),
+    "origin": (3,),
+    "static": ("speeds", "nodes", 3),
+    "rotations": ("speeds", "modes", "nodes", 3),
+    "damping_ratios": ("speeds", "modes"),
+    "frequency_errors": ("speeds", "modes"),
+    "drawn": ("speeds", "modes", 3),
+}
+"""Lengths of each array of the neutral file; one that has a name is the same in all."""
+
 
 def _npz(data: bytes) -> dict[str, Any]:
     if not data.startswith(b"PK"):
@@ -383,51 +397,42 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
     for name in ("unit", "mass_unit"):
         if not str(data[name]).strip():
             raise ModesFileError(f"key '{name}' is empty" + _about(name))
-    points = _array(data, "nodes", (None, 3))
-    speeds = _array(data, "speeds_rpm", (None,))
-    frequencies = _array(data, "frequencies_hz", (speeds.size, None))
-    count, nodes = frequencies.shape[1], len(points)
+    arrays = _arrays(data)
+    speeds, masses = arrays["speeds_rpm"], arrays["modal_masses"]
+    points, frequencies = arrays["nodes"], arrays["frequencies_hz"]
     if np.unique(speeds).size < speeds.size or speeds.size == 0 or not (np.isfinite(speeds) & (speeds >= 0.0)).all():
         raise ModesFileError("key 'speeds_rpm': expected different speeds, 0 or above")
-    masses = _array(data, "modal_masses", (speeds.size, count))
     if not (np.isfinite(masses).all() and masses.min(initial=1.0) > 0.0):
         raise ModesFileError("key 'modal_masses': expected masses above 0, 1 of shapes that are mass-normalised")
-    norm = np.sqrt(masses)[:, :, None, None]
-    whole: dict[str, Any] = {
-        "shapes": _array(data, "shapes", (speeds.size, count, nodes, 3)) / norm,
-        "static": _array(data, "static", (speeds.size, nodes, 3)),
-        "rotations": _scaled(_array(data, "rotations", (speeds.size, count, nodes, 3)), norm),
-        "damping_ratios": _array(data, "damping_ratios", (speeds.size, count)),
-        "errors": _array(data, "frequency_errors", (speeds.size, count)),
-        "drawn": _scaled(_array(data, "drawn", (speeds.size, count, 3)), norm[..., 0]),
-    }
-    order = np.argsort(speeds)
-    known = tuple(
-        ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{n: v[k] for n, v in whole.items() if v is not None})
-        for k in order
-    )
     for name, below in (("damping_ratios", 1.0), ("frequency_errors", np.inf)):
-        values = _array(data, name, (speeds.size, count))
-        if values is not None and not ((values >= 0.0) & (values < below)).all():
+        if name in arrays and not ((arrays[name] >= 0.0) & (arrays[name] < below)).all():
             raise ModesFileError(f"key '{name}': expected numbers of 0 or above{', and below 1' * (below == 1.0)}")
-    axis, origin = _array(data, "axis", (3,)), _array(data, "origin", (3,))
-    if (axis is None) != (origin is None):
+    norm = np.sqrt(masses)[:, :, None, None]
+    scales = {"shapes": norm, "rotations": norm, "drawn": norm[..., 0]}
+    fields = {"shapes": "shapes", "static": "static", "rotations": "rotations", "damping_ratios": "damping_ratios"}
+    fields |= {"errors": "frequency_errors", "drawn": "drawn"}
+    whole = {field: arrays[name] / scales.get(name, 1.0) for field, name in fields.items() if name in arrays}
+    known = tuple(
+        ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{name: values[k] for name, values in whole.items()})
+        for k in np.argsort(speeds)
+    )
+    if ("axis" in arrays) != ("origin" in arrays):
         raise ModesFileError("keys 'axis' and 'origin': expected both or neither")
-    if axis is not None and not np.linalg.norm(axis) > 0.0:
+    axis = arrays.get("axis", np.array([0.0, 0.0, 1.0]))
+    if not np.linalg.norm(axis) > 0.0:
         raise ModesFileError("key 'axis': expected a direction")
-    labels = _numbers(data, "node_labels", nodes) if "node_labels" in data else None
+    nodes = len(points)
+    labels = _whole(data, "node_labels", str(nodes), (nodes,)) if "node_labels" in data else None
     if labels is not None and np.unique(labels).size < nodes:
         raise ModesFileError("key 'node_labels': two nodes have the same number")
-    model = ModalModel(
-        points,
-        known,
-        np.array([0.0, 0.0, 1.0]) if axis is None else axis / np.linalg.norm(axis),
-        np.zeros(3) if origin is None else origin,
-        _cells(data, nodes),
-        {name.removeprefix("set_"): _numbers(data, name, None, nodes) for name in data if name.startswith("set_")},
-        labels,
-    )
-    return Raw(model, str(data["unit"]), str(data["mass_unit"]), axis is not None)
+    sets = {
+        name.removeprefix("set_"): _whole(data, name, "a list of", (None,), nodes)
+        for name in data
+        if name.startswith("set_")
+    }
+    origin = arrays.get("origin", np.zeros(3))
+    model = ModalModel(points, known, axis / np.linalg.norm(axis), origin, _cells(data, nodes), sets, labels)
+    return Raw(model, str(data["unit"]), str(data["mass_unit"]), "axis" in arrays)
 
 
 def _about(name: str) -> str:
@@ -440,56 +445,54 @@ def _about(name: str) -> str:
     }.get(name, "")
 
 
-def _scaled(values: Array | None, norm: Array) -> Array | None:
-    return None if values is None else values / norm
+def _arrays(data: Mapping[str, Any]) -> dict[str, Array]:
+    """The arrays of a file by key, whose shapes agree."""
+    sizes: dict[int | str, int | None] = {3: 3}
+    arrays = {}
+    for name, lengths in _SHAPES.items():
+        if name in data:
+            array = _array(data[name], name, tuple(sizes.get(length) for length in lengths))
+            arrays[name] = array
+            sizes |= dict(zip(lengths, array.shape, strict=True))
+    return arrays
 
 
-def _array(data: Mapping[str, Any], name: str, shape: tuple[int | None, ...]) -> Any:
-    """An array of the file, None where it is optional and not there; None in a shape is any number."""
-    if name not in data:
-        return None
+def _array(values: Any, name: str, shape: tuple[int | None, ...]) -> Array:
+    """An array of the file; None in a shape is any number."""
     try:
-        if np.iscomplexobj(np.asarray(data[name])):
+        if np.iscomplexobj(np.asarray(values)):
             raise ModesFileError(f"key '{name}': complex values, expected real modes, of the undamped structure")
-        array = np.asarray(data[name], dtype=np.float64)
+        array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         if isinstance(error, ModesFileError):
             raise
         raise ModesFileError(f"key '{name}': expected numbers, rows of the same length") from error
-    if array.ndim != len(shape) or any(
-        want is not None and have != want for have, want in zip(array.shape, shape, strict=True)
-    ):
+    if not _fits(array.shape, shape):
         wanted = " × ".join("any" if want is None else str(want) for want in shape)
         have = " × ".join(map(str, array.shape))
         raise ModesFileError(f"key '{name}': expected {wanted} numbers, found {have}")
-    if (
-        name in ("static", "rotations", "damping_ratios", "frequency_errors", "drawn", "axis", "origin")
-        and not np.isfinite(array).all()
-    ):
+    if name in _OPTIONAL and not np.isfinite(array).all():
         raise ModesFileError(f"key '{name}': expected finite numbers")
     return array
 
 
-def _plain(data: Mapping[str, Any], name: str) -> Any:
+def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(shape) == len(wanted) and all(want in (None, have) for have, want in zip(shape, wanted, strict=True))
+
+
+def _whole(
+    data: Mapping[str, Any], name: str, expected: str, shape: tuple[int | None, ...], below: int | None = None
+) -> Ints:
+    """Whole numbers of the file, from 0 to before another."""
     try:
-        return np.asarray(data[name])
+        numbers = np.asarray(data[name])
     except ValueError as error:
         raise ModesFileError(f"key '{name}': expected rows of the same length") from error
-
-
-def _numbers(data: Mapping[str, Any], name: str, count: int | None, below: int | None = None) -> Ints:
-    """Whole numbers of the file."""
-    numbers = _plain(data, name)
-    if (
-        numbers.ndim != 1
-        or numbers.size == 0
-        or not np.issubdtype(numbers.dtype, np.integer)
-        or (count is not None and numbers.size != count)
-    ):
-        raise ModesFileError(f"key '{name}': expected {'a list of' if count is None else count} whole numbers")
-    if below is not None and not (numbers.min() >= 0 and numbers.max() < below):
+    if not _fits(numbers.shape, shape) or numbers.shape == (0,) or not np.issubdtype(numbers.dtype, np.integer):
+        raise ModesFileError(f"key '{name}': expected {expected} whole numbers")
+    if below is not None and numbers.size and not (numbers.min() >= 0 and numbers.max() < below):
         raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {below - 1}")
-    return np.asarray(numbers, dtype=np.int64)
+    return numbers.astype(np.int64)
 
 
 def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
@@ -498,13 +501,8 @@ def _cells(data: Mapping[str, Any], nodes: int) -> tuple[tuple[str, Ints], ...]:
         kind = name.removeprefix("cells_")
         if kind not in KINDS:
             raise ModesFileError(f"key '{name}': expected cells_ and one of {', '.join(KINDS)}")
-        values = _plain(data, name)
-        wanted = len(cell(kind).nodes)
-        if values.ndim != 2 or values.shape[1] != wanted or not np.issubdtype(values.dtype, np.integer):
-            raise ModesFileError(f"key '{name}': expected rows of {wanted} whole numbers")
-        if values.size and not (values.min() >= 0 and values.max() < nodes):
-            raise ModesFileError(f"key '{name}': expected rows of 'nodes', from 0 to {nodes - 1}")
-        cells.append((kind, values.astype(np.int64)))
+        count = len(cell(kind).nodes)
+        cells.append((kind, _whole(data, name, f"rows of {count}", (None, count), nodes)))
     return tuple(cells)
 
 
@@ -519,21 +517,14 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
     if length == 1.0 and mass == 1.0:
         return raw.model
 
-    def times(values: Array | None, factor: float) -> Array | None:
-        return None if values is None else values * factor
-
     root = float(np.sqrt(mass))
-    speeds = tuple(
-        replace(
-            modes,
-            shapes=modes.shapes / root,
-            static=times(modes.static, length),
-            rotations=times(modes.rotations, 1.0 / (length * root)),
-            drawn=times(modes.drawn, root),
-        )
-        for modes in raw.model.speeds
-    )
-    return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=speeds)
+    factors = {"static": length, "rotations": 1.0 / (length * root), "drawn": root}
+    speeds = []
+    for modes in raw.model.speeds:
+        known = {name: (getattr(modes, name), factor) for name, factor in factors.items()}
+        scaled = {name: values * factor for name, (values, factor) in known.items() if values is not None}
+        speeds.append(replace(modes, shapes=modes.shapes / root, **scaled))
+    return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=tuple(speeds))
 
 
 def joined(models: Sequence[ModalModel]) -> ModalModel:

@@ -7,7 +7,7 @@ turns in each mode, and the modes at speeds between those that are known.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise, product
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,8 @@ from fem.meshes.cells import cell, faces_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from fem.linalg import Array
+
     Ints = NDArray[np.int64]
 
 
@@ -262,18 +263,11 @@ _NEIGHBOURS = 4
 
 def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
     """Some of the modes, in an order, with signs."""
-    turned = signs[:, None, None]
-    return replace(
-        modes,
-        frequencies_hz=modes.frequencies_hz[order],
-        shapes=modes.shapes[order] * turned,
-        rotations=None if modes.rotations is None else modes.rotations[order] * turned,
-        damping_ratios=None if modes.damping_ratios is None else modes.damping_ratios[order],
-        errors=None if modes.errors is None else modes.errors[order],
-        interpolation=None if modes.interpolation is None else modes.interpolation[order],
-        drawn=None if modes.drawn is None else modes.drawn[order] * signs[:, None],
-        tracks=None if modes.tracks is None else modes.tracks[order],
-    )
+    picked = {each.name: getattr(modes, each.name) for each in fields(modes) if each.name not in ("omega", "static")}
+    picked = {name: values[order] for name, values in picked.items() if values is not None}
+    for name in picked.keys() & {"shapes", "rotations", "drawn"}:
+        picked[name] = np.einsum("k,k...->k...", signs, picked[name])
+    return replace(modes, **picked)
 
 
 def lagrange(nodes: Array, at: float) -> Array:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fem.assembly import Operators, point_rows
 from fem.linalg import Array
+from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
 from fem.reduction.modal import drawn_rows
 from fem.sweep.campbell import Campbell
@@ -49,7 +50,8 @@ def between(operators: Operators, shapes: Array, parts: int) -> Finer:
     mesh = operators.model.mesh
     grid = _quadrilateral(parts) if mesh.t.shape[0] == 4 else _triangle(parts)
     numbers = _numbers(mesh, grid)
-    corners = _shares(grid)
+    x, y = grid.points.T
+    corners = np.ascontiguousarray(corner_shapes(x, y, len(grid.corners)).T)
     points = np.zeros((2, int(numbers.max()) + 1))
     points[:, numbers] = np.einsum("pk,dkc->dcp", corners, mesh.p[:, mesh.t])
     sub = np.concatenate([numbers[:, part] for part in grid.parts])
@@ -78,14 +80,6 @@ def _triangle(parts: int) -> _Grid:
     up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in places if i + j < parts]
     down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in places if i + j < parts - 1]
     return _Grid(np.array(places) / parts, [side[0] for side in sides], sides, np.array(up + down))
-
-
-def _shares(grid: _Grid) -> Array:
-    """Shares (n, corners) of a cell's corners in the places of its points."""
-    x, y = grid.points.T
-    if len(grid.corners) == 3:
-        return np.stack([1 - x - y, x, y], axis=1)
-    return np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
 
 
 def _numbers(mesh: Any, grid: _Grid) -> Indices:

@@ -21,8 +21,22 @@ _SPEEDS_LISTED = 4
 _ROUNDED = 1e-9
 """Share that rounding may leave over, of the energy of a long ring-down say."""
 
+_READABLE = {
+    "m": (1e3, "mm"),
+    "kg": (1e3, "g"),
+    "Pa": (1e-6, "MPa"),
+    "rad/s": (in_rpm(1.0), "rpm"),
+    "rad": (180 / math.pi, "deg"),
+    "1": (1.0, ""),
+}
+
 DASH = "–"
 """Stands for a number that is not there."""
+
+
+def readable(unit: str) -> tuple[float, str]:
+    """The unit that people read instead of one in SI: the factor to it, and its name; empty for plain numbers."""
+    return _READABLE.get(unit, (1.0, unit))
 
 
 def whole(value: float) -> str:

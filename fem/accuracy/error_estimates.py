@@ -51,7 +51,13 @@ class Probed(NamedTuple):
 
 
 def probe(
-    operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
+    operators: Operators,
+    speeds: tuple[float, ...],
+    count: int,
+    exact: float,
+    starts: tuple[Array | None, ...] = (),
+    *,
+    alone: bool = False,
 ) -> list[Probed]:
     """The lowest modes at several speeds, up to the first at which the plate has none.
 
@@ -61,36 +67,22 @@ def probe(
         count: of modes.
         exact: relative tolerance of squared frequencies.
         starts: states (n,) near those of large deflections, one a speed.
+        alone: every speed is solved by itself, not from the modes at the first.
 
     Raises:
         ValueError: as `solve_modes` does.
         Divergence, NoEquilibrium: at the first speed.
         Unresolved: the plate is too thin for its theory in double precision.
     """
-    return _climb(operators, speeds, count, exact, starts, _from)
-
-
-def alone(
-    operators: Operators, speeds: tuple[float, ...], count: int, exact: float, starts: tuple[Array | None, ...] = ()
-) -> list[Probed]:
-    """The same as `probe`, every speed solved by itself."""
-    return _climb(operators, speeds, count, exact, starts, _by_itself)
-
-
-def _climb(
-    operators: Operators,
-    speeds: tuple[float, ...],
-    count: int,
-    exact: float,
-    starts: tuple[Array | None, ...],
-    further: Callable[[Operators, Modes, float, float, Array | None], Probed],
-) -> list[Probed]:
-    each = dict(zip(speeds, starts, strict=False))
-    first = _solve(operators, speeds[0], count, exact, each.get(speeds[0]))
+    near = dict(zip(speeds, starts, strict=False))
+    first = _solve(operators, speeds[0], count, exact, near.get(speeds[0]))
     probes = [_kept(first)]
     for speed in speeds[1:]:
         try:
-            probes.append(further(operators, first, speed, exact, each.get(speed)))
+            if alone:
+                probes.append(_kept(_solve(operators, speed, count, exact, near.get(speed))))
+            else:
+                probes.append(_from(operators, first, speed, exact, near.get(speed)))
         except (Divergence, NoEquilibrium):
             break
     return probes
@@ -122,11 +114,6 @@ def _solve(operators: Operators, speed: float, count: int, exact: float, start: 
 
 def _kept(modes: Modes) -> Probed:
     return Probed(modes.eigenvalues, modes.shapes, modes.state)
-
-
-def _by_itself(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
-    """As many modes at a speed in rad/s as are known at another, not made from these."""
-    return _kept(_solve(operators, speed, known.eigenvalues.size, exact, start))
 
 
 def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
@@ -264,7 +251,9 @@ class TrialMeshes:
                 probed = probe(operators, self.probes, self.count, self._exact, starts)
                 further = list(zip(self.probes, probed, strict=False))[1:]
                 self._alone = first and not all(complete(operators, speed, modes) for speed, modes in further)
-            return alone(operators, self.probes, self.count, self._exact, starts) if self._alone else probed
+            if self._alone:
+                return probe(operators, self.probes, self.count, self._exact, starts, alone=True)
+            return probed
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
             return []

@@ -24,6 +24,7 @@ from scipy.sparse import csc_array
 from fem.assembly import Operators, assemble, energy_densities, footprint, with_masses
 from fem.linalg import Array, orthonormal
 from fem.meshes.planform import locate
+from fem.modal_model import lagrange
 from fem.modes import Divergence, Modes, solve_modes, solve_real
 from fem.plate import Plate
 from fem.rotor import Effects, Rotor
@@ -92,7 +93,8 @@ def turned(
     stiffness = [basis.T @ (matrix @ basis) for _, matrix, _ in samples]
     known = np.array([omega for omega, _, _ in samples])
     requested = requested[requested <= known.max()] if operators.effects.large_deflection else requested
-    small = np.tensordot(_lagrange(known**2, requested**2), np.array(stiffness), 1)
+    weights = np.array([lagrange(known**2, square) for square in requested**2])
+    small = np.tensordot(weights, np.array(stiffness), 1)
     turning = basis.T @ (gyroscopic @ basis)
     squares, vectors = np.linalg.eigh(0.5 * (small + small.transpose(0, 2, 1)))
     alive = squares[:, 0] > 0.0
@@ -126,15 +128,6 @@ def _samples(
         answers = modes.factor.solve(gyroscopic @ modes.shapes)
         samples.append((float(omega), stiffness, np.hstack([modes.shapes, answers])))
     return samples
-
-
-def _lagrange(known: Array, requested: Array) -> Array:
-    """Weights (k, n) of values at n known places in the polynomial through them at k places."""
-    weights = np.ones((requested.size, known.size))
-    for i, at in enumerate(known):
-        for other in np.delete(known, i):
-            weights[:, i] *= (requested - other) / (at - other)
-    return weights
 
 
 def _shifts(squares: Array, force: Array) -> Array:

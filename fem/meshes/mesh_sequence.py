@@ -9,7 +9,7 @@ Pitkaranta, Numer. Math. 33 (1979) 447; Arnold and Falk, SIAM J. Math. Anal. 27 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -38,32 +38,6 @@ STRAIGHT = 0.03
 
 MOST_SLENDER = 4.0
 """Sides' ratio up to which a rectangle's cells are kept about square."""
-
-
-class Planform(Protocol):
-    """What the choice of a mesh needs to know."""
-
-    @property
-    def sides(self) -> tuple[float, float]:
-        """Length and width in m."""
-
-    @property
-    def sizes(self) -> tuple[int, ...]:
-        """The ladder, ascending."""
-
-    @property
-    def orders(self) -> tuple[float, float]:
-        """Least and greatest power of the cell size with which errors in frequency fall."""
-
-    @property
-    def corner(self) -> float:
-        """Power of the cell size with which errors fall for its worst corner; infinite without."""
-
-    def mesh(self, size: int) -> Any:
-        """The mesh of one size of the ladder."""
-
-    def edge(self, size: int) -> float:
-        """How wide the cells along its edges are, in m."""
 
 
 def enough_cells(planform: Planform, size: int, count: int) -> bool:
@@ -190,6 +164,11 @@ class Given:
         turned = np.roll(corners, -1, axis=1)
         twice = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
         return float(np.median(twice / along)) / (size if mesh.t.shape[0] == 3 else 2 * size)
+
+
+Planform: TypeAlias = Rectangle | Given
+"""What a mesh is chosen of: its `sizes`, ascending, the `mesh` of each, and the `orders`, least and greatest power of
+the cell size, with which errors in frequency fall."""
 
 
 def inner_angles(mesh: Any) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ of their slope; a solid has them as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from fem.meshes.planform import TOLERANCE, locate
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from fem.linalg import Array
+
 
 LATTICE = 9
 """Points along a cell's side at which a thickness is looked at for its least and greatest."""
@@ -31,16 +32,6 @@ modes.
 
 NEWTON = 30
 """Steps of Newton's method to a place in a quadrilateral; it takes some six."""
-
-
-class Profile(Protocol):
-    """A thickness over the planform."""
-
-    def at(self, points: Array) -> Array:
-        """The thickness (ncell, npoint) in m at points (2, ncell, npoint) in m, cell by cell of the plate's mesh."""
-
-    def near(self, place: tuple[float, float]) -> float:
-        """The thickness in m at one place (x, y) in m."""
 
 
 @dataclass(frozen=True)
@@ -135,12 +126,16 @@ class Nodal:
         if not (min(x.min(), y.min()) >= -TOLERANCE and most.max() <= 1.0 + TOLERANCE):
             raise ValueError("the cells of the plate's mesh do not lie in those that the thickness belongs to")
         corners = self.values[self.mesh.t[:, cells]][:, :, None]
-        return np.asarray((_shapes(x, y, len(corners)) * corners).sum(axis=0))
+        return np.asarray((corner_shapes(x, y, len(corners)) * corners).sum(axis=0))
 
     def near(self, place: tuple[float, float]) -> float:
         """The thickness at a place."""
         cell, (x, y) = locate(self.mesh, place)
-        return float(_shapes(x, y, self.mesh.t.shape[0]) @ self.values[self.mesh.t[:, cell]])
+        return float(corner_shapes(x, y, self.mesh.t.shape[0]) @ self.values[self.mesh.t[:, cell]])
+
+
+Profile: TypeAlias = Polynomial | Bilinear | Nodal
+"""A thickness over the planform: `at` points of the plate's mesh, cell by cell, and `near` one place."""
 
 
 def of(thickness: float | Profile, points: Array) -> float | Array:
@@ -188,11 +183,20 @@ def lattice(mesh: Any) -> Array:
     x, y = (a.ravel() for a in np.meshgrid(side, side))
     corners = mesh.t.shape[0]
     inside = x + y <= 1.0 + TOLERANCE if corners == 3 else np.ones(x.size, dtype=bool)
-    return np.asarray(np.einsum("dvc,vk->dck", mesh.p[:, mesh.t], _shapes(x[inside], y[inside], corners)))
+    return np.asarray(np.einsum("dvc,vk->dck", mesh.p[:, mesh.t], corner_shapes(x[inside], y[inside], corners)))
 
 
-def _shapes(x: Any, y: Any, corners: int) -> Array:
-    """Linear or bilinear functions (corners, ...) of a cell's corners at reference coordinates."""
+def corner_shapes(x: Any, y: Any, corners: int) -> Array:
+    """Linear or bilinear functions of a cell's corners.
+
+    Args:
+        x: first reference coordinate, any shape (...).
+        y: the second.
+        corners: 3 of a triangle, 4 of a quadrilateral.
+
+    Returns:
+        Shape (corners, ...).
+    """
     if corners == 3:
         return np.stack([1.0 - x - y, x, y])
     return np.stack([(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y])

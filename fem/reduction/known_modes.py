@@ -13,12 +13,9 @@ from fem.reduction.single_mode import Reduced, check_mass
 from fem.sweep.laws import check_reduced
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from fem.linalg import Array
     from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
     from fem.plate import Material
-
-    Array = NDArray[np.float64]
 
 
 class NoMotion(ValueError):

@@ -34,11 +34,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Factor, Solver
+    from fem.linalg import Array, Factor, Solver
     from fem.modes import Modes
     from fem.solid.blade import Blade
 
-    Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
     Rule = tuple[Array, Array]
 

@@ -12,10 +12,10 @@ from fem.meshes.planform import MeshError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.linalg import Array
     from fem.meshes.volume import VolumeMesh
     from fem.plate import Material
 
-    Array = NDArray[np.float64]
     Indices = NDArray[np.int64]
 
 ON_THE_FACE = 1e-4

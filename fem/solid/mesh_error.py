@@ -24,11 +24,8 @@ from fem.meshes.cells import cell
 from fem.solid.assembly import AT_ONCE, mapped, rule
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from fem.linalg import Array
     from fem.solid.assembly import Cells, SolidOperators
-
-    Array = NDArray[np.float64]
 
 
 SIMPLICES = frozenset({"tetra10", "wedge15"})

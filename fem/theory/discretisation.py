@@ -48,6 +48,12 @@ class Space:
             table = table * self.signs[:, None, None, :]
         return np.ascontiguousarray(table)
 
+    def values(self, reference: Array) -> Array:
+        """Values (..., ndof) of the functions, the same in every cell, at reference points (d, ...)."""
+        functions = [self.basis.elem.lbasis(reference, j)[0] for j in range(self.basis.Nbfun)]
+        table = np.stack(functions, axis=-1)
+        return table if self.combined is None else np.asarray(table @ self.combined)
+
     def probe(
         self, cells: NDArray[np.int64], reference: Array, derivative: tuple[int, ...] = ()
     ) -> tuple[Array, NDArray[np.int64]]:

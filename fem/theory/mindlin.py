@@ -171,7 +171,7 @@ def _reduction(basis: Any) -> tuple[Array, Array]:
 
 def _shear(w: Space, tx: Space, ty: Space, places: Array, reduction: Array) -> Block:
     """Tabulate the assumed shear strain as one block over the unknowns of w and theta."""
-    slope, turn = _slopes(w, places), _values(tx, places)
+    slope, turn = _slopes(w, places), tx.values(places)
     jacobian = w.basis.mapping.DF(places)
     from_w = np.einsum("cmbsn,snj->cmbj", reduction, slope, optimize=True)
     from_turn = np.einsum("cmbsn,kncs,sj->kcmbj", reduction, jacobian, turn, optimize=True)
@@ -183,7 +183,7 @@ def _shear(w: Space, tx: Space, ty: Space, places: Array, reduction: Array) -> B
 def _samples(spaces: tuple[Space, ...], places: Array, total: int) -> Fields:
     """The fields u, v, w by the reference coordinates and the turns where shear is sampled, for the director."""
     ncell = len(spaces[0].dofs)
-    tables = [*(_slopes(s, places) for s in spaces[:3]), *(_values(s, places)[:, None] for s in spaces[3:])]
+    tables = [*(_slopes(s, places) for s in spaces[:3]), *(s.values(places)[:, None] for s in spaces[3:])]
     blocks = (Block(np.broadcast_to(t, (ncell, *t.shape)), s.dofs) for t, s in zip(tables, spaces, strict=True))
     return Fields(tuple(blocks), np.ones((ncell, places.shape[1])), total)
 
@@ -193,11 +193,6 @@ def _slopes(space: Space, places: Array) -> Array:
     basis = space.basis
     slopes = np.stack([basis.elem.lbasis(places, j)[1] for j in range(basis.Nbfun)], axis=-1)
     return np.ascontiguousarray(slopes.transpose(1, 0, 2))
-
-
-def _values(space: Space, places: Array) -> Array:
-    """Values (nplace, ndof) of a space's functions."""
-    return np.stack([space.basis.elem.lbasis(places, j)[0] for j in range(space.basis.Nbfun)], axis=-1)
 
 
 HELD = 0.11

@@ -113,7 +113,7 @@ def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, .
     dz = (top - bottom) * weights
     h = dz.sum(axis=(0, 3))
 
-    table = _values(spaces[0], flat).reshape(nedge, npoint, GAUSS, -1)
+    table = spaces[0].values(flat).reshape(nedge, npoint, GAUSS, -1)
     everywhere = np.broadcast_to(table, (layers, *table.shape)).reshape(layers * nedge, npoint * GAUSS, 1, -1)
     points = Fields(
         tuple(Block(everywhere, space.dofs[bricks.ravel()]) for space in spaces),
@@ -181,10 +181,3 @@ def _heights(basis: Any, reference: Array, bricks: NDArray[np.int64]) -> Array:
     """Heights (layer, nedge, npoint, GAUSS) in m at reference points (3, nedge, npoint GAUSS) of bricks."""
     heights = [basis.mapping.F(reference, tind=layer)[2] for layer in bricks]
     return np.stack(heights).reshape(*bricks.shape, -1, GAUSS)
-
-
-def _values(space: Space, reference: Array) -> Array:
-    """Values (nedge, npoint, ndof) of a space's functions at reference points of bricks."""
-    basis = space.basis
-    table = np.stack([basis.elem.lbasis(reference, j)[0] for j in range(basis.Nbfun)], axis=-1)
-    return table if space.combined is None else np.asarray(table @ space.combined)

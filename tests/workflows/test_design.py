@@ -124,7 +124,7 @@ def test_limits_bound_and_cutoff(slow):
     space = space_of(slow, mass="0.05 g")
     (heavy,) = score_of(space)([[0.9, 0.9, 0.5]])
     assert heavy.value == 0.0
-    assert "mass" in report.obstacle(heavy)
+    assert "mass" in report.infeasible("", 0.0, heavy)
     assert dict(heavy.used)["mass"] == pytest.approx(11300 * 4 / 3 * math.pi * 8e-9 / 5e-5)
     space = space_of(slow)
     (good,) = score_of(space)([[0.1, 0.5, 0.5]])
@@ -141,7 +141,7 @@ def test_the_plates_thickness_is_room():
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
     (found,) = spaces.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
     assert found.value == 0.0
-    assert any(what in report.obstacle(found) for what in ("cavity", "thickness"))
+    assert any(what in report.infeasible("", 0.0, found) for what in ("cavity", "thickness"))
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, **changes)))
     (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible
-    assert why in report.obstacle(found)
+    assert why in report.infeasible("", 0.0, found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest

@@ -8,10 +8,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from fem.rotor import in_rpm
 from workflows import formatting
 from workflows.errors import BadInput
-from workflows.formatting import aligned, amount, fixed, significant, whole
+from workflows.formatting import aligned, amount, fixed, readable, significant, whole
 from workflows.io import provenance, serialise
 from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
@@ -167,23 +166,12 @@ _ITEMS = 6
 """Of a list that are shown; of a longer one, the first and the last."""
 
 
-_SHOWN = {
-    "m": ("mm", 1e3),
-    "kg": ("g", 1e3),
-    "Pa": ("MPa", 1e-6),
-    "rad/s": ("rpm", in_rpm(1.0)),
-    "rad": ("°", 180 / math.pi),
-}
-"""Units that people read instead of SI, with their factors."""
-
-
 def _differences(comparison: Comparison) -> list[tuple[str, list[str]]]:
     """Keys of the scenes that are not the same in all, with their units, and the value in each."""
     table = []
     for key, values in comparison.differences.items():
-        si = plan.find(key, "compare").unit if key in plan.every() else ""
-        unit, factor = _SHOWN.get(si, (si, 1.0))
-        table.append((f"{key}, {unit}" if unit not in ("", "1") else key, [_value(value, factor) for value in values]))
+        factor, unit = readable(plan.find(key, "compare").unit if key in plan.every() else "")
+        table.append((f"{key}, {unit}" if unit else key, [_value(value, factor) for value in values]))
     return table
 
 
@@ -200,14 +188,19 @@ def _value(value: Any, factor: float) -> str:
 NAME = "compare"
 
 
+def _runs(comparison: Comparison) -> list[dict[str, str]]:
+    """What each run is called, and its verdict."""
+    return [
+        {"name": name, "title": results.scene.title, "headline": headline(results)}
+        for name, results in zip(comparison.names, comparison.results, strict=True)
+    ]
+
+
 def document(comparison: Comparison) -> dict[str, Any]:
     """The machine-readable result."""
     return {
         "schema_version": 1,
-        "runs": [
-            {"name": name, "title": results.scene.title, "headline": headline(results)}
-            for name, results in zip(comparison.names, comparison.results, strict=True)
-        ],
+        "runs": _runs(comparison),
         "differences": {key: list(values) for key, values in comparison.differences.items()},
         "rows": [{name: value for name, value in row.items() if name != "marks"} for row in rows(comparison)],
     }
@@ -235,14 +228,10 @@ def draw(comparison: Comparison) -> str:
 def files(comparison: Comparison) -> dict[str, str | bytes]:
     """The files beside `compare.json`."""
     figure = draw(comparison)
-    runs = [
-        {"name": name, "title": results.scene.title, "headline": headline(results)}
-        for name, results in zip(comparison.names, comparison.results, strict=True)
-    ]
     page = from_template(
         "compare.html.j2",
         result=comparison,
-        runs=runs,
+        runs=_runs(comparison),
         differences=_differences(comparison),
         heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],

@@ -221,9 +221,9 @@ def sentences(result: DesignResult) -> list[str]:
     return _phrased("reasons", result.space, result.optimum)
 
 
-def obstacle(evaluation: Evaluation) -> str:
-    """Why a design is worth nothing, in words; empty where it is worth something."""
-    return " ".join(_phrased("obstacle", evaluation.why))
+def infeasible(limit: str, share: float, nearest: Evaluation) -> str:
+    """That no design is within a limit, of which the closest one uses a share; else why none is worth anything."""
+    return " ".join(_phrased("infeasible", limit, share, nearest.why))
 
 
 def _phrased(macro: str, *values: Any) -> list[str]:

@@ -15,7 +15,6 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from workflows.errors import BadInput
-from workflows.formatting import significant
 from workflows.io import folder, provenance
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
@@ -254,28 +253,20 @@ def design(
     return DesignResult(space, optimum, constraints, best, toml, grid, response)
 
 
+_LIMITS = {"hardness": "hardness_ratio", "first yield": "yield_ratio", "mass": "mass", "thickness": "wall"}
+"""Limits, and the keys of [design] that set them."""
+
+
 def _infeasible(space: Space, nearest: Evaluation) -> BadInput:
     """Why no design satisfies the limits, from the closest one."""
-    name, share = max(nearest.used, key=lambda item: item[1], default=("", 0.0))
-    file = space.source.name
-    if share <= 1:
-        return BadInput(f"no design is feasible: {report.obstacle(nearest)}", file=file, key="[design]")
-    times = f"{significant(share)} times"
-    if name == "density":
-        problem = f"no design is feasible: the balls of the closest one are {times} as dense as osmium"
-        return BadInput(problem, file=file, key="[damper]")
-    pressed = (
-        f"the floor carries none of these balls, the best at {times} the limit of {name}; use smaller balls, or a"
-        " harder ball_material or [damper] floor_material"
-    )
-    key, problem = {
-        "hardness": ("hardness_ratio", pressed),
-        "first yield": ("yield_ratio", pressed),
-        "mass": ("mass", f"the closest one needs {times} the mass allowed"),
-        "thickness": ("wall", f"the closest one needs {times} the plate's thickness, with its walls"),
-    }[name]
+    file, (name, share) = space.source.name, max(nearest.used, key=lambda item: item[1], default=("", 0.0))
+    limit = name if share > 1 else ""
+    problem = report.infeasible(limit, share, nearest)
+    if limit not in _LIMITS:
+        return BadInput(problem, file=file, key="[damper]" if limit == "density" else "[design]")
+    key = _LIMITS[limit]
     value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
-    return BadInput(f"no design satisfies it: {problem}", file=file, key=f"[design] {key}", value=value)
+    return BadInput(problem, file=file, key=f"[design] {key}", value=value)
 
 
 def winner(space: Space, optimum: Optimum) -> SceneFile:

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.rotor import in_rpm
-from workflows.formatting import significant, whole
+from workflows.formatting import readable, significant, whole
 from workflows.io.files import as_json
 from workflows.io.folder import replacing_file
 from workflows.report import plots, templates
@@ -38,19 +37,8 @@ class Picture:
     caption: str
 
 
-_UNITS = {
-    "m": (1e3, "mm"),
-    "kg": (1e3, "g"),
-    "rad/s": (in_rpm(1.0), "rpm"),
-    "rad": (180 / math.pi, "deg"),
-    "1": (1.0, ""),
-}
-"""The units that people have for coordinates: a factor, and the unit's name."""
-
-
 def _unit(data: xr.Dataset, name: str) -> tuple[float, str]:
-    unit = str(data[name].attrs.get("units", "1"))
-    return _UNITS.get(unit, (1.0, unit))
+    return readable(str(data[name].attrs.get("units", "1")))
 
 
 def _short(name: str) -> str:
