@@ -94,7 +94,7 @@ def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(damper, "figures", measured_quickly)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def here() -> Iterator[ThreadPoolExecutor]:
     """An executor without processes."""
     with ThreadPoolExecutor(1) as executor:
