@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from fem.meshes.mesh_sequence import Planform
@@ -13,7 +14,6 @@ from workflows.effects.definition import Effect
 from workflows.errors import one_line
 from workflows.formatting import DASH, aligned, revolutions, significant
 from workflows.scene import plate_mesh
-from workflows.scene.damper import PICTURE
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import Scene
@@ -100,17 +100,16 @@ def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructu
         least, greatest, there = map(_mm, known)
         lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
     if scene.damper is not None and scene.plate is not None:
-        lines += ["", *PICTURE.splitlines()]
+        lines += ["", *_axes("plate")]
     if space is not None:
         lines += [space.described, *_seated(space, source)]
     return [f"# {line}".rstrip() for line in lines]
 
 
-_IN_SPACE = """\
-      ^ axis 1           The load presses the ball onto the cavity's floor.
-  +---|---+              cavity[0] and displacement[0] are along axis 1, cavity[1] and
-  |   o---|--> axis 2    displacement[1] along axis 2.
-  +-------+              Seen from the spin axis."""
+def _axes(name: str) -> list[str]:
+    """The picture of a damper's axes, on a plate or in space."""
+    path = Path(__file__).parents[1] / "templates" / f"axes_{name}.txt"
+    return path.read_text(encoding="utf-8").splitlines()
 
 
 def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
@@ -138,7 +137,7 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
         leaning = f"; floor's normal ({normal}), {angle:.2g}° from the load, which pulls the ball along the floor"
     return [
         "",
-        *_IN_SPACE.splitlines(),
+        *_axes("space"),
         f"Place ({place}) mm, {seated.how}; load along ({load}){leaning}",
         f"Axis 1 ({first}), axis 2 ({second})",
         f"At {revolutions([min(source.scene.rotor.speeds)])}, without the ball:",

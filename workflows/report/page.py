@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from workflows import formatting
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
 from workflows.io.folder import check, replacing, replacing_file
@@ -102,7 +101,6 @@ def render(results: Results, drawings: Drawings) -> str:
         results=results,
         scene=results.scene,
         answer=verdict.answer(results),
-        thick=_thick(results),
         held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
         carrier=remarks.carrier(results),
         assumptions=remarks.assumptions(results),
@@ -127,41 +125,13 @@ def render(results: Results, drawings: Drawings) -> str:
         shown=next((p for p in results.speeds if p.damper and p.damper.history), None),
         playing=data(results) if drawings.figures["path"] else "",
         playing_script=script("player.js"),
-        stretch=_stretch(results),
+        way_shown=figures.path_shown(results),
         shape=None if shape is None else base64.b64encode(shape).decode(),
         shape_point=results.speeds[middle_speed(results.speeds)] if results.surface is not None else None,
         view=drawings.view,
         script=script("viewer.js"),
         **drawings.figures,
     )
-
-
-def _thick(results: Results) -> str:
-    """How thick the plate is, in words: one thickness, or the least and the greatest."""
-    plate, surface = results.scene.plate, results.surface
-    if plate is None:
-        return ""
-    if isinstance(plate.thickness, float):
-        return f"{formatting.significant(1e3 * plate.thickness)} mm thick"
-    if surface is None or surface.thickness is None:
-        return "its thickness varies"
-    low, high = (formatting.significant(1e3 * float(end)) for end in (surface.thickness.min(), surface.thickness.max()))
-    return f"{low} to {high} mm thick"
-
-
-def _stretch(results: Results) -> dict[str, Any] | None:
-    """What the figure of the ball's path says of the stretch that it shows; None without one."""
-    shown_path = figures.path_shown(results)
-    if shown_path is None:
-        return None
-    path, point = shown_path
-    begin, end = (float(path.t[k]) for k in (0, -1))
-    return {
-        "point": point,
-        "cycles": (end - begin) * figures.frequency(point),
-        "begin": 1e3 * begin,
-        "hits": path.kind.count("hit"),
-    }
 
 
 def _row(results: Results, point: SpeedPoint) -> dict[str, Any]:

@@ -172,16 +172,6 @@ class Release(Table):
 _FOIL = 1e-5 * 1000.0
 """Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
 
-PICTURE = """\
-  z, bending                       The plate's axes: x outwards along the radius,
-  ^   +----------------------+     y across, z through the thickness.
-  |   |       +-----+        |     [damper] at is a place (x, y) on the plate.
-  |   |       |  o  |        |     The damper's axes lie in the cavity's floor:
-  |   +-------+-----+--------+     1 along z (bending): cavity[0], displacement[0]
-  +----------------------> y       2 along y (across):  cavity[1], displacement[1]
-  the plate's section at the damper, seen along x; the load presses the ball o outwards, on the floor"""
-"""How plate and damper lie to each other, for `spindamp check`."""
-
 
 def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] | None:
     """Side 1 leaves a wall on either side of it."""
