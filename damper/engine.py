@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel, part
+from damper.compiled import fused, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, spin_after, travel
 from damper.impacts import let_go, read, resolve
@@ -131,7 +131,7 @@ def _twice_the_energy(it: Record, time: float) -> float:
     return twice
 
 
-@part
+@fused
 def _speed(it: Record, time: float) -> tuple[float, float]:
     """Square of the cavity's speed at a time, and half its rate.
 
