@@ -15,7 +15,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.io import serialise
-from workflows.report.page import sentences
+from workflows.report.templates import sentences
 from workflows.scene.load import SHIPPED, load, parse
 from workflows.solve.results import Damping
 from workflows.studies.sweep import evaluate, report, sensitivity, study
