@@ -16,6 +16,7 @@ than the norm of what it does to all of them together (Weyl), whatever their mix
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -214,12 +215,18 @@ def bent(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...]
 
 def _at(flat: Operators, large: Operators, omega: float, count: int) -> Bent | None:
     wanted = min(count + BEYOND, flat.mass.shape[0])
-    before, (state, after) = _flat(flat, omega, wanted), _about(large, omega, wanted)
+    before = state = after = None
+    with suppress(Divergence):
+        before = solve_modes(flat, omega, wanted)
+    with suppress(Divergence, NoEquilibrium):
+        state = settle(large, omega, converged=STATE_ENOUGH)[0]
+        after = solve_real(large, omega, tangent(large, omega, state), wanted, tolerance=STATE_ENOUGH)
     if before is None and after is None:
         return None
-    if before is None or after is None:
-        return Bent(omega, *_size(large, state), np.full(count, np.inf))
-    return Bent(omega, *_size(large, state), _apart(before, after, large.mass)[:count])
+    shifts = np.full(count, np.inf)
+    if before is not None and after is not None:
+        shifts = _apart(before, after, large.mass)[:count]
+    return Bent(omega, *_size(large, state), shifts)
 
 
 def _apart(before: Modes, after: Modes, mass: csc_array) -> Array:
@@ -245,24 +252,6 @@ def _apart(before: Modes, after: Modes, mass: csc_array) -> Array:
 def _repelled(gaps: Array, coupling: Array) -> Array:
     """By how much two values with a gap (n,) part when they are coupled (n,)."""
     return np.asarray(np.hypot(0.5 * gaps, coupling) - 0.5 * gaps)
-
-
-def _flat(operators: Operators, omega: float, count: int) -> Modes | None:
-    try:
-        return solve_modes(operators, omega, count)
-    except Divergence:
-        return None
-
-
-def _about(operators: Operators, omega: float, count: int) -> tuple[Array | None, Modes | None]:
-    try:
-        state = settle(operators, omega, converged=STATE_ENOUGH)[0]
-    except NoEquilibrium:
-        return None, None
-    try:
-        return state, solve_real(operators, omega, tangent(operators, omega, state), count, tolerance=STATE_ENOUGH)
-    except Divergence:
-        return state, None
 
 
 def _size(operators: Operators, state: Array | None) -> tuple[float, float]:
