@@ -110,8 +110,9 @@ def _uncoupled(operators: Operators) -> list[NDArray[np.bool_]]:
     """Which unknowns (n,) belong to each of the parts that no matrix couples."""
     from scipy.sparse.csgraph import connected_components
 
-    matrices = (operators.stiffness, operators.mass, operators.spinning, operators.gyroscopic)
-    coupled = sum(abs(matrix) for matrix in matrices if matrix is not None)
+    coupled: csc_array = abs(operators.stiffness) + abs(operators.mass) + abs(operators.spinning)
+    if operators.gyroscopic is not None:
+        coupled = coupled + abs(operators.gyroscopic)
     coupled.eliminate_zeros()
     count, part = connected_components(coupled, directed=False)
     return [part == number for number in range(count)]
