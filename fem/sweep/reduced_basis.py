@@ -195,15 +195,10 @@ def _project(
 
 def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
     """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
-    linked = (gram[:r] != 0.0).reshape(r, -1, r).any(axis=1) | np.eye(r, dtype=bool)
-    groups, left = [], np.arange(r)
-    while left.size:
-        group = linked[left[0]]
-        while (wider := linked[group].any(axis=0)).sum() > group.sum():
-            group = wider
-        groups.append(np.flatnonzero(group))
-        left = left[~group[left]]
-    return tuple(groups)
+    from scipy.sparse.csgraph import connected_components
+
+    count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
+    return tuple(np.flatnonzero(group == number) for number in range(count))
 
 
 def _symmetric(matrix: Array) -> Array:
