@@ -187,6 +187,7 @@ def _check_volumes(kind: str, corners: Array) -> None:
     sizes = cell(straight).sizes(corners[:, : len(ends)], ends)
     bad = (sizes < -FLAT * np.abs(sizes).max(axis=1, keepdims=True)).any(axis=1)
     bad |= ~(cell(kind).sizes(corners, _inside(kind)) > 0.0).all(axis=1)
+    bad |= _folded(kind, corners, len(ends))
     if bad.any():
         first = int(np.flatnonzero(bad)[0])
         x, y, z = corners[first].mean(axis=0)
@@ -196,6 +197,37 @@ def _check_volumes(kind: str, corners: Array) -> None:
             f" {z:.6g}) m"
         )
 
+
+def _folded(kind: str, nodes: Array, corners: int) -> NDArray[np.bool_]:
+    """Cells (ncell,) with a node between corners that is not there, or with one face turned against the others.
+
+    Around a face that is turned all are twisted; half of those with four corners count, where a distorted cell may have
+    two of six.
+    """
+    folded, twisted = np.zeros(len(nodes), dtype=bool), np.zeros(len(nodes), dtype=np.int64)
+    for ring in cell(kind).faces:
+        middles = [number for number in ring if number >= corners]
+        at = nodes[:, [number for number in ring if number < corners]]
+        ahead = np.roll(at, -1, axis=1) - at
+        if middles:
+            off = np.linalg.norm(nodes[:, middles] - at - 0.5 * ahead, axis=2)
+            folded |= (off > BULGE * np.linalg.norm(ahead, axis=2)).any(axis=1)
+        normals = np.cross(np.roll(ahead, 1, axis=1), ahead)
+        sizes = np.linalg.norm(normals, axis=2)
+        sharp = sizes > SLIVER * sizes.max(axis=1, keepdims=True)
+        along = np.einsum("cka,cla->ckl", normals, normals) < WARP * sizes[:, :, None] * sizes[:, None, :]
+        twisted += (along & sharp[:, :, None] & sharp[:, None, :]).any(axis=(1, 2))
+    quads = sum(len(ring) % 4 == 0 for ring in cell(kind).faces)
+    return folded | ((twisted > 0) & (2 * twisted + 1 >= quads))
+
+
+BULGE = 0.6
+"""Distance of a node from the middle between two corners, relative to theirs, beyond which it is that of another edge;
+in a half circle it is 0.5."""
+
+WARP, SLIVER = 0.0, 0.1
+"""Cosine of the angle between the normals at two corners of a face below which the face is twisted; and the area at a
+corner, relative to the face's largest, from which it has a normal."""
 
 FLAT = 1e-6
 """Volume at a corner relative to the largest of its cell, negative, up to which the corner counts as flat."""

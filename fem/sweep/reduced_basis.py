@@ -2,10 +2,11 @@
 
 The matrices are affine: K(Omega) = K_r + (Omega² - Omega_r²) K_1, with one factor, at a reference speed r. The
 basis V, orthonormal in K_r, starts with the modes there; in the axes of K_1 the small stiffness is diagonal at every
-speed, so that the lowest frequencies keep their digits however stiff the highest. Everything a residual can be
-made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors in K_r, dual
-norms of residuals cost r³ at any speed. New vectors are the dominant parts of the
-residuals' own representers.
+speed, so that the lowest frequencies keep their digits however stiff the highest. Unknowns that no matrix couples, as
+those in the plane of a flat plate and out of it, share no vector: each group of vectors is solved by itself. Everything
+a residual can be made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V); with the Gram matrix of these vectors
+in K_r, dual norms of residuals cost r³ at any speed. New vectors are the dominant parts of the residuals' own
+representers.
 
 It grows until it answers every speed of a range within a tolerance. Trained at a few speeds, it takes in the
 representers of the residuals there until the bounds meet the tolerance, and is then tried at all speeds. Where no gap
@@ -40,7 +41,8 @@ class ReducedBasis:
         images: K_r V, M V, K_1 V and with Coriolis G V.
         representers: K_r^-1 K_1 V, K_r^-1 M V and K_r^-1 G V.
         mass, coriolis: V'M V and V'G V.
-        stretches: eigenvalues (r,) of V'K_1 V, ascending, and axes (r, r) its eigenvectors.
+        groups: numbers of the vectors that are coupled with one another.
+        stretches: eigenvalues (r,) of V'K_1 V, and axes (r, r) its eigenvectors, both group by group.
         gram: (b r, b r), of V and the representers in K_r.
         outside: of the representers' parts outside V.
         known: lowest omega_n² (rad²/s²) of K_r, the last of them the least outside V.
@@ -54,6 +56,7 @@ class ReducedBasis:
     representers: tuple[Array, ...]
     mass: Array
     coriolis: Array | None
+    groups: tuple[NDArray[np.int64], ...]
     stretches: Array
     axes: Array
     gram: Array
@@ -86,14 +89,38 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
     """
     empty = np.empty((modes.shapes.shape[0], 0))
     shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
-    block, energy, _, coupling = orthonormal(shapes, empty, empty, stiffness)
-    back = polar(coupling)[0]  # to the modes: in a mixture the large representer of a soft one drowns a stiff one's
-    block, energy = block @ back, energy @ back
+    blocks = []
+    for part in _uncoupled(operators):
+        own = np.where(part[:, None], shapes, 0.0)
+        own = own[:, np.einsum("nk,nk->k", own, stiffness @ own) > LEAST_PART]
+        block, energy, _, coupling = orthonormal(own, empty, empty, stiffness)
+        # back to the modes: in a mixture the large representer of a soft one drowns a stiff one's
+        back = polar(coupling[:, : len(coupling)])[0]
+        blocks.append((block @ back, energy @ back))
+    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     images, representers = _columns(operators, modes, block, energy)
     return _project(operators, modes, block, images, representers, _uncertain(stiffness, block))
 
 
-def enrich(operators: Operators, stiffness: csc_array, modes: Modes, basis: ReducedBasis, more: Array) -> ReducedBasis:
+LEAST_PART = 1e-3
+"""Energy of a mode among unknowns of a part, relative to the mode's, from which it is not what the iteration left."""
+
+
+def _uncoupled(operators: Operators) -> list[NDArray[np.bool_]]:
+    """Which unknowns (n,) belong to each of the parts that no matrix couples."""
+    from scipy.sparse.csgraph import connected_components
+
+    coupled: csc_array = abs(operators.stiffness) + abs(operators.mass) + abs(operators.spinning)
+    if operators.gyroscopic is not None:
+        coupled = coupled + abs(operators.gyroscopic)
+    coupled.eliminate_zeros()
+    count, part = connected_components(coupled, directed=False)
+    return [part == number for number in range(count)]
+
+
+def enrich(
+    operators: Operators, stiffness: csc_array, modes: Modes, basis: ReducedBasis, more: list[Array]
+) -> ReducedBasis:
     """A basis with more vectors.
 
     Args:
@@ -101,9 +128,10 @@ def enrich(operators: Operators, stiffness: csc_array, modes: Modes, basis: Redu
         stiffness: K_r, shape (n, n) [N/m].
         modes: with which the basis began.
         basis: to which vectors are added.
-        more: the vectors, shape (n, k).
+        more: the vectors (n, k) of each group.
     """
-    block, energy, _, _ = orthonormal(more, basis.vectors, basis.images[0], stiffness)
+    blocks = [orthonormal(each, basis.vectors, basis.images[0], stiffness)[:2] for each in more]
+    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     fresh = _columns(operators, modes, block, energy)
     images, representers = (
         tuple(np.hstack(pair) for pair in zip(old, new, strict=True))
@@ -144,7 +172,9 @@ def _project(
     gram = _symmetric(span.T @ np.hstack([energy, spinning, heavy, *turning]))
     outside = gram[r:, r:] - gram[r:, :r] @ gram[:r, r:]
     left = representers[0] - vectors @ gram[:r, r : 2 * r]
-    stretches, axes = np.linalg.eigh(gram[:r, r : 2 * r])
+    groups, stretches, axes = _groups(gram, r), np.empty(r), np.zeros((r, r))
+    for group in groups:
+        stretches[group], axes[np.ix_(group, group)] = np.linalg.eigh(gram[:r, r : 2 * r][np.ix_(group, group)])
     return ReducedBasis(
         reference=modes.omega,
         vectors=vectors,
@@ -152,6 +182,7 @@ def _project(
         representers=representers,
         mass=_symmetric(vectors.T @ heavy),
         coriolis=vectors.T @ turning[0] if turning else None,
+        groups=groups,
         stretches=stretches,
         axes=axes,
         gram=gram,
@@ -160,6 +191,14 @@ def _project(
         stretch_outside=SAFETY * max(map(abs, _extremes(left.T @ (operators.spinning @ left), outside[:r, :r]))),
         rounding=uncertain,
     )
+
+
+def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
+    """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
+    from scipy.sparse.csgraph import connected_components
+
+    count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
+    return tuple(np.flatnonzero(group == number) for number in range(count))
 
 
 def _symmetric(matrix: Array) -> Array:
@@ -181,54 +220,60 @@ LEAST = float(np.finfo(float).eps)
 """What counts as no stiffness; a speed that leaves less has no lowest frequency."""
 
 
-def still(basis: ReducedBasis, omega: Array, count: int) -> tuple[Array, Array]:
-    """Modes within the basis, without Coriolis forces.
+def modes_within(basis: ReducedBasis, omega: Array, count: int, coriolis: Array | None) -> tuple[Array, NDArray[Any]]:
+    """Modes within the basis, group by group.
 
     Args:
         basis: of r vectors.
         omega: speeds (k,) [rad/s].
         count: number of modes.
+        coriolis: V'G V, shape (r, r); None: without Coriolis forces.
 
     Returns:
-        Circular frequencies (k, count) [rad/s], and mass-normalised vectors (k, r, count).
+        Circular frequencies (k, count) [rad/s], ascending, and mass-normalised vectors (k, r, count), complex with
+        Coriolis forces.
     """
-    soft = _softness(basis, omega)
-    mass = basis.axes.T @ basis.mass @ basis.axes
+    rates, rows, soft = [], [], _softness(basis, omega)
+    for group in basis.groups:
+        own = np.ix_(group, group)
+        axes = basis.axes[own]
+        mass, alone = axes.T @ basis.mass[own] @ axes, soft[:, group]
+        if coriolis is None or not coriolis[own].any():
+            values, vectors = _still(alone, mass, count)
+        else:
+            values, vectors = _turning(alone, mass, omega[:, None, None] * (axes.T @ coriolis[own] @ axes), count)
+        turned = vectors.transpose(0, 2, 1).reshape(-1, group.size) @ axes.T  # one product, not k
+        row = np.zeros((*values.shape, basis.size), dtype=float if coriolis is None else complex)
+        row[:, :, group] = turned.reshape(*values.shape, -1)
+        rates.append(values)
+        rows.append(row)
+    every = np.concatenate(rates, axis=1)
+    order = every.argsort(axis=1)[:, :count]
+    chosen = np.take_along_axis(np.concatenate(rows, axis=1), order[:, :, None], axis=1)
+    return np.take_along_axis(every, order, axis=1), chosen.transpose(0, 2, 1)
+
+
+def _still(soft: Array, mass: Array, count: int) -> tuple[Array, Array]:
+    """Frequencies (k, q) and vectors (k, r, q) along the axes by the softness (k, r) and the mass (r, r) in them."""
     values, vectors = np.linalg.eigh(soft[:, :, None] * mass * soft[:, None, :])
     rates = _inverse(values[:, : -count - 1 : -1]) ** 0.5
-    return rates, _turned(basis, soft[:, :, None] * vectors[:, :, : -count - 1 : -1] * rates[:, None, :])
+    return rates, soft[:, :, None] * vectors[:, :, : -count - 1 : -1] * rates[:, None, :]
 
 
-def turning(basis: ReducedBasis, coriolis: Array, omega: Array, count: int) -> tuple[Array, NDArray[Any]]:
-    """Modes within the basis, with Coriolis forces.
-
-    Args:
-        basis: of r vectors.
-        coriolis: V'G V, shape (r, r).
-        omega: speeds (k,) [rad/s].
-        count: number of modes.
-
-    Returns:
-        Circular frequencies (k, count) [rad/s], and mass-normalised complex vectors (k, r, count).
-    """
-    r, soft = basis.size, _softness(basis, omega)
-    squares, directions = np.linalg.eigh(basis.axes.T @ basis.mass @ basis.axes)
+def _turning(soft: Array, mass: Array, coriolis: Array, count: int) -> tuple[Array, NDArray[Any]]:
+    """The same with Coriolis forces, Omega A'V'G V A (k, r, r) along the axes A."""
+    k, r = soft.shape
+    squares, directions = np.linalg.eigh(mass)
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
-    gyroscopic = soft[:, :, None] * (basis.axes.T @ coriolis @ basis.axes) * soft[:, None, :]
-    state = np.zeros((omega.size, 2 * r, 2 * r), dtype=complex)
-    state[:, :r, :r] = -1j * omega[:, None, None] * gyroscopic
+    state = np.zeros((k, 2 * r, 2 * r), dtype=complex)
+    state[:, :r, :r] = -1j * soft[:, :, None] * coriolis * soft[:, None, :]
     state[:, r:, :r] = root * soft[:, None, :]
     state[:, :r, r:] = state[:, r:, :r].transpose(0, 2, 1)
+    count = min(count, r)
     values, vectors = np.linalg.eigh(state)
     rates, vectors = _inverse(values[:, : -count - 1 : -1]), vectors[:, :, : -count - 1 : -1]
     speeds = np.linalg.norm(vectors[:, r:], axis=1)
-    return rates, _turned(basis, soft[:, :, None] * vectors[:, :r] * (rates / speeds)[:, None, :])
-
-
-def _turned(basis: ReducedBasis, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Coordinates (k, r, q) in the basis of vectors given along the axes; one product, not k."""
-    rows = vectors.transpose(0, 2, 1)
-    return np.asarray((rows.reshape(-1, basis.size) @ basis.axes.T).reshape(rows.shape).transpose(0, 2, 1))
+    return rates, soft[:, :, None] * vectors[:, :r] * (rates / speeds)[:, None, :]
 
 
 def _softness(basis: ReducedBasis, omega: Array) -> Array:
@@ -286,10 +331,7 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
         wanted: number of modes that bounds are wanted for.
     """
     q = min(basis.known.size, basis.size) - 1
-    if basis.coriolis is None:
-        rates, vectors = still(basis, omega, q + 1)
-    else:
-        rates, vectors = turning(basis, basis.coriolis, omega, q + 1)
+    rates, vectors = modes_within(basis, omega, q + 1, basis.coriolis)
     above = np.minimum(rates[:, wanted:], np.sqrt(basis.known[wanted : q + 1]))
     last = wanted + (above / rates[:, wanted - 1 : q]).argmax(axis=1)
     gap = _gap(basis, omega, rates, last)
@@ -339,7 +381,7 @@ def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64
     return np.where(gap > below, gap, 0.0)
 
 
-def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, tolerance: float) -> Array:
+def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, tolerance: float) -> list[Array]:
     """The fewest vectors that hold the residuals' representers K_r^-1 r of the wanted modes.
 
     Args:
@@ -349,16 +391,21 @@ def representatives(basis: ReducedBasis, modes: ReducedModes, wanted: int, toler
         tolerance: on the sum of the squares of what the vectors leave out, relative to the modes.
 
     Returns:
-        Vectors (n, m).
+        Vectors (n, m) of each group that has any.
     """
     coefficients = _coefficients(basis, modes.omega, modes.rates, modes.vectors)[:, :wanted]
     size = np.sqrt(2.0) * modes.rates[:, :wanted, None]
     flat = (coefficients / size).reshape(-1, coefficients.shape[2]).T
     flat = np.hstack([flat.real, flat.imag]) if np.iscomplexobj(flat) else flat
-    weights, directions = np.linalg.eigh(flat.T @ basis.gram @ flat)
-    keep = np.cumsum(np.maximum(weights, 0.0)) > tolerance
-    span = np.hstack([basis.vectors, *basis.representers])
-    return np.asarray(span @ (flat @ directions[:, keep]))
+    span, parts = np.hstack([basis.vectors, *basis.representers]), []
+    for group in basis.groups:
+        own = np.where(np.isin(np.arange(len(flat)) % basis.size, group)[:, None], flat, 0.0)
+        weights, directions = np.linalg.eigh(own.T @ basis.gram @ own)
+        parts.append((np.maximum(weights, 0.0), own @ directions))
+    every = np.sort(np.concatenate([weights for weights, _ in parts]))
+    least = every[np.searchsorted(every.cumsum(), tolerance, side="right") :].min(initial=np.inf)
+    more = [span @ directions[:, weights >= least] for weights, directions in parts]
+    return [each for each in more if each.size]
 
 
 def _coefficients(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> NDArray[Any]:
@@ -549,9 +596,9 @@ def grow(
             solve_real(operators, worst, operators.at(worst), count)
         finest = AIM * tolerance / (2 * count)
         more = representatives(basis, trial, count, finest)
-        if more.shape[1] == 0:  # the mode above the wanted ones may stand in the way of their bounds
+        if not more:  # the mode above the wanted ones may stand in the way of their bounds
             more = representatives(basis, trial, count + 1, finest)
-        if more.shape[1] == 0 or more.shape[1] + basis.size > known + LARGEST:
+        if not more or sum(each.shape[1] for each in more) + basis.size > known + LARGEST:
             break
         basis = enrich(operators, stiffness, modes, basis, more)
     gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
@@ -582,7 +629,7 @@ def _shared_damping(
     basis: ReducedBasis, coriolis: Array, omega: Array, rates: Array, vectors: NDArray[Any], ratio: float
 ) -> Array:
     """Damping ratios (k, count) to first order: x' C x / (2 w x' M x - i Omega x' G x) for C = 2 ratio K^(1/2)."""
-    own, shapes = still(basis, omega, basis.size)
+    own, shapes = modes_within(basis, omega, basis.size, None)
     along = np.abs(shapes.transpose(0, 2, 1) @ basis.mass @ vectors) ** 2
     lost = 2.0 * ratio * np.einsum("kr,krc->kc", own, along)
     turning = np.einsum("krc,rs,ksc->kc", vectors.conj(), coriolis, vectors, optimize=True)

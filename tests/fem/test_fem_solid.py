@@ -2,7 +2,7 @@
 
 import csv
 from dataclasses import replace
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -423,6 +423,10 @@ def broken():
     corner_alone[3, [6, 7]] = cells[3, [7, 6]]
     end = wedges.cells[0][1].copy()
     end[5, [3, 4]] = end[5, [4, 3]]
+    turned, around, exchanged = cells.copy(), wedges.cells[0][1].copy(), cells.copy()
+    turned[2, [4, 5, 6, 7, 12, 13, 14, 15]] = cells[2, [5, 6, 7, 4, 13, 14, 15, 12]]
+    around[6, [3, 4, 5, 9, 10, 11]] = around[6, [4, 5, 3, 10, 11, 9]]
+    exchanged[1, [3, 19]] = cells[1, [19, 3]]
     coarse, fine = box("hexahedron20", (1, 1, 1)), box("hexahedron20", (1, 2, 2))
     both = np.vstack([coarse.points, np.add(fine.points, [1.0, 0.0, 0.0])])
     _, first, number = np.unique(np.round(both, 9), axis=0, return_index=True, return_inverse=True)
@@ -439,6 +443,9 @@ def broken():
         ),
         "corners swapped, middles kept": (points, ((kind, corner_alone),), "1 of 8 hexahedron20 cells .*number 4"),
         "corners of a wedge swapped": (wedges.points, (("wedge15", end),), "1 of 16 wedge15 cells .*number 6"),
+        "face turned": (points, ((kind, turned),), "1 of 8 hexahedron20 cells .*number 3"),
+        "face of a wedge turned": (wedges.points, (("wedge15", around),), "1 of 16 wedge15 cells .*number 7"),
+        "corner and middle swapped": (points, ((kind, exchanged),), "1 of 8 hexahedron20 cells .*number 2"),
         "flat": (level, ((kind, cells),), "nodes lie in one place"),
         "flat cell": (tetra, (("tetra", np.arange(4)[None]),), "1 of 1 tetra cells are inverted, flat"),
         "another order of nodes": (points, ((kind, swapped),), "8 of 8 hexahedron20 cells are inverted"),
@@ -453,6 +460,27 @@ def broken():
         "missing node": (points, ((kind, beyond),), "names a node"),
         "loose node": (np.vstack([points, [[9.0, 9.0, 9.0]]]), ((kind, cells),), "1 nodes belong to no cell"),
     }
+
+
+@pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "wedge", "wedge15", "tetra10"])
+def test_distorted_cells_are_taken(kind):
+    """Corners moved by up to a quarter of an edge; all turns of a face and all swaps of two nodes are refused."""
+    box(kind, (3, 3, 3), distorted=0.25)
+    made = box(kind, (3, 3, 3), distorted=0.1)
+    cells = made.cells[0][1]
+    corners = len(cell(next(name for name in FIRST_ORDER if kind.startswith(name))).nodes)
+    orders = [{a: b, b: a} for a, b in combinations(range(cells.shape[1]), 2)]
+    for ring in cell(kind).faces if kind != "tetra10" else ():
+        around = [[n for n in ring if n < corners], [n for n in ring if n >= corners]]
+        orders += [
+            {n: m for nodes in around for n, m in zip(nodes, nodes[k:] + nodes[:k], strict=True)}
+            for k in range(1, len(around[0]))
+        ]
+    for order in orders:
+        broken_cells = cells.copy()
+        broken_cells[len(cells) // 2] = cells[len(cells) // 2, [order.get(k, k) for k in range(cells.shape[1])]]
+        with pytest.raises(MeshError):
+            VolumeMesh(made.points, ((kind, broken_cells),))
 
 
 @pytest.mark.parametrize("case", broken())

@@ -413,4 +413,7 @@ def test_the_scene_of_the_guide_is_read():
     (scene_of_guide,) = re.findall(r"```toml\n(.*?)```", text, flags=re.S)
     source = SceneFile(parse(tomllib.loads(scene_of_guide)), "guide", folder)
     blade = blade_of(source)
-    assert in_words(source, blade) == ("256 hexahedron20 cells of fan_blade.inp, 4608 unknowns, 69 nodes held")
+    assert in_words(source, blade) == (
+        "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, from a radius of 100 mm at the"
+        " root to 341 mm at the tip, 4608 unknowns, 69 nodes held"
+    )

@@ -7,6 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fem.meshes.mesh_sequence import Planform
 from fem.meshes.planform import clamped_length
 from workflows import versions
@@ -94,6 +96,8 @@ def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructu
     root_text = "root" if scene.plate is not None and scene.plate.root is not None else "clamped root"
     inner = "" if root is None else f"{_mm(root)} at the {root_text}, "
     lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
+    if (mesh := _mesh(form)) is not None:
+        lines.append("Plate: {} long, {} wide".format(*map(_mm, np.ptp(mesh.p, axis=1))))
     if (length := _root_length(source, form)) is not None:
         lines.append(f"{root_text[0].upper()}{root_text[1:]}: {_mm(length)} long")
     if (known := _varying(source, form)) is not None:

@@ -140,7 +140,9 @@ def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
     kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
     name = source.scene.plate.mesh if source.scene.plate else source.mesh
     parts = "" if size == 1 else f", each edge split in {size}"
-    return f"{mesh.t.shape[1]} {kind} from {name}{parts}, root of {1e3 * clamped_length(mesh):.6g} mm"
+    length, width = 1e3 * np.ptp(mesh.p, axis=1)
+    size_in_words = f"{length:.4g} × {width:.4g} mm, root of {1e3 * clamped_length(mesh):.6g} mm"
+    return f"{mesh.t.shape[1]} {kind} from {name}{parts}, {size_in_words}"
 
 
 def given_place(scene: Scene) -> tuple[float, float] | None:

@@ -205,14 +205,18 @@ def blade_of(source: SceneFile) -> Blade:
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:
-    """The mesh of a blade: what it is made of, and how much of it is held; who solves it, where not SuperLU."""
+    """The mesh of a blade: what it is made of, its extents, what of it is held; who solves it, where not SuperLU."""
     from fem.linalg import has_pardiso
 
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
     unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
     name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
     by = ", solved by PARDISO" if has_pardiso() else ""
-    return f"{cells} cells{name}, {unknowns} unknowns, {blade.root.size} nodes held{by}"
+    points, (x, y, z) = blade.mesh.points, (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
+    radii = np.linalg.norm((points - blade.origin) @ blade.projector, axis=1)
+    root, tip = (significant(1e3 * float(radius)) for radius in (radii[blade.root].min(), radii.max()))
+    extents = f"{x} × {y} × {z} mm along x, y and z, from a radius of {root} mm at the root to {tip} mm at the tip"
+    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.root.size} nodes held{by}"
 
 
 def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:
