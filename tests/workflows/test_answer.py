@@ -453,7 +453,7 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     found = workflows.run(scene)
     verdict = answer(found).verdict
     assert verdict.startswith("Of little use: at most ")
-    assert "; the ball is locked at 37000 rpm (300255 g); no verdict from " in verdict
+    assert "; the balls are locked at 37000 rpm (300255 g); no verdict from " in verdict
     assert "no verdict from 38000 rpm on: the mean centrifugal stress at the root, 2490 MPa, exceeds" in verdict
     assert "38000" not in " ".join(answer(found).sentences)
     assert [limits.is_torn(found, point) for point in found.speeds] == [False, False, True]
