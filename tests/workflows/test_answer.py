@@ -443,6 +443,20 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
     assert answer(results(count="64")).verdict.startswith("Of little use: at most ")
 
 
+def test_printed_equations_say_nothing_of_engine_orders(paper: Scene) -> None:
+    """Orders 2 and 3 meet modes within the speeds, but the printed equations know no force."""
+    said = answer(workflows.run(changed(paper, damper__formulation="printed", release__cycles=2)))
+    assert said.verdict == "No verdict: the equations as printed do not conserve energy"
+    assert not any("ngine order" in each for each in said.sentences)
+
+
+def test_a_ball_that_dissipates_nothing_moves(paper: Scene) -> None:
+    nothing = {"damper__restitution": 1, "damper__friction": 0, "damper__rolling_friction": 0, "excitation": None}
+    found = workflows.run(changed(paper, rotor__speeds=["3500 rpm"], release__cycles=2, **nothing))
+    assert answer(found).verdict == "No: the ball dissipates nothing"
+    assert not any("never moves" in note for note in found.notes)
+
+
 def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     """The paper's plate bears ρ Ω² L²/2 on average: 527 MPa at 17500 rpm, 2475 MPa at 37923."""
     scene = changed(paper, rotor__speeds=["3500 rpm", "37000 rpm", "38000 rpm"], release__cycles=2)

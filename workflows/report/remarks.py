@@ -22,7 +22,7 @@ from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
-from workflows.solve.results import Damping, ErrorParts, Reduced, Results, SpeedPoint
+from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint
 
 if TYPE_CHECKING:
     from damper.contact import Contact
@@ -426,6 +426,7 @@ def level_floor(results: Results) -> Values:
         (ratio, d.cutoff_ratio)
         for p, _, d in ring_downs(results)
         if p.damping_curve and (ratio := p.damping_curve.tilted_cutoff_ratio) is not None and p.load_g > 0
+        if p.verdict is None or p.verdict.reason != Reason.LOSSLESS  # which moves, and has no cut-off
     ]
     tilted = [ratio for ratio, _ in pairs if not math.isnan(ratio)]
     level = [ratio for _, ratio in pairs if ratio is not None]

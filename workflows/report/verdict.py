@@ -347,7 +347,7 @@ def of_orders(results: Results) -> list[str]:
 def _orders(results: Results) -> list[list[str]]:
     """The same, sentence by sentence."""
     excitation = results.scene.excitation
-    if excitation is None or results.scene.damper is None or not results.speeds:
+    if excitation is None or results.scene.damper is None or not results.speeds or limits.is_printed(results):
         return []
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
     met = [_of_order(results, each, excitation.unit) for each in every]
