@@ -55,7 +55,8 @@ class Branch:
     Attributes:
         way: what the ball does.
         amplitude: ascending, shape (n,) [m].
-        damping_ratio: by the ball alone, shape (n,) [-]; beyond the last amplitude it falls as one over amplitude.
+        damping_ratio: by the ball alone, shape (n,) [-]; below the first amplitude it is as there, beyond the
+            last it falls as one over amplitude.
         frequency: shape (n,) [rad/s].
         range: amplitudes between which there is such a motion [m].
     """
@@ -224,7 +225,8 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
     if len(points) < 2:
         return None
     amplitude, ratio, frequency = np.array(points).T
-    return Branch(Way.ROLLS, amplitude, ratio, frequency, (float(amplitude[0]), float(amplitude[-1])))
+    begin = cutoff if cutoff < low else float(amplitude[0])  # a ball that is hardly held rolls at less, too
+    return Branch(Way.ROLLS, amplitude, ratio, frequency, (begin, float(amplitude[-1])))
 
 
 def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:

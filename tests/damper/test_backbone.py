@@ -51,6 +51,16 @@ def test_a_ball_that_rolls_to_and_fro() -> None:
     np.testing.assert_allclose(rolls.damping_ratio, 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("friction", [0.0, 1e-15])
+def test_the_least_force_moves_a_ball_that_hardly_anything_holds(friction: float) -> None:
+    """It rolls without loss: the structure with two sevenths of its mass at resonance, however small the force."""
+    damper = replace(paper(mass_ratio=0.01, damping_ratio=ZETA), rolling_friction=friction)
+    found, force = backbone(damper), np.geomspace(1e-5, 1e-1, 9)
+    omega = math.sqrt(damper.stiffness[0] / (1 + 2 / 7 * 0.01))
+    assert force[-1] / (found.dashpot * omega) < branch(found, Way.ROLLS).range[1]
+    np.testing.assert_allclose(found.peaks(force), force / (found.dashpot * omega), rtol=1e-3)
+
+
 def test_given_as_modes() -> None:
     """Any scale of the mode, its own damping, and a further one that moves the cavity little: the same answers."""
     damper = paper(damping_ratio=ZETA)
