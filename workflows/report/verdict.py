@@ -197,7 +197,9 @@ def answer(results: Results) -> Answer:
     unsure = _unsure(results)
     judged = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".removesuffix(unsure)
     judged, none, where = judged.partition("; no verdict ")
-    by_itself = f"Compared with the damping by air alone: {judged.replace(': ', ', ', 1)}{none}{where}."
+    judged, given, proviso = judged.partition(", provided ")
+    alike = f"{judged.replace(': ', ', ', 1)}{given}{proviso}{none}{where}"
+    by_itself = f"Compared with the damping by air alone: {alike}."
     estimated = _phrase("estimated", results, loose=any(each.loose for each in results.reductions))
     said = [" ".join(each) for each in (rest, *others) if each]
     return Answer(first.removesuffix(".") + unsure, (*said, estimated, by_itself, *alone.sentences))
