@@ -357,6 +357,22 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
     return vectors, heavy, column, coupling
 
 
+def forms(matrices: Array, rows: NDArray[Any]) -> Array:
+    """Quadratic forms of real symmetric matrices at vectors, complex or not.
+
+    Args:
+        matrices: shape (f, b, b).
+        rows: the vectors, shape (k, q, b).
+
+    Returns:
+        Shape (f, k, q).
+    """
+    parts = (rows.real, rows.imag) if np.iscomplexobj(rows) else (rows,)
+    flat = np.concatenate([each.reshape(-1, rows.shape[2]) for each in parts])
+    values = np.stack([np.einsum("nb,nb->n", flat, flat @ matrix) for matrix in matrices])
+    return np.asarray(values.reshape(len(matrices), len(parts), *rows.shape[:2]).sum(axis=1))
+
+
 def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
     """What double precision leaves uncertain of frequencies, relatively.
 

@@ -151,17 +151,9 @@ def displacement(operators: Operators, shapes: Array) -> Array:
     if np.ndim(shapes) not in (1, 2) or len(shapes) != operators.model.dofs:
         n = operators.model.dofs
         raise ValueError(f"shapes must be ({n},) or ({n}, count), got {np.shape(shapes)}")
-    mesh = operators.model.mesh
-    padded = np.concatenate([shapes, np.zeros((1, *shapes.shape[1:]))])
-    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]] if mesh.t.shape[0] == 4 else [[0, 0], [1, 0], [0, 1]])
-    cells = np.arange(mesh.t.shape[1])
-    moved = np.zeros((mesh.p.shape[1], 3, *shapes.shape[1:]), dtype=padded.dtype)
-    for k, space in enumerate(operators.model.spaces):
-        many = np.repeat(cells, len(corners)), np.tile(corners.T.astype(float), cells.size)
-        weights, dofs = (each.reshape(cells.size, len(corners), -1) for each in space.probe(*many))
-        moved[mesh.t, k] = np.einsum("cpd,cpd...->pc...", weights, padded[dofs])
-    moved = moved[: operators.plate.mesh.p.shape[1]]  # a model may split cells; it adds vertices at the end
-    return moved if shapes.ndim == 1 else np.moveaxis(moved, -1, 0)
+    moved = between(operators, shapes.reshape(len(shapes), -1), 1).displacement
+    moved = moved[:, : operators.plate.mesh.p.shape[1]]  # a model may split cells; it adds vertices at the end
+    return moved[0] if shapes.ndim == 1 else moved
 
 
 def modal_model(

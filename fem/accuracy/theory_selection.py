@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fem.accuracy.tolerances import Budget
 from fem.assembly import Operators, assemble
-from fem.linalg import Array
+from fem.linalg import Array, forms
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import SLOPE, of, slope
 from fem.modes import Divergence, solve_real
@@ -350,10 +350,8 @@ def over_speeds(operators: Operators, diagram: Campbell) -> Array:
         if np.iscomplexobj(part.basis):  # of one speed by itself
             errors.append(theory_errors(operators, squares[0], part.basis @ vectors[0])[None])
             continue
-        stiff, heavy = (
-            np.einsum("kri,rs,ksi->ki", vectors.conj(), rule(operators, part.basis), vectors, optimize=True).real
-            for rule in (doubt, thick)
-        )
+        rules = np.stack([rule(operators, part.basis) for rule in (doubt, thick)])
+        stiff, heavy = forms(rules, vectors.transpose(0, 2, 1))
         errors.append(stiff / squares + heavy + sloping(operators))
     return np.vstack(errors) + strained
 

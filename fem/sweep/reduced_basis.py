@@ -16,17 +16,19 @@ range is halved.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import polar
 from scipy.sparse import csc_array
 
 from fem.assembly import Operators
-from fem.linalg import Array, orthonormal, rounding
-from fem.modes import FAMILIES, Modes, share_matrices, solve_real
+from fem.linalg import Array, forms, orthonormal, rounding
+from fem.modes import Modes, share_matrices, solve_real
 
 SAFETY = 2.0
 """Factor on the largest stiffening outside the basis, which is an estimate from within."""
@@ -241,7 +243,7 @@ def modes_within(basis: ReducedBasis, omega: Array, count: int, coriolis: Array 
         if coriolis is None or not coriolis[own].any():
             values, vectors = _still(alone, mass, count)
         else:
-            values, vectors = _turning(alone, mass, omega[:, None, None] * (axes.T @ coriolis[own] @ axes), count)
+            values, vectors = _turning(alone, mass, omega, axes.T @ coriolis[own] @ axes, count)
         turned = vectors.transpose(0, 2, 1).reshape(-1, group.size) @ axes.T  # one product, not k
         row = np.zeros((*values.shape, basis.size), dtype=float if coriolis is None else complex)
         row[:, :, group] = turned.reshape(*values.shape, -1)
@@ -260,20 +262,85 @@ def _still(soft: Array, mass: Array, count: int) -> tuple[Array, Array]:
     return rates, soft[:, :, None] * vectors[:, :, : -count - 1 : -1] * rates[:, None, :]
 
 
-def _turning(soft: Array, mass: Array, coriolis: Array, count: int) -> tuple[Array, NDArray[Any]]:
-    """The same with Coriolis forces, Omega A'V'G V A (k, r, r) along the axes A."""
-    k, r = soft.shape
+def _turning(soft: Array, mass: Array, omega: Array, coriolis: Array, count: int) -> tuple[Array, NDArray[Any]]:
+    """The same with Coriolis forces, Omega times A'V'G V A (r, r) along the axes A."""
+    r = soft.shape[1]
     squares, directions = np.linalg.eigh(mass)
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
-    state = np.zeros((k, 2 * r, 2 * r), dtype=complex)
-    state[:, :r, :r] = -1j * soft[:, :, None] * coriolis * soft[:, None, :]
-    state[:, r:, :r] = root * soft[:, None, :]
-    state[:, :r, r:] = state[:, r:, :r].transpose(0, 2, 1)
-    count = min(count, r)
-    values, vectors = np.linalg.eigh(state)
-    rates, vectors = _inverse(values[:, : -count - 1 : -1]), vectors[:, :, : -count - 1 : -1]
-    speeds = np.linalg.norm(vectors[:, r:], axis=1)
+
+    def matrices(rows: Any) -> NDArray[Any]:
+        own = soft[rows]
+        state = np.zeros((len(own), 2 * r, 2 * r), dtype=complex)
+        state[:, :r, :r] = -1j * own[:, :, None] * (omega[rows, None, None] * coriolis) * own[:, None, :]
+        state[:, r:, :r] = root * own[:, None, :]
+        state[:, :r, r:] = state[:, r:, :r].transpose(0, 2, 1)
+        return state
+
+    def times(vectors: NDArray[Any]) -> NDArray[Any]:
+        moved, low = soft[:, :, None] * vectors[:, :r], vectors[:, r:]
+        dragged = -1j * omega[:, None, None] * (coriolis @ moved)
+        return np.concatenate([soft[:, :, None] * (dragged + root.T @ low), root @ moved], axis=1)
+
+    values, vectors = _largest(matrices, times, omega, min(count, r))
+    rates, speeds = _inverse(values), np.linalg.norm(vectors[:, r:], axis=1)
     return rates, soft[:, :, None] * vectors[:, :r] * (rates / speeds)[:, None, :]
+
+
+MANY = 200
+"""Matrices from which on eigenvectors are interpolated between speeds."""
+
+NODES = 24
+"""Speeds between which they are interpolated."""
+
+INTERPOLATED = 1e-10
+"""Residual, relative to the eigenvalue, up to which interpolated eigenvectors count as exact."""
+
+ORTHONORMAL = 1e-8
+"""Product of two interpolated vectors up to which one step makes them orthonormal."""
+
+
+def _largest(
+    matrices: Callable[[Any], NDArray[Any]],
+    times: Callable[[NDArray[Any]], NDArray[Any]],
+    speeds: Array,
+    count: int,
+) -> tuple[Array, NDArray[Any]]:
+    """The largest eigenvalues (k, count), descending, and vectors (k, m, count) of Hermitian matrices (k, m, m).
+
+    Of many, the space of the vectors is interpolated between a few speeds, at each speed the Ritz vectors are taken in
+    it, and matrices whose residuals show that this does not do are solved by themselves.
+
+    Args:
+        matrices: gives those of some rows.
+        times: gives the products of all with vectors (k, m, count).
+        speeds: on which they depend smoothly, (k,).
+        count: of eigenvalues.
+    """
+    if speeds.size < MANY:
+        return _topmost(matrices(slice(None)), count)
+    places = 2.0 * (speeds - speeds.min()) / np.ptp(speeds) - 1.0
+    nodes = np.unique(np.abs(places[:, None] - np.cos(np.linspace(0.0, np.pi, NODES))).argmin(axis=0))
+    spaces = _topmost(matrices(nodes), count)[1]
+    left, _, right = np.linalg.svd(spaces.conj().swapaxes(1, 2) @ spaces[len(nodes) // 2])
+    spaces = spaces @ (left @ right)  # orthonormal bases that change smoothly
+    known, wanted = (chebvander(each, len(nodes) - 1) for each in (places[nodes], places))
+    near = (np.linalg.solve(known.T, wanted.T).T @ spaces.reshape(len(nodes), -1)).reshape(-1, *spaces.shape[1:])
+    skew = near.conj().swapaxes(1, 2) @ near - np.eye(count)
+    near = near - 0.5 * near @ skew
+    moved = times(near)
+    values, turned = _topmost(near.conj().swapaxes(1, 2) @ moved, count)
+    vectors = near @ turned
+    residuals = np.linalg.norm(moved @ turned - vectors * values[:, None], axis=1) / np.abs(values)
+    exact = (residuals.max(axis=1) <= INTERPOLATED) & (np.abs(skew).max(axis=(1, 2)) <= ORTHONORMAL)
+    alone = np.flatnonzero(~exact)
+    values[alone], vectors[alone] = _topmost(matrices(alone), count)
+    return values, vectors
+
+
+def _topmost(matrices: NDArray[Any], count: int) -> tuple[Array, NDArray[Any]]:
+    """The largest eigenvalues (k, count), descending, and vectors (k, m, count), each matrix by itself."""
+    values, vectors = np.linalg.eigh(matrices)
+    return values[:, : -count - 1 : -1], vectors[:, :, : -count - 1 : -1]
 
 
 def _softness(basis: ReducedBasis, omega: Array) -> Array:
@@ -420,8 +487,7 @@ def _coefficients(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDAr
 def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray[Any]) -> Array:
     """Relative residuals rho (k, q), with what rounding leaves uncertain of them."""
     c = _coefficients(basis, omega, rates, vectors)
-    moved = (c.reshape(-1, c.shape[2]) @ basis.gram).reshape(c.shape)
-    squared = np.einsum("kqb,kqb->kq", c.conj(), moved).real
+    squared = forms(basis.gram[None], c)[0]
     lost = PRECISION * (np.abs(c) @ np.sqrt(np.maximum(np.diagonal(basis.gram), 0.0))) ** 2
     states = basis.held(omega)
     energy = rates**2
@@ -614,9 +680,7 @@ def _collect(
     damping_ratio: float,
 ) -> Swept:
     rates, vectors = solved.rates[:, :count], solved.vectors[:, :, :count]
-    rows = vectors.transpose(0, 2, 1).reshape(-1, basis.size)
-    moved = rows @ share_matrices(operators, basis.vectors)
-    shares = np.einsum("nr,fnr->fn", rows.conj(), moved).real.reshape(len(FAMILIES), -1, count).swapaxes(0, 1)
+    shares = forms(share_matrices(operators, basis.vectors), vectors.transpose(0, 2, 1)).swapaxes(0, 1)
     damping = np.full(rates.shape, damping_ratio)
     if basis.coriolis is not None and damping_ratio > 0.0:
         damping = _shared_damping(basis, basis.coriolis, solved.omega, rates, vectors, damping_ratio)

@@ -23,6 +23,7 @@ from fem import (
 )
 from fem.linalg import NotConverged, rounding
 from fem.sweep.campbell import follow
+from fem.sweep.reduced_basis import grow, modes_within
 
 TOP = rpm(17500)
 
@@ -53,6 +54,33 @@ def test_true_error_is_within_the_bound(case):
     true = np.array([solve_modes(operators, omega, 6).frequencies_hz for omega in speeds])
     assert found.bounds.max() <= 1e-6
     assert (np.abs(found.frequencies_hz / true - 1.0) <= found.bounds).all()
+
+
+GRADED = np.geomspace(1e-3, 1.0, 400)
+"""Parts of the highest speed that leave no room for interpolation between most of them."""
+
+
+@pytest.mark.parametrize("spread", [np.linspace(0.0, 1.0, 400), GRADED, np.repeat(np.linspace(0.1, 1.0, 5), 80)])
+@pytest.mark.parametrize("case", ["Coriolis", "far beyond its own stiffness", "square"])
+def test_many_speeds_have_the_modes_of_each_by_itself(case, spread):
+    """With Coriolis forces, where vectors are interpolated between speeds; through crossings and veerings."""
+    plate, rotor, effects, top = CASES[case]
+    operators = assemble(plate, replace(rotor, stagger=0.6), replace(effects, coriolis=True))
+    speeds = top * spread
+    basis = grow(operators, np.linspace(0.0, top, 20), 6, 1e-6, 1)[0]
+    rates, vectors = modes_within(basis, speeds, 8, basis.coriolis)
+    parts = [modes_within(basis, part, 8, basis.coriolis) for part in np.split(speeds, 4)]
+    np.testing.assert_allclose(rates, np.concatenate([part[0] for part in parts]), rtol=1e-12)
+    state = np.concatenate([vectors, 1j * rates[:, None] * vectors], axis=1)  # orthogonal in energy: M and K together
+    stiffness = basis.axes @ (basis.held(speeds)[:, :, None] * basis.axes.T)
+    energy = [
+        (each.conj().swapaxes(1, 2) @ weight @ each)
+        for each, weight in zip(np.split(state, 2, axis=1), (stiffness, basis.mass), strict=True)
+    ]
+    scale = np.sqrt(rates[:, :, None] * rates[:, None, :])
+    np.testing.assert_allclose(
+        sum(energy) / scale**2, np.eye(8) * np.diagonal(sum(energy) / scale**2, axis1=1, axis2=2)[:, None], atol=1e-8
+    )
 
 
 def test_bound_follows_the_tolerance():

@@ -235,8 +235,9 @@ def worst(results: Results) -> list[Worst]:
     largest: dict[int, Worst] = {}
     for point in results.speeds:
         for number, mode in enumerate(point.modes, 1):
-            whole, parts = mode.error_estimate, mode.error_parts
-            if whole is not None and parts is not None and (number not in largest or whole > largest[number].whole):
+            parts = mode.error_parts
+            whole = None if parts is None else parts.whole
+            if parts is not None and whole is not None and (number not in largest or whole > largest[number].whole):
                 largest[number] = Worst(number, whole, parts)
     return [largest[number] for number in sorted(largest)]
 

@@ -179,8 +179,8 @@ def rim_slope(scene: Scene, point: SpeedPoint) -> float:
 
 def _pressed(scene: Scene, point: SpeedPoint) -> tuple[float, float, Solid, Solid, float] | None:
     """Load [N], the ball's radius [m], ball, floor, and its radius [m]."""
-    damper, made_of = scene.damper, solids(scene)
-    if damper is None or made_of is None or point.reduced is None or point.omega == 0:
+    damper = scene.damper
+    if damper is None or point.reduced is None or point.omega == 0 or (made_of := solids(scene)) is None:
         return None
     load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.pressing
     floor = math.inf if damper.floor_radius is None else 2 / sum(1 / radius for radius in damper.floor_radius)

@@ -27,6 +27,7 @@ from workflows.scene.scene import Scene
 if TYPE_CHECKING:
     import damper
     import fem
+    from fem.output import Finer
 
 
 T = TypeVar("T")
@@ -839,54 +840,52 @@ def points(
     radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
-    count, nothing = bounds.shape[1], np.full(bounds.shape, np.nan)
-    parts = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
+    count = bounds.shape[1]
+    known = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
     if discrete.cavity is not None:
-        parts["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
-    known = {name: _known(parts.get(name, nothing)) for name in _EFFECTS}
-    known["mesh"] = _known(discrete.choice.errors_at(omega))
-    known["basis"], known["theory"] = bounds.tolist(), over_speeds(operators, diagram)[rows, :count].tolist()
+        known["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
+    known["mesh"], known["layers"] = discrete.choice.errors_at(omega), np.full(bounds.shape, discrete.layers)
+    known["basis"], known["theory"] = bounds, over_speeds(operators, diagram)[rows, :count]
+    nothing = np.full(bounds.shape, np.nan)
+    errors = map(ErrorParts, *(_known(known.get(part.name, nothing)[:, :count]) for part in fields(ErrorParts)))
     turning = operators.gyroscopic is not None
-    damping = _known(np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan))
-    families, frequencies, branches = diagram.families, diagram.frequencies_hz[rows].tolist(), diagram.branches[rows]
+    damping = np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan)
+    at_each = diagram.families
+    families = [family for row in rows for family in at_each[row][:count]]
+    branches: list[int] = diagram.branches[rows, :count].ravel().tolist()
+    frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
+    modes = tuple(map(Mode, frequencies, families, errors, _known(damping), branches))
     return tuple(
         SpeedPoint(
             omega=speed,
             rpm=rounded_rpm(speed),
             radius=radius,
             load_g=speed**2 * radius / rotor.gravity,
-            modes=tuple(
-                Mode(
-                    frequency_hz=frequencies[n][k],
-                    family=families[rows[n]][k],
-                    error_parts=ErrorParts(
-                        layers=discrete.layers, **{name: each[n][k] for name, each in known.items()}
-                    ),
-                    damping_ratio=damping[n][k],
-                    branch=int(branches[n, k]),
-                )
-                for k in range(count)
-            ),
+            modes=modes[n * count : (n + 1) * count],
         )
         for n, speed in enumerate(omega.tolist())
     )
 
 
-def _known(values: Floats) -> list[list[Any]]:
-    """Numbers (k, count) as lists, None where they are not known."""
-    return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
+def _known(values: Floats) -> list[Any]:
+    """Numbers (k, count) in one list, None where they are not known."""
+    return [each if math.isfinite(each) else None for each in values.ravel().tolist()]
 
 
 def surface(operators: fem.Operators, diagram: fem.Campbell, numbers: Sequence[int], count: int) -> Surface:
     """The mid-surface with the shapes of some of the speeds of these numbers."""
-    from fem import displacement
+    from fem.output import between
 
     shown = speeds_with_shapes(len(numbers))
     unknowns = np.hstack([_in_phase(diagram.shapes(numbers[k])[:, :count]) for k in shown])
-    shapes = np.array(displacement(operators, unknowns))
+    mesh = operators.model.mesh
+    points = mesh.t.shape[1] if mesh.t.shape[0] == 4 else mesh.t.shape[1] / 2
+    parts = max(1, min(int(np.sqrt(SMOOTH / points)), _PARTS))
+    refined = between(operators, unknowns, parts)
+    shapes = refined.displacement[:, : operators.plate.mesh.p.shape[1]].copy()
     shapes[np.abs(shapes) < _NOTHING * np.abs(shapes).max(axis=(1, 2), keepdims=True)] = 0.0
     coarse = _shaped(operators, operators.plate.mesh, shapes, shown)
-    return replace(coarse, finer=_finer(operators, unknowns, shown))
+    return coarse if parts == 1 else replace(coarse, finer=_finer(operators, refined, shown))
 
 
 def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, ...]) -> Surface:
@@ -897,19 +896,8 @@ def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, 
     return replace(bare_surface(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
 
 
-def _finer(operators: fem.Operators, unknowns: Floats, shown: tuple[int, ...]) -> Surface | None:
-    """The surface with each side of a cell in as many parts as `SMOOTH` points allow; None where that is one.
-
-    For pictures: no more digits than these show.
-    """
-    from fem.output import between
-
-    mesh = operators.model.mesh
-    points = mesh.t.shape[1] if mesh.t.shape[0] == 4 else mesh.t.shape[1] / 2
-    parts = min(int(np.sqrt(SMOOTH / points)), _PARTS)
-    if parts < 2:
-        return None
-    refined = between(operators, unknowns, parts)
+def _finer(operators: fem.Operators, refined: Finer, shown: tuple[int, ...]) -> Surface:
+    """The surface with the sides of its cells in parts, for pictures: no more digits than these show."""
     largest = np.abs(refined.displacement).max(axis=(1, 2), keepdims=True)
     step = np.ldexp(1.0, np.frexp(largest)[1] - _BITS)
     shapes = np.round(refined.displacement / step) * step + 0.0  # which has no -0
