@@ -8,6 +8,7 @@ veerings.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -153,7 +154,7 @@ class Campbell:
         """Static displacement (n,) [m] at each speed, where the deflection is large."""
         return [part.state for part in self.parts for _ in range(part.rates.shape[0])]
 
-    @property
+    @cached_property
     def families(self) -> list[list[str]]:
         """The family of every mode at every speed."""
         return [[FAMILIES[k] for k in row] for row in self.shares.argmax(axis=1)]
