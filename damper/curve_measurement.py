@@ -169,11 +169,11 @@ def _down(
     bare, none = undamped(damper), (np.zeros((0, 3)), 0.0, 0.0)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
-    if left < _BALANCED:
+    if left < _BALANCED or gap == 0:
         return nothing(math.inf), *none
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
-    if gap == 0 or (cutoff == 0 and bare.loses_nothing_in_hits):
+    if cutoff == 0 and bare.loses_nothing_in_hits:
         return nothing(cutoff), *none
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)

@@ -50,7 +50,7 @@ class DampingCurve:
         amplitude: A, ascending, shape (n,) [m].
         damping_ratio: -ln(1 - Psi) / (4 pi) at A, Psi being the share of the energy taken in a cycle, shape (n,) [-].
         cutoff: amplitude up to which the ball stays at rest in the middle, a_r / |omega_1^2 - E|, where E u is how the
-            load pulls it down the tilting floor: a_r / omega_1^2 on a level one [m].
+            load pulls it down the tilting floor: a_r / omega_1^2 on a level one [m]; inf where it fills its cavity.
         peak: largest damping ratio at a prescribed amplitude [-]; 0 where the ball dissipates nothing.
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].

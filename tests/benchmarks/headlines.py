@@ -64,11 +64,11 @@ _LESS = re.compile(
     rf"up to {_NUMBER} % less vibration at {_NUMBER} [^ ,.]+"
     rf"(?:, at least half of that between {_NUMBER} and {_NUMBER} )?"
 )
-_AT_MOST = re.compile(rf"the ball reduces the amplitude by {_NUMBER} % at most")
+_AT_MOST = re.compile(rf"the balls? reduces? the amplitude by {_NUMBER} % at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
 _IDLE = (
     ("overstressed", re.compile(r"At ([\d., and]+) \S+ the (?:root|plate) would be ")),
-    ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the ball at rest")),
+    ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the balls? at rest")),
     ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the reduction is less than half of")),
 )
 _BESIDE = re.compile(rf"At {_NUMBER} \S+ the reduction is {_NUMBER} %")

@@ -324,8 +324,8 @@ def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(br
     """Its frequency at another is not known."""
     source = on_bricks(bricks, 'rolling_friction = "0.02 mm"', 'rolling_friction = "1 mm"')
     verdict, (first, *_) = (found := answer(pipeline.run(source))).verdict, found.sentences
-    assert verdict == "No: the ball never moves"
-    assert "it would move with a rolling friction below" in first
+    assert verdict == "No: the balls never move"
+    assert "they would move with a rolling friction below" in first
     assert "rpm (" not in first
 
 

@@ -3,16 +3,18 @@
 import csv
 import io
 import json
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
 import spindamp
-from tests.workflows.conftest import changed
+from tests.workflows.conftest import changed, write
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.report import remarks
+from workflows.scene import load as loading
 from workflows.scene.load import SHIPPED
 from workflows.studies import comparison as report
 
@@ -88,6 +90,47 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
     assert found.names == ("soft (1)", "soft (2)")
     assert found.differences == {}
     assert "The scenes are the same." in report.text(found)
+
+
+def test_a_material_is_no_difference_where_its_density_is_the_same():
+    """Its name is kept only where its strength is known too; by it or as a number, the density is the same."""
+    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    bare = changed(structure, damper__mass_ratio=None, damper__count=100, release__cycles=2, rotor__speeds=["3500 rpm"])
+    named = changed(bare, damper__ball_material="steel")
+    floored = changed(named, damper__floor_material="Ti-6Al-4V", effects__indentation=False)
+    by_number = changed(bare, damper__ball_density=7850.0)
+    found = spindamp.compare(named, floored, by_number)
+    assert [each.scene.damper.ball_density for each in found.results] == [7850.0, 7850.0, 7850.0]
+    assert found.differences.keys() == {"damper.floor_material"}
+    other = spindamp.compare(named, changed(bare, damper__ball_material="lead"))
+    assert other.differences["damper.ball_density"] == (7850.0, 11300.0)
+
+
+def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):
+    """Below 1 g there is no verdict."""
+    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    slow = spindamp.run(changed(structure, rotor__speeds=["40 rpm", "3500 rpm"], release__cycles=2))
+    for found, hollow in ((spindamp.compare(slow, slow), 2), (spindamp.compare(*soft_and_stiff[:2]), 0)):
+        files = report.files(found)
+        marks = re.findall(r'<use [^>]*style="(fill-opacity: 0)?[^"]*var\(--line-[01]\)"', report.draw(found))
+        assert [mark != "" for mark in marks].count(True) == hollow
+        assert len(marks) == sum(len(each.speeds) for each in found.results) + 2  # of the legend
+        assert ("hollow: marked in the table" in files["report.html"]) == bool(hollow)
+
+
+def test_each_scene_is_read_once(spindamp, monkeypatch, structure):
+    """By the command, which has its remarks before it runs it."""
+    quick = changed(structure, rotor__speeds=["3500 rpm"], release__cycles=2)
+    for name in ("one", "two"):
+        write(changed(quick, title=f"of {name}"), Path(f"{name}.toml"))
+    reads, read = [], loading._read
+    monkeypatch.setattr(loading, "_read", lambda path, name: reads.append(name) or read(path, name))
+    assert spindamp("compare", "one.toml", "two.toml", "--json").status == 0
+    assert reads == ["one.toml", "two.toml"]
+    assert [run["name"] for run in json.loads(spindamp("compare", "one.toml", "two.toml", "--json").out)["runs"]] == [
+        "one",
+        "two",
+    ]
 
 
 def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):

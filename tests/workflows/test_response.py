@@ -349,7 +349,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     at_rest = 2 * math.pi * 200 * math.sqrt(1.01)  # rad/s without the ball, 200 Hz with it
     moves = 0.01 * (known.passages[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
     force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
-    said_force = re.search(r"At 2 N the load holds the ball at rest; it moves from ([0-9.]+) N on\.$", said)
+    said_force = re.search(r"At 2 N the load holds the balls at rest; they move from ([0-9.]+) N on\.$", said)
     assert float(said_force[1]) == pytest.approx(force, rel=0.03)
     assert added == (f"{best.force:g} N is evaluated too, near the largest reduction that free vibration predicts.")
     assert remarks.BEYOND not in report.text(known)

@@ -15,7 +15,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed
 from workflows.errors import BadInput
 from workflows.io import serialise
-from workflows.report.templates import sentences
+from workflows.report.templates import said
 from workflows.scene.load import SHIPPED, load, parse
 from workflows.solve.results import Damping
 from workflows.studies.sweep import evaluate, report, sensitivity, study
@@ -384,8 +384,8 @@ def test_the_text_has_a_line_for_each_statement():
     result |= {"without_verdict": 1, "without_answer": 2}
     spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
     best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
-    assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, None)[:2] == ["T: 4 points (4 a)", best]
-    assert sentences("sweep.txt.j2", "text", result, {"a": "1 mm"}, spread) == [
+    assert said("sweep/text", result=result, best={"a": "1 mm"}, spread=None)[:2] == ["T: 4 points (4 a)", best]
+    assert said("sweep/text", result=result, best={"a": "1 mm"}, spread=spread) == [
         "T: 4 points (4 a)",
         "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), with a median of 0.3 %; share of the"
         " variance by parameter, interactions included: k 50 ± 10 %",

@@ -242,10 +242,8 @@ def compare(
     """
     from workflows.studies import comparison
 
-    for each in runs:
-        if not Path(each).is_dir():
-            _load(each)  # for its remarks, and its mistakes before any is run
-    _study(lambda stages: comparison.compare(runs, stages), comparison, out, json)
+    loaded = [each if Path(each).is_dir() else _load(each) for each in runs]
+    _study(lambda stages: comparison.compare(loaded, stages), comparison, out, json)
 
 
 @_commands.command()

@@ -30,18 +30,26 @@ if TYPE_CHECKING:
 Values: TypeAlias = dict[str, Any] | None
 """What a sentence says, by name; None where there is nothing to say."""
 
-BEYOND, BEYOND_MEANS = "†", "† Beyond the amplitude or speed that the structure endures"
+BEYOND, BEYOND_MEANS = "†", "† Beyond the amplitude that the structure endures"
 NO_VERDICT, NO_VERDICT_MEANS = "‡", "‡ No verdict at this speed"
 AT_REST, AT_REST_MEANS = (
     "*",
-    "* Amplitude up to which a ball at rest stays at rest; the ring-down itself shows no cut-off.",
+    "* Of a ball at rest: it stays at rest up to this amplitude. Unmarked: the last amplitude of the ring-down at which"
+    " its ball moved.",
 )
 """Marks of numbers in tables, and what they stand for below."""
 
 
-def phrase(text: str, **values: Any) -> str:
-    """What a text of the remarks makes of some values."""
-    return " ".join(templates.said("remarks", text, **values))
+def said(text: str, results: Results, **values: Any) -> list[str]:
+    """Sentences of a text on some values, and on what every one may name."""
+    damper = results.scene.damper
+    known = {"carrier": carrier(results), "limit": limits.endured(results), "damper": damper}
+    return templates.said(text, 1 if damper is None else damper.count, **known, **values)
+
+
+def phrase(text: str, results: Results, **values: Any) -> str:
+    """The same in one line."""
+    return " ".join(said(text, results, **values))
 
 
 def worded(values: Callable[[Results], Values]) -> Callable[[Results], str | None]:
@@ -50,7 +58,7 @@ def worded(values: Callable[[Results], Values]) -> Callable[[Results], str | Non
     @wraps(values)
     def words(results: Results) -> str | None:
         found = values(results)
-        return None if found is None else phrase(values.__name__, **found)
+        return None if found is None else phrase(f"remarks/{values.__name__}", results, **found)
 
     return words
 
@@ -60,18 +68,19 @@ def mark(results: Results, point: SpeedPoint) -> str:
     figures, verdict = point.damping_curve, point.verdict
     if figures is None or verdict is None:
         return ""
-    if limits.is_beyond(results, point):
-        return BEYOND
-    return NO_VERDICT if verdict.rank < 0 or (point.load_g == 0 and figures.peak > 0) else ""
+    if verdict.rank < 0 or (point.load_g == 0 and figures.peak > 0):
+        return NO_VERDICT
+    return BEYOND if limits.is_beyond(results, point) else ""
 
 
 def legend(results: Results) -> list[str]:
     """What the marks of the damper's figures stand for, as far as a table over all speeds has them."""
-    meanings = {
-        BEYOND: f"{BEYOND_MEANS}; the verdict uses the largest value within these limits.",
-        NO_VERDICT: f"{NO_VERDICT_MEANS}.",
-    }
     marks = {mark(results, point) for point in results.speeds}
+    still = any(point.load_g == 0 for point in results.speeds)
+    meanings = {
+        BEYOND: f"{BEYOND_MEANS}; the verdict uses the largest value within that limit.",
+        NO_VERDICT: f"{NO_VERDICT_MEANS}{'; at 0 rpm no load presses a ball on its floor' if still else ''}.",
+    }
     return [meaning for each, meaning in meanings.items() if each in marks]
 
 
@@ -95,7 +104,7 @@ def beyond_of(results: Results) -> str:
     strains = [(p.root_strain, p.omega) for p in holds if p.root_strain is not None]
     differ = bool(strains) and max(strains)[0] > _ALIKE * min(strains)[0]
     omega = max(strains)[1] if differ else None
-    return phrase("beyond_of", by_deflection=limits.deflection_governs(results), omega=omega)
+    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=omega)
 
 
 _ALIKE = 1.01
@@ -109,7 +118,7 @@ def torn_from(results: Results) -> str | None:
     if not torn:
         return None
     first = min(torn, key=lambda point: point.omega)
-    return phrase("torn_from", speed=turning(first.omega), stress=stress * first.omega**2)
+    return phrase("phrases/torn", results, speed=turning(first.omega), stress=stress * first.omega**2)
 
 
 def too_dense(results: Results) -> tuple[str, str] | None:
@@ -121,7 +130,7 @@ def too_dense(results: Results) -> tuple[str, str] | None:
     volume = 4 / 3 * math.pi * damper.radius**3
     steel = math.ceil(density * volume * damper.count / (KNOWN["steel"].density * volume))
     values = {"radius": damper.radius, "mass": density * volume, "osmium": density / OSMIUM, "steel": steel}
-    return phrase("too_dense", **values), phrase("of_steel", **values)
+    return phrase("remarks/too_dense", results, **values), phrase("remarks/of_steel", results, **values)
 
 
 def _contacts(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[SpeedPoint, Contact]]:
@@ -131,7 +140,7 @@ def _contacts(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[Spee
 
 def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
     """That the contact of the resting ball flows at some speeds, and how flat it becomes."""
-    return phrase("flows", contacts=[contact for _, contact in _contacts(results, points)])
+    return phrase("remarks/flows", results, contacts=[contact for _, contact in _contacts(results, points)])
 
 
 @worded
@@ -161,7 +170,7 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     shares = [p.tilt_share for p in points]
     if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
-    return phrase("tilt", begin=as_it_moves(results), shares=shares)
+    return phrase("remarks/tilt", results, begin=as_it_moves(results), shares=shares)
 
 
 def as_it_moves(results: Results) -> str:
@@ -195,7 +204,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     cases = {name: effect.assumed(scene, results.effects[name].on, theory) for name, effect in EFFECTS.items()}
     assumed = {name: words[name][case] for name, case in cases.items() if case in words.get(name, {})}
     strengths = dict.fromkeys(scene.contact_materials) if limits.solids(scene) is not None else ()
-    of = {
+    of: dict[str, Any] = {
         "scene": scene,
         "effects": {of: [assumed[name] for name in assumed if EFFECTS[name].of == of] for of in ("plate", "damper")},
         "known": KNOWN,
@@ -203,7 +212,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         "table_two": any(paper.row(scene, point.load_g) for point in results.speeds),
         "kirchhoff": _is(results, "kirchhoff"),
     }
-    lines = templates.said("remarks", "assumptions", **of)
+    lines = templates.said("remarks/assumptions", **of)
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
 
 
@@ -523,7 +532,6 @@ def rolling(results: Results) -> Values:
         "lifts": [1e3 * math.hypot(*d.release) for _, d, _ in beyond],
         "most": most,
         "at": point,
-        "friction": damper.friction,
         "points": [p for p, _, _ in beyond],
         "among": [p for p, _, _ in rolled],
     }
@@ -621,7 +629,7 @@ def sideways(results: Results) -> Values:
         pushed = _FORESHORTENED * speed * best.amplitude / length / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
     notable = {name: each for name, each in (("chord", chord), ("along", along)) if each[0] > scene.accuracy.damping}
-    return {"notable": notable, "carrier": carrier(results)} if notable else None
+    return {"notable": notable} if notable else None
 
 
 @remark

@@ -16,7 +16,7 @@ from workflows.solve import limits
 from workflows.solve.results import SpeedPoint
 
 if TYPE_CHECKING:
-    from jinja2 import Environment, Template
+    from jinja2 import BaseLoader, Environment
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -30,53 +30,62 @@ def from_template(template: str, css: str = "", **values: Any) -> str:
         values: what it shows.
     """
     style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return _environment(autoescape=True).get_template(template).render(css=style, **values)
+    return _pages().get_template(template).render(css=style, **values)
 
 
-def sentences(template: str, macro: str, *values: Any) -> list[str]:
-    """Sentences that a macro of a text template makes of some values: its paragraphs, each on one line."""
-    return _paragraphs(getattr(_macros(template), macro)(*values))
+def said(text: str, balls: int = 1, **values: Any) -> list[str]:
+    """Sentences that a text makes of some values: its paragraphs, each on one line.
 
-
-def said(name: str, text: str, **values: Any) -> list[str]:
-    """Sentences that a text of `templates/<name>.toml` makes of some values, likewise; only that text is compiled."""
-    return _paragraphs(_text(name, text).render(values))
-
-
-def _macros(template: str) -> Any:
-    return _environment(autoescape=False).get_template(template).module
-
-
-@cache
-def _text(name: str, text: str) -> Template:
-    source = _texts(name)[text]
-    shared = {"say": _macros("phrases.txt.j2")} if "say." in source else {}
-    return _environment(autoescape=False).from_string(source, shared)
-
-
-@cache
-def _texts(name: str) -> dict[str, str]:
-    return tomllib.loads((_TEMPLATES / f"{name}.toml").read_text(encoding="utf-8"))
-
-
-def _paragraphs(text: str) -> list[str]:
-    """The paragraphs of a text, each on one line."""
-    paragraphs = re.split(r"\n\s*\n", text)
+    Args:
+        text: `file/name`: of `templates/<file>.toml`; only that text is compiled.
+        balls: of `{ball|balls}` in a text, one ball has the first, more have the second, and `#` there is their number.
+        values: what it shows; another text has them too: `say(name)`, of phrases.toml, or `say("file/name")`.
+    """
+    paragraphs = re.split(r"\n\s*\n", _texts(several=balls != 1).get_template(text).render(values, balls=balls))
     lines = [re.sub(r" *\n *([,;.:]?)", lambda gap: gap[1] or " ", each.strip()) for each in paragraphs]
     return [line for line in lines if line]
 
 
+_BY_NUMBER = re.compile(r"(?<!\{)\{([^{}|%#]*)\|([^{}|]*)\}(?!\})")
+
+
 @cache
-def _environment(*, autoescape: bool) -> Environment:
+def _texts(*, several: bool) -> Environment:
+    from jinja2 import FunctionLoader, pass_context
+    from jinja2.runtime import Context
+
+    def source(name: str) -> str:
+        file, text = name.split("/")
+        return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], _file(file)[text])
+
+    @pass_context
+    def say(context: Context, name: str, **values: Any) -> str:
+        text = environment.get_template(name if "/" in name else f"phrases/{name}")
+        return text.render(context.get_all(), **values)
+
+    environment = _environment(FunctionLoader(source), autoescape=False)
+    environment.globals["say"] = say
+    return environment
+
+
+@cache
+def _file(name: str) -> dict[str, str]:
+    return tomllib.loads((_TEMPLATES / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+@cache
+def _pages() -> Environment:
+    from jinja2 import FileSystemLoader
+
+    return _environment(FileSystemLoader(_TEMPLATES), autoescape=True)
+
+
+def _environment(loader: BaseLoader, *, autoescape: bool) -> Environment:
     """Templates, each compiled once, with the filters that turn values into words."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from jinja2 import Environment, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=autoescape,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=loader, autoescape=autoescape, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {each.__name__: each for each in _FILTERS}
     environment.globals |= {"limits": limits, "AIR": limits.AIR, "inf": math.inf}
@@ -123,6 +132,11 @@ def millimetres(length: float) -> str:
     return significant(1e3 * length, 2)
 
 
+def mm(length: float) -> str:
+    """The same in more digits, with the unit."""
+    return f"{significant(1e3 * length)} mm"
+
+
 def in_percent(share: float) -> str:
     """A share in percent."""
     return significant(100 * share, 2)
@@ -145,5 +159,5 @@ def listed(items: Sequence[float | str], joint: str = "and") -> str:
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
-    *(at_load, at_speed, stretch, capital, millimetres, in_percent, rounded, listed),
+    *(at_load, at_speed, stretch, capital, millimetres, mm, in_percent, rounded, listed),
 )

@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
 
 import numpy as np
 
-from workflows.report import remarks, templates
-from workflows.report.remarks import as_it_moves, carrier, tilt
+from workflows.formatting import whole
+from workflows.report import remarks
+from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits
 from workflows.solve.excitation import HELPS
@@ -23,18 +23,6 @@ _ROUGH, _UNSURE = 0.5, 0.1
 """Relative errors that are worth a word in the headline: of a peak, of the first frequency."""
 
 
-def _said(text: str, results: Results, **values: Any) -> list[str]:
-    """Sentences of a text on some values, and on what every one may name."""
-    damper = results.scene.damper
-    known = {"carrier": carrier(results), "limit": limits.endured(results), "damper": damper}
-    return templates.said("answer", text, **known, balls=damper.count if damper else 1, **values)
-
-
-def _phrase(text: str, results: Results, **values: Any) -> str:
-    """The same in one line."""
-    return " ".join(_said(text, results, **values))
-
-
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
     able = [
@@ -43,14 +31,17 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         if (best := limits.best(results, point)) is not None and (figures := point.damping_curve) is not None
     ]
     able = [each for each in able if not math.isnan(each[2][0])]
-    ends, ranges = able[:1] + able[1:][-1:], []
+    ranges, held = dict[str, list[SpeedPoint]](), dict[str, list[SpeedPoint]]()
     limit = limits.endured(results) or math.inf
-    for point, figures, (low, high) in ends:
+    for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
-        ranges.append({"at": point, "of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1]})
-    held = [(p, w.cutoff, _goes_on(results, p, w.cutoff)) for p, w, _ in ends if w.cutoff > 0]
-    return _said("between", results, ranges=ranges, held=held)
+        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1]}
+        ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
+        if figures.cutoff > 0:
+            last = _goes_on(results, point, figures.cutoff)
+            held.setdefault(phrase("answer/held", results, cutoff=figures.cutoff, last=last), []).append(point)
+    return said("answer/between", results, ranges=ranges, held=held)
 
 
 def humps(figures: Figures) -> list[tuple[float, float]]:
@@ -79,7 +70,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     named = what_to_do(results, points) is not None  # which names both amplitudes
     point, figures = lost[0]
     beyond = remarks.beyond_of(results)
-    return _phrase("reach_of", results, point=point, cutoff=figures.cutoff, beyond=beyond, named=named)
+    return phrase("answer/reach_of", results, point=point, cutoff=figures.cutoff, beyond=beyond, named=named)
 
 
 def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
@@ -92,8 +83,8 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if remedy is None:
         return None
     known = {name: value for name, value in remedy._asdict().items() if not math.isnan(value)}
-    goes_on = _goes_on(results, point, remedy.amplitude)
-    return _phrase("what_to_do", results, point=point, remedy=known, goes_on=goes_on)
+    last = _goes_on(results, point, remedy.amplitude)
+    return phrase("answer/what_to_do", results, point=point, remedy=known, last=last)
 
 
 def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -110,37 +101,29 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     (stops, rolls), above = figures.folds, figures.from_above
     bounces = above.amplitude >= stops  # below, it rolls
     most = float(above.damping_ratio[bounces].max()) if bounces.any() else above.peak
-    return _said("way_down", results, point=point, rolls=rolls, stops=stops, most=most)
+    return said("answer/way_down", results, point=point, rolls=rolls, stops=stops, most=most)
 
 
 def _rank(point: SpeedPoint) -> int:
     return -1 if point.verdict is None else point.verdict.rank
 
 
-def _where_none(results: Results, points: Sequence[SpeedPoint]) -> tuple[list[str], str]:
-    """Where there is no verdict, and why, one text for each reason; the reason alone, where there is one."""
-    unknown = {reason: [p for p in points if p.verdict and p.verdict.reason == reason] for reason in _OUTSIDE}
-    reasons = {reason: _why_none(results, reason, those) for reason, those in unknown.items() if those}
-    texts = [f"{stretch(unknown[reason], points)}: there {why}" for reason, why in reasons.items()]
+def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
+    """Where there is no verdict, and why, a clause for each reason."""
+    clauses = []
+    for reason in (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT):
+        those = [p for p in points if p.verdict and p.verdict.reason == reason]
+        if those:
+            where = "" if len(those) == len(points) else f" {stretch(those, points)}"
+            frictions = [_friction(results, point) for point in those]
+            why = (
+                remarks.flows(results, those)
+                if reason == Reason.CONTACT
+                else phrase("answer/outside", results, reason=reason, frictions=frictions)
+            )
+            clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
     torn = remarks.torn_from(results)
-    if torn is not None:
-        return [*texts, torn], ""
-    return texts, next(iter(reasons.values())) if len(reasons) == 1 else ""
-
-
-_OUTSIDE = (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT)
-"""Why the model does not hold at some speeds."""
-
-
-def _why_none(results: Results, reason: Reason, points: Sequence[SpeedPoint]) -> str:
-    if reason == Reason.CONTACT:
-        return remarks.flows(results, points)
-    return _phrase("outside", results, reason=reason, frictions=[_friction(results, point) for point in points])
-
-
-def _with_limits(results: Results, points: Sequence[SpeedPoint], verdict: str) -> str:
-    """A verdict with what it rests on, and with the speeds that it does not speak of."""
-    return "; no verdict ".join([f"{verdict}{_rests_on(results, points)}", *_where_none(results, points)[0]])
+    return clauses if torn is None else [*clauses, f"no verdict {torn}"]
 
 
 def _rests_on(results: Results, points: Sequence[SpeedPoint]) -> str:
@@ -148,7 +131,7 @@ def _rests_on(results: Results, points: Sequence[SpeedPoint]) -> str:
     damper = results.scene.damper
     better = [p for p in points if damper and _rank(p) >= 0 and _friction(results, p) > damper.friction]
     frictions = [_friction(results, point) for point in better]
-    return _phrase("rests_on", results, frictions=frictions, better=better, points=points) if better else ""
+    return phrase("answer/rests_on", results, frictions=frictions, better=better, points=points) if better else ""
 
 
 def _friction(results: Results, point: SpeedPoint) -> float:
@@ -159,7 +142,7 @@ def _friction(results: Results, point: SpeedPoint) -> float:
 _STEPS_AT_MOST = 3
 """Grades that a verdict names one after the other with rising load; more are not told apart."""
 
-_WORDS = ("locked", "not useful", "of little use", "useful")
+_WORDS = ("", "not useful", "of little use", "useful")
 """By rank."""
 
 _WORKS = 2
@@ -190,37 +173,35 @@ class Answer:
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
-    alone, orders = _alone(results), _orders(results)
+    (main, *clauses), sentences = _alone(results)
+    orders, unsure = _orders(results), _unsure(results)
     if not orders or all(each.reason for each in results.reductions):
-        return Answer(alone.verdict, (*map(" ".join, orders), *alone.sentences))
+        return Answer("; ".join([main, *clauses, *unsure]), (*map(" ".join, orders), *sentences))
     (first, *rest), *others = orders
-    unsure = _unsure(results)
-    judged = f"{alone.verdict[0].lower()}{alone.verdict[1:]}".removesuffix(unsure)
-    judged, none, where = judged.partition("; no verdict ")
-    judged, given, proviso = judged.partition(", provided ")
-    alike = f"{judged.replace(': ', ', ', 1)}{given}{proviso}{none}{where}"
+    alike = "; ".join([f"{main[0].lower()}{main[1:]}".replace(": ", ", ", 1), *clauses])
+    told = [each for each in results.reductions if not each.reason]
+    rough = [f"{each.order} ({whole(each.rpm)} rpm)" for each in told if each.loose]
+    estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
+    crossings = [" ".join(each) for each in (rest, *others) if each]
     by_itself = f"Compared with the damping by air alone: {alike}."
-    estimated = _phrase("estimated", results, loose=any(each.loose for each in results.reductions))
-    said = [" ".join(each) for each in (rest, *others) if each]
-    return Answer(first.removesuffix(".") + unsure, (*said, estimated, by_itself, *alone.sentences))
+    return Answer("; ".join([first.removesuffix("."), *unsure]), (*crossings, estimated, by_itself, *sentences))
 
 
-def _alone(results: Results) -> Answer:
-    """The damper's own figures, which no release and no damping of the structure has a part in."""
+def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
+    """The damper's own figures, in which release and damping of the structure have no part: clauses and sentences."""
     points = sorted((p for p in results.speeds if p.damping_curve is not None), key=lambda p: p.load_g)
     if not points:
         return _plate_only(results)
     loaded = [p for p in points if p.load_g > 0] or points
-    judged = [p for p in loaded if _rank(p) >= 0]
+    judged, unjudged = [p for p in loaded if _rank(p) >= 0], _unjudged(results, loaded)
     dense = remarks.too_dense(results)
-    refused = _phrase("printed", results) if limits.is_printed(results) else None if dense is None else dense[0]
+    refused = phrase("answer/printed", results) if limits.is_printed(results) else None if dense is None else dense[0]
     if not judged and refused is None:
-        texts, alone = _where_none(results, loaded)
-        return Answer(f"No verdict: {alone}" if alone else f"No verdict {'; none '.join(texts)}", ())
+        return [capital(unjudged[0]), *unjudged[1:]], ()
     speaking = judged or loaded
     if refused is None and all(_rank(p) == 0 for p in judged):
-        verdict, sentences = _why_not(results, speaking)
-        return Answer(_with_limits(results, loaded, verdict), sentences)
+        verdict, *sentences = _why_not(results, speaking)
+        return [verdict, *unjudged], tuple(sentences)
     way_out, works = what_to_do(results, speaking), max(map(_rank, speaking)) >= _WORKS
     parts = (
         None if dense is None else dense[1],
@@ -235,21 +216,19 @@ def _alone(results: Results) -> Answer:
         tilt(results, speaking),
         None if remarks.met(results) else remarks.sentence(results),
     )
-    verdict = _with_limits(results, loaded, _verdict(results, loaded)) if refused is None else f"No verdict: {refused}"
+    clauses = [f"No verdict: {refused}"] if refused is not None else [*_verdict(results, loaded), *unjudged]
     errors = [(0.0 if p.damping_curve is None else p.damping_curve.error, p) for p in judged]
     error, worst = max(errors, key=lambda pair: pair[0], default=(0.0, None))
     if refused is None and worst is not None and error > _ROUGH:
-        verdict += f"; at {at_speed(worst)} the damping is known only roughly"
-    if refused is None:
-        verdict += _unsure(results)
-    return Answer(verdict, tuple(part for part in parts if part))
+        clauses.append(f"at {at_speed(worst)} the damping is known only roughly")
+    return clauses, tuple(part for part in parts if part)
 
 
-def _unsure(results: Results) -> str:
+def _unsure(results: Results) -> list[str]:
     """That the first mode's frequency, and with it the speeds of crossings, is known only within an error worth it."""
     errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
     error = max(errors, default=0.0)
-    return f"; the first frequency is known only to {in_percent(error)} %" if error > _UNSURE else ""
+    return [f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else []
 
 
 def first_frequency(point: SpeedPoint) -> float | None:
@@ -259,42 +238,40 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f1_hz if point.reduced is not None else None
 
 
-def _verdict(results: Results, points: list[SpeedPoint]) -> str:
-    """How useful the damper is over the loads, by stretches of them; where it is of no use, how little it adds."""
+def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
+    """How useful the damper is over the loads, by stretches of them, and on what that rests; where it is locked."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
-    known = [k for k, (rank, _) in enumerate(stretches) if rank >= 0]
-    if 1 <= (most := max(map(_rank, points))) <= 2:
-        return f"{capital(_WORDS[most])}: {_how_little(results, points)}"
-    if len(stretches) == 1:
-        return capital(_WORDS[stretches[0][0]])
-    if len(known) > _STEPS_AT_MOST:
-        return f"{capital(_WORDS[max(map(_rank, points))])} at some speeds"
-    words = []
-    for k in known:
-        rank, run = stretches[k]
-        first, last = at_speed(run[0]), at_speed(run[-1])
-        if k == 0:
-            where = f"up to {last}"
-        elif k == len(stretches) - 1:
-            where = f"from {first} on"
-        else:
-            alone = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
-            where = f"up to {last}" if k - 1 in known else alone
-        words.append(f"{_WORDS[rank]} {where}")
-    return capital(", ".join(words))
+    known = [k for k, (rank, _) in enumerate(stretches) if rank > 0]
+    most = max(map(_rank, points))
+    if most < len(_WORDS) - 1:
+        best, at = max(_bests(results, [p for p in points if _rank(p) > 0]), key=lambda pair: pair[0].damping_ratio)
+        main = f"{_WORDS[most]}: {phrase('answer/how_little', results, most=best.damping_ratio, at=at)}"
+    elif len(stretches) == 1:
+        main = _WORDS[most]
+    elif len(known) > _STEPS_AT_MOST:
+        main = f"{_WORDS[most]} at some speeds"
+    else:
+        words = []
+        for k in known:
+            rank, run = stretches[k]
+            first, last = at_speed(run[0]), at_speed(run[-1])
+            if k == 0:
+                where = f"up to {last}"
+            elif k == len(stretches) - 1:
+                where = f"from {first} on"
+            else:
+                between = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
+                where = f"up to {last}" if k - 1 in known else between
+            words.append(f"{_WORDS[rank]} {where}")
+        main = ", ".join(words)
+    locked = [point for point in points if _rank(point) == 0]
+    alone = [phrase("answer/locked", results, locked=locked, points=points)] if locked else []
+    return [capital(main) + _rests_on(results, points), *alone]
 
 
 def _bests(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[limits.Best, SpeedPoint]]:
     """The most that the damper does at the points at which it does anything."""
     return [(best, p) for p in points if (best := limits.best(results, p)) is not None]
-
-
-def _how_little(results: Results, points: list[SpeedPoint]) -> str:
-    """How little the damper adds at its best, and where it is locked."""
-    worth = _bests(results, [p for p in points if _rank(p) > 0])
-    best, at = max(worth, key=lambda pair: pair[0].damping_ratio)
-    locked = [point for point in points if _rank(point) == 0]
-    return _phrase("how_little", results, most=best.damping_ratio, at=at, locked=locked, points=points)
 
 
 def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> list[str]:
@@ -307,7 +284,7 @@ def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> l
     error = 0.0 if at.damping_curve is None else at.damping_curve.error
     less = there is not at and least.damping_ratio < 0.9 * top.damping_ratio
     more = {"least": least if less else None, "there": there, "error": error, "turning": turning}
-    return _said("how_much", results, top=top, at=at, **more)
+    return said("answer/how_much", results, top=top, at=at, **more)
 
 
 def _fed(results: Results, points: list[SpeedPoint]) -> str | None:
@@ -320,25 +297,21 @@ def _fed(results: Results, points: list[SpeedPoint]) -> str | None:
     if not fed:
         return None
     amplitude, point = min(fed, key=lambda pair: pair[1].load_g)
-    return _phrase("fed", results, amplitude=float(amplitude), point=point)
+    return phrase("answer/fed", results, amplitude=float(amplitude), point=point)
 
 
-def _why_not(results: Results, points: list[SpeedPoint]) -> tuple[str, tuple[str, ...]]:
-    """Why the damper does nothing at any speed, by what limits it at the lowest load."""
+def _why_not(results: Results, points: list[SpeedPoint]) -> list[str]:
+    """That the damper does nothing at any speed, and why, by what limits it at the lowest load."""
     low, slope = points[0], tilt(results, points)
     reasons = [point.verdict.reason for point in points if point.verdict is not None]
-    if reasons[0] == Reason.OUT_OF_REACH:
-        parts = (what_to_do(results, points), reach_of(results, points), slope)
-        return "No: the ball never moves", tuple(part for part in parts if part)
-    if reasons[0] in (Reason.FILLED, Reason.TILT):
-        verdict, reason = "No: the ball never moves", reasons[0]
-    elif all(reason == Reason.LOSSLESS for reason in reasons):
-        verdict, reason = "No: the ball dissipates nothing", str(Reason.LOSSLESS)
-    else:
-        verdict, reason = "Undecided: no damping by the ball was found", str(Reason.NOT_FOUND)
+    reason = str(reasons[0])
+    if reason == Reason.LOSSLESS and any(each != reason for each in reasons):
+        reason = str(Reason.NOT_FOUND)
     cutoff = 0.0 if low.damping_curve is None else low.damping_curve.cutoff
-    sentences = _said("why_not", results, reason=reason, low=low, cutoff=cutoff, begin=as_it_moves(results))
-    return verdict, (*sentences, *([slope] if slope and reason == Reason.NOT_FOUND else []))
+    parts = said("answer/why_not", results, reason=reason, low=low, cutoff=cutoff, begin=as_it_moves(results))
+    more = (what_to_do(results, points), reach_of(results, points)) if reason == Reason.OUT_OF_REACH else ()
+    slope = slope if reason in (Reason.OUT_OF_REACH, Reason.NOT_FOUND) else None
+    return [*parts, *(part for part in (*more, slope) if part)]
 
 
 def of_orders(results: Results) -> list[str]:
@@ -355,11 +328,11 @@ def _orders(results: Results) -> list[list[str]]:
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
-        return [*met, _said("one_speed", results)]
+        return [*met, said("answer/one_speed", results)]
     for order in unmet:
         first = engine_orders.crossing_beyond(results.speeds, order)
         error = 0.0 if first is None else engine_orders.reached_within_error(results.speeds, first)
-        met.append(_said("unmet", results, order=order, points=results.speeds, first=first, error=error))
+        met.append(said("answer/unmet", results, order=order, points=results.speeds, first=first, error=error))
     return met
 
 
@@ -368,15 +341,15 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     if reduction.reason or not math.isfinite(reduction.range[0]):
         held = not reduction.reason and reduction.moves_from >= reduction.endured_level
         friction = limits.friction_that_moves(results, reduction) if held else math.nan
-        return _said("no_order", results, it=reduction, unit=unit, friction=friction)
+        return said("answer/no_order", results, it=reduction, unit=unit, friction=friction)
     low, high = reduction.range
     most = 1 - reduction.ratio
     borne = [each for each in reduction.levels if each.endured]
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
     outside = [] if reduction.loose else outside  # a rough estimate does not tell levels apart
     helped = any(each.level >= reduction.moves_from and each.ratio <= HELPS for each in borne)
-    return _said(
-        "order",
+    return said(
+        "answer/order",
         results,
         it=reduction,
         unit=unit,
@@ -391,13 +364,9 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     )
 
 
-def _plate_only(results: Results) -> Answer:
+def _plate_only(results: Results) -> tuple[list[str], tuple[str, ...]]:
+    known = {"met": remarks.met(results), "torn": remarks.torn_from(results), "points": results.speeds}
     first = [p.modes[0].frequency_hz for p in results.speeds if p.modes]
-    if not first:
-        return Answer("Nothing was solved", ())
-    accuracy, torn = remarks.sentence(results), remarks.torn_from(results)
-    verdict = f"The {carrier(results)} alone{'' if remarks.met(results) else ', less accurate than requested'}"
-    if torn is not None:
-        verdict += f"; it cannot turn {torn}"
-    sentences = _said("plate_only", results, first=first, points=results.speeds)
-    return Answer(verdict, (*sentences, *([] if accuracy is None else [accuracy])))
+    verdict, *sentences = said("answer/plate_only", results, first=first, **known)
+    accuracy = remarks.sentence(results)
+    return [verdict], (*sentences, *([] if accuracy is None else [accuracy]))

@@ -235,7 +235,7 @@ def estimate(
     with solver.stages("damper"):
         balance = _Balance.of(system, at, crossing, excitation)
         known, amplitude = _over_levels(balance, limit, excitation.levels)
-    if math.isfinite(amplitude) and limits.friction_demand(results, at, amplitude) > limits.DRY:
+    if math.isfinite(amplitude) and limits.slides(results, at, amplitude):
         return replace(none, reason=Reason.SLIP)
     return replace(none, **known, loose=not is_well_held(system))
 

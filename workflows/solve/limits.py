@@ -202,7 +202,7 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
         return Verdict.without_figures(Grade.NEGLIGIBLE if moves else Grade.LOCKED, reason, 0.0)
     if weight_governs(point):
         return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
-    if friction_demand(results, point, most.amplitude) > DRY:
+    if slides(results, point, most.amplitude):
         return Verdict.without_figures(Grade.UNKNOWN, Reason.SLIP)
     grade = Grade.NEGLIGIBLE
     if most.damping_ratio >= AIR[0] / 10:
@@ -296,6 +296,12 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 
 
+def slides(results: Results, point: SpeedPoint, amplitude: float) -> bool:
+    """Whether rolling needs more friction than any dry floor has; any at all where the scene has none."""
+    damper = results.scene.damper
+    return friction_demand(results, point, amplitude) > (DRY if damper is None or damper.friction > 0 else 0.0)
+
+
 def root_stress(results: Results, omega: float) -> float | None:
     """Mean stress over the root's section [Pa]: what hangs on it times its acceleration; None where it is not known."""
     fastest = max(results.speeds, key=lambda point: point.omega, default=None)
@@ -308,7 +314,7 @@ def root_stress(results: Results, omega: float) -> float | None:
     (volume, moment), section = hung
     level = math.cos(rotor.precone)
     stress = material.density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
-    hangs = level * max(point.radius for point in results.speeds)
+    hangs = level * max((point.radius for point in results.speeds), default=0.0)
     return stress + results.scene.point_mass * omega**2 * hangs / section
 
 
@@ -497,11 +503,9 @@ def deflection_governs(results: Results) -> bool:
 
 
 def is_beyond(results: Results, point: SpeedPoint) -> bool:
-    """Whether the damper's peak lies at an amplitude, or at a speed, that the plate does not endure."""
+    """Whether the damper's peak lies at an amplitude that the plate does not endure."""
     limit, own = endured(results), point.damping_curve
-    if own is None or not own.peak > 0:
-        return False
-    return is_torn(results, point) or (limit is not None and own.peak_amplitude > limit)
+    return own is not None and own.peak > 0 and limit is not None and own.peak_amplitude > limit
 
 
 def root_strain(results: Results, amplitude: float) -> float | None:

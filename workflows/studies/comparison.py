@@ -17,7 +17,7 @@ from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.templates import from_template, in_percent
 from workflows.report.text import run as solved
-from workflows.scene.load import SceneLike, as_scene_file
+from workflows.scene.load import SceneFile, SceneLike, as_scene_file
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.sweep import plan
@@ -38,11 +38,11 @@ class Comparison:
     @property
     def differences(self) -> dict[str, tuple[Any, ...]]:
         """Keys of the resolved scenes that are not the same in all, with the value in each, None where it has none."""
-        scenes = [
-            dict(_flat(provenance.resolved_scene(each.scene, each.effects, each.theory))) for each in self.results
-        ]
+        scenes = [_keys(each) for each in self.results]
         keys = dict.fromkeys(key for scene in scenes for key in scene)
         values = {key: tuple(scene.get(key) for scene in scenes) for key in keys if key != "title"}
+        if len({*values.get(_MATERIAL, ())} - {None}) == 1:  # where it is none, the material is its density
+            del values[_MATERIAL]
         return {key: each for key, each in values.items() if any(value != each[0] for value in each[1:])}
 
     @property
@@ -70,10 +70,10 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    for each in runs:
-        if not isinstance(each, Results) and not _is_folder(each):
-            as_scene_file(each)  # a mistake in a later scene is found before the first is run
-    titles, results = zip(*(_of(each, stages) for each in runs), strict=True)
+    # a mistake in a later scene is found before the first is run
+    read = [each if isinstance(each, Results) or _is_folder(each) else as_scene_file(each) for each in runs]
+    results = tuple(_results(each, stages) for each in read)
+    titles = [_title(*both) for both in zip(runs, results, strict=True)]
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
     return Comparison(tuple(names), results)
 
@@ -82,12 +82,26 @@ def _is_folder(run: SceneLike) -> bool:
     return isinstance(run, str | PathLike) and Path(run).is_dir()
 
 
-def _of(run: SceneLike | Results, stages: Stages | None) -> tuple[str, Results]:
-    """A run by the name of its folder or file, anything else by its title."""
-    if isinstance(run, str | PathLike):
-        return Path(run).stem, serialise.read(run) if Path(run).is_dir() else solved(run, stages)
-    results = run if isinstance(run, Results) else solved(run, stages)
-    return results.scene.title, results
+def _results(run: SceneLike | Results, stages: Stages | None) -> Results:
+    if isinstance(run, Results):
+        return run
+    return serialise.read(run) if isinstance(run, str | PathLike) else solved(run, stages)
+
+
+def _title(run: SceneLike | Results, results: Results) -> str:
+    """The name of a folder or file; of anything else the title."""
+    file = run.name if isinstance(run, SceneFile) else run
+    return Path(file).stem if isinstance(file, str | PathLike) else results.scene.title
+
+
+_MATERIAL, _DENSITY = "damper.ball_material", "damper.ball_density"
+
+
+def _keys(results: Results) -> dict[str, Any]:
+    """The resolved scene by dotted names, the density of a named material beside it."""
+    damper = results.scene.damper
+    keys = dict(_flat(provenance.resolved_scene(results.scene, results.effects, results.theory)))
+    return keys if damper is None or damper.ball_density is None else keys | {_DENSITY: damper.ball_density}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -216,7 +230,10 @@ def draw(comparison: Comparison) -> str:
             left.plot(track.x, track.y, color=colour, lw=0.9)
         points = sorted((p for p in results.speeds if p.damping_curve is not None), key=lambda point: point.rpm)
         peaks = [100 * p.damping_curve.peak or math.nan for p in points if p.damping_curve is not None]
-        right.plot([p.rpm for p in points], peaks, "o-", color=colour, ms=3.5, label=name)
+        rpm, marked = [p.rpm for p in points], [bool(remarks.mark(results, p)) for p in points]
+        look: dict[str, Any] = {"color": colour, "ms": 3.5}
+        right.plot(rpm, peaks, "o-", label=name, markevery=[not each for each in marked], **look)
+        right.plot(rpm, peaks, "o", mfc="none", markevery=marked, **look)
     air = [100 * ratio for ratio in limits.AIR]
     right.axhspan(*air, color=plots.RULE, lw=0)
     right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
@@ -236,6 +253,7 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
         heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],
         marks=_legend(comparison),
+        hollow=any(row["marks"][1] for row in rows(comparison)),
         figure=figure,
         air=[in_percent(ratio) for ratio in limits.AIR],
     )

@@ -243,8 +243,8 @@ def text(result: Response) -> str:
     marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
-    values = best_rows(result), zeta, ball_count(result), result.excitation.unit
-    added = templates.sentences("response.txt.j2", "added", *values) if zeta else []
+    values = {"rows": best_rows(result), "zeta": zeta, "unit": result.excitation.unit}
+    added = templates.said("response/added", ball_count(result), **values) if zeta else []
     return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *added])
 
 

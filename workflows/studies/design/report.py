@@ -1,4 +1,4 @@
-"""A design as files: `design.json`, the winning scene as `best.toml`, and one page; sentences in `design.txt.j2`."""
+"""A design as files: `design.json`, the winning scene as `best.toml`, and one page; sentences in `design.toml`."""
 
 import math
 from collections.abc import Callable
@@ -211,37 +211,39 @@ document = DesignResult.document
 
 def verdict(space: Space, optimum: Optimum) -> str:
     """The answer in a line."""
-    return " ".join(_phrased("verdict", optimum, space.goal))
+    return " ".join(_said("verdict", space, optimum))
 
 
 def sentences(result: DesignResult) -> list[str]:
     """What carries the answer, and what limits it; or why nothing works."""
-    if result.optimum.evaluation.works:
-        return _phrased("sentences", result.space, result.optimum, result.active_constraints, has_thickness)
-    return _phrased("reasons", result.space, result.optimum)
+    text = "sentences" if result.optimum.evaluation.works else "reasons"
+    more = {"constraints": result.active_constraints, "has_thickness": has_thickness}
+    return _said(text, result.space, result.optimum, **more)
 
 
 def infeasible(limit: str, share: float, nearest: Evaluation) -> str:
     """That no design is within a limit, of which the closest one uses a share; else why none is worth anything."""
-    return " ".join(_phrased("infeasible", limit, share, nearest.why))
+    return " ".join(templates.said("design/infeasible", limit=limit, share=share, why=nearest.why))
 
 
-def _phrased(macro: str, *values: Any) -> list[str]:
-    return templates.sentences("design.txt.j2", macro, *values)
+def _said(text: str, space: Space, optimum: Optimum, **values: Any) -> list[str]:
+    """Sentences of a text on a space and its best design."""
+    known = {"space": space, "goal": space.goal, "optimum": optimum, "best": optimum.evaluation, "worst": optimum.worst}
+    return templates.said(f"design/{text}", space.count(optimum.shares), **known, **values)
 
 
 def draw(result: DesignResult) -> list[Picture]:
     """All pictures there are."""
-    pictures, goal = [], result.space.goal
-    if isinstance(goal, LeastDamping) and (curves := damping_curves(result.space, result.optimum, goal)):
-        pictures.append(Picture(_curves(goal, curves), *_phrased("of_curves", result.optimum.evaluation.works)))
+    pictures, goal, of = [], result.space.goal, (result.space, result.optimum)
+    if isinstance(goal, LeastDamping) and (curves := damping_curves(*of, goal)):
+        pictures.append(Picture(_curves(goal, curves), *_said("of_curves", *of)))
     if result.response is not None:
         for number, passage in enumerate(result.response.passages):
             shades = map_spread(len(passage.forces) + 1)[:-1]
             drawn = response_report.response(result.response, passage, str(number), shades)
-            pictures.append(Picture(drawn, *_phrased("of_response", response_report.place(passage.crossing))))
+            pictures.append(Picture(drawn, *_said("of_response", *of, place=response_report.place(passage.crossing))))
     if result.grid is not None and result.optimum.evaluation.works:
-        pictures.append(Picture(_map(result, result.grid), *_phrased("of_map", goal.of_damping)))
+        pictures.append(Picture(_map(result, result.grid), *_said("of_map", *of)))
     return pictures
 
 

@@ -260,4 +260,5 @@ def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
     if endured is not None and space.goal.low > endured:
         return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
     friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
-    return Obstacle("slip", slowest.point.rpm, friction) if friction > limits.DRY else None
+    slides = limits.slides(slowest.results, slowest.point, space.goal.high)
+    return Obstacle("slip", slowest.point.rpm, friction) if slides else None

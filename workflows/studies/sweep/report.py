@@ -1,4 +1,4 @@
-"""A study as files for people: `sweep.json` and one page; its sentences are in `sweep.txt.j2`."""
+"""A study as files for people: `sweep.json` and one page; its sentences are in `sweep.toml`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ import numpy as np
 from workflows.formatting import readable, significant, whole
 from workflows.io.files import as_json
 from workflows.io.folder import replacing_file
-from workflows.report import plots, templates
+from workflows.report import plots
+from workflows.report.templates import from_template, said
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -152,9 +153,9 @@ def draw(data: xr.Dataset) -> list[Picture]:
     if not (data[HEADLINE].values > 0).any():
         return []
     if "ST" in data:
-        return [Picture(_bars(data), *_phrased("of_bars"))]
+        return [Picture(_bars(data), *said("sweep/of_bars"))]
     if SAMPLE in data.dims:
-        return [Picture(_scattered(data), *_phrased("of_sample"))]
+        return [Picture(_scattered(data), *said("sweep/of_sample"))]
     numbers = [str(name) for name in data.dims if np.issubdtype(np.asarray(data[name].values).dtype, np.number)]
     numbers.sort(key=lambda name: -data.sizes[name])
     keys = [name for name in numbers if name != SPEEDS]
@@ -166,7 +167,9 @@ def draw(data: xr.Dataset) -> list[Picture]:
     series = max(others, key=lambda name: data.sizes[name], default=None)
     names = _drawn(data, (x,) if series is None else (x, series))
     return [
-        Picture(_curves(data, name, x, series), *_phrased("of_curves", name, _fixed(data, (x, series))))
+        Picture(
+            _curves(data, name, x, series), *said("sweep/of_curves", quantity=name, others=_fixed(data, (x, series)))
+        )
         for name in names
     ]
 
@@ -224,7 +227,8 @@ def map_caption(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
             for k in places:
                 least = float(np.nanmin(1e3 * data["cutoff"].isel({} if panel is None else {panel: k}).values))
                 at_rest.append(f"{significant(least, 2)} mm" + f" at {_at(data, panel, k)}" * (panel is not None))
-    return " ".join(_phrased("of_map", quantity, _fixed(data, (x, y, panel)), ends, idle, at_rest))
+    of: dict[str, Any] = {"others": _fixed(data, (x, y, panel)), "ends": ends, "idle": idle, "at_rest": at_rest}
+    return " ".join(said("sweep/of_map", quantity=quantity, **of))
 
 
 def _map(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
@@ -405,17 +409,13 @@ def _spread(data: xr.Dataset) -> dict[str, Any] | None:
 
 def _headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
     """The answer of a study that is not that of its best point; empty where it is."""
-    return " ".join(_phrased("headline", entries, _spread(data)))
-
-
-def _phrased(macro: str, *values: Any) -> list[str]:
-    return templates.sentences("sweep.txt.j2", macro, *values)
+    return " ".join(said("sweep/headline", result=entries, spread=_spread(data)))
 
 
 def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
     entries = document(data)
-    return "\n".join(_phrased("text", entries, _best_keys(data, entries), _spread(data)))
+    return "\n".join(said("sweep/text", result=entries, best=_best_keys(data, entries), spread=_spread(data)))
 
 
 _FIGURES = (
@@ -450,7 +450,7 @@ def render(data: xr.Dataset) -> str:
         numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
         best = _best_keys(data, entries)
         best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
-    return templates.from_template(
+    return from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
         result=entries,

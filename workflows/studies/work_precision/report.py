@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
-from workflows.report.templates import from_template
-from workflows.report.templates import sentences as from_sentences
+from workflows.report.templates import from_template, said
 from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
 
 if TYPE_CHECKING:
@@ -116,7 +115,7 @@ def verdict(work_precision: WorkPrecision) -> list[str]:
         sentence
         for study in work_precision.studies
         if len({row.method for row in study.rows}) > 1
-        for sentence in from_sentences("accuracy.txt.j2", "verdict", _judged(study, _target_of(work_precision, study)))
+        for sentence in said("accuracy/verdict", **_judged(study, _target_of(work_precision, study)))
     ]
 
 
