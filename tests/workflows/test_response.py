@@ -21,7 +21,7 @@ from workflows.report import remarks
 from workflows.scene.load import SHIPPED, as_scene_file
 from workflows.solve import engine_orders
 from workflows.solve.excitation import with_forced_effects
-from workflows.solve.results import ForceLevel, Mode, SpeedPoint
+from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies import response as study
 from workflows.studies import response_report as report
 from workflows.studies.design import objectives
@@ -75,6 +75,26 @@ def test_the_short_way_stands_beside(known):
         assert abs(row.difference) < 0.02
 
 
+def test_the_estimate_is_that_of_a_run_and_follows_from_the_table(known):
+    """The largest amplitude by free vibration over the one without; and how far it is off, both as they are printed."""
+    run = {each.level: each for each in spindamp.run(STRUCTURE).reductions[0].levels}
+    every = study.rows(known)
+    for row in every[:2]:
+        assert row.estimate == pytest.approx(run[row.force].amplitude, rel=1e-9)
+        assert row.estimated_ratio == pytest.approx(run[row.force].ratio, rel=1e-3)
+    lines = [line.split() for line in report.text(known).splitlines() if line.startswith("    3  flap 1 ")]
+    assert len(lines) == len(every)
+    page = re.findall(r"<tr><td>(.*?)</td></tr>", report.render(known))
+    for line, cells, entry in zip(lines, page, report.document(known)["crossings"], strict=True):
+        without, mean, ratio, *_, estimated, off = (each.replace("\u2212", "-") for each in line[5:])
+        assert float(ratio) == pytest.approx(float(mean) / float(without), rel=1e-3)
+        assert float(off) == pytest.approx(100 * (float(estimated) / float(ratio) - 1), abs=0.15)
+        assert [each.replace("\u2212", "-") for each in cells.split("</td><td>")[-2:]] == [estimated, off]
+        short = entry["shortcut"]
+        assert short["ratio"] == pytest.approx(short["amplitude"] / entry["amplitude_without"])
+        assert short["difference"] == pytest.approx(short["ratio"] / entry["ratio"] - 1)
+
+
 def test_the_last_line_says_what_the_table_shows(known):
     """The damping ratio of the best row, which free vibration at that amplitude has too, bouncing or not."""
     (best,) = report.best_rows(known)
@@ -87,22 +107,38 @@ def test_the_last_line_says_what_the_table_shows(known):
 
 
 @pytest.mark.parametrize(
-    ("estimated", "followed", "useful", "best", "expected"),
+    ("ratios", "expected", "said"),
     [
-        ((0.655, 1.67), [0.2, 0.71, 5.0], [True, True, False], 0.71, (0.655, 1.67)),  # 0.4 takes less than half of it
-        ((0.655, 1.67), [0.65, 0.71, 5.0], [True, True, False], 0.65, (0.65, 1.67)),
-        ((0.5, 3.0), [0.6, 1.0, 2.0, 4.0], [True, True, False, True], 1.0, (0.6, 1.0)),  # contradicted at 2
-        ((0.5, 3.0), [5.0, 7.0], [True, False], 5.0, (5.0, 5.0)),
-        ((math.nan, math.nan), [1.0, 2.0, 5.0], [False, True, True], 5.0, (2.0, 5.0)),
-        ((0.5, 3.0), [1.0, 2.0], [False, False], 1.0, (math.nan, math.nan)),
+        ({8.0: 0.51, 10.0: 0.37, 30.0: 0.6, 100.0: 0.9}, (8.0, 30.0), "63 % less vibration at 10 N, at least half of"),
+        ({8.0: 0.9, 10.0: 0.37, 30.0: 0.9, 100.0: 0.6}, (10.0, 10.0), "63 % less vibration at 10 N. At 8 and 30 N"),
+        ({2.0: 0.995, 10.0: 1.0}, (math.nan, math.nan), "not useful at the levels followed, 2 and 10 N"),
     ],
 )
-def test_the_range_holds_at_the_levels_followed(known, estimated, followed, useful, best, expected):
-    """Between levels followed free vibration speaks, unless one of them contradicts it."""
-    (short,) = known.results.reductions
-    levels = [ForceLevel(level, 1.0, 0.0, True) for level in followed]
-    found = report._range(dataclasses.replace(short, range=estimated), levels, useful, best)
-    assert found == pytest.approx(expected, nan_ok=True)
+def test_the_range_is_of_levels_followed(known, monkeypatch, ratios, expected, said):
+    """Whatever free vibration says between them."""
+    (passage,) = known.passages
+    row = study.rows(known)[0]
+    every = [dataclasses.replace(row, force=force, mean=ratio * row.without) for force, ratio in ratios.items()]
+    monkeypatch.setattr(report, "rows", lambda *_: every)
+    known = dataclasses.replace(known, requested_levels=tuple(ratios))
+    assert report.confirmed(known, passage).range == pytest.approx(expected, nan_ok=True)
+    first = report.sentences(known)[0]
+    assert said in first
+    assert ("at all levels evaluated from 8 to 30 N" in first) == (expected == (8.0, 30.0))
+
+
+def test_a_prediction_that_failed_is_said(known, monkeypatch):
+    """Of the level evaluated besides: what free vibration predicts there, and what the motion shows."""
+    *_, best = every = study.rows(known)
+    assert report.sentences(known)[-1].endswith("near the largest reduction that free vibration predicts.")
+    for ratio, shown in ((0.9, "10 %"), (1.01, "none")):
+        failed = dataclasses.replace(best, mean=ratio * best.without)
+        monkeypatch.setattr(report, "rows", lambda *_, failed=failed: [*every[:2], failed])
+        predicted = f"{100 * (1 - best.estimated_ratio):.2g} %"
+        assert report.sentences(known)[-1] == (
+            f"{best.force:g} N is evaluated too: for engine order 3 free vibration predicts a reduction by {predicted}"
+            f" there, and the motion shows {shown}."
+        )
 
 
 def test_a_peak_at_the_end_of_the_speeds_is_said(known, monkeypatch):
@@ -121,7 +157,7 @@ def test_document(known):
         )
         assert {"hits_per_cycle", "power_in", "power_lost", "shortcut"} <= set(entry)
         assert set(entry["amplitude"]) == {"least", "mean", "rms", "greatest"}
-        assert set(entry["shortcut"]) == {"amplitude", "difference", "suffices"}
+        assert set(entry["shortcut"]) == {"amplitude", "ratio", "difference", "suffices"}
         assert entry["power_lost"] == pytest.approx(entry["power_in"], rel=1e-2)
     assert found["headline"][0].startswith("At engine order 3 (4020 rpm, flap mode): up to 2")
     assert found["dampers"][0]["range"][0] < found["dampers"][0]["range"][1]

@@ -30,7 +30,7 @@ class Passage:
         crossing: where; axis: along which of the damper's axes the amplitude is.
         omega: (s,) [rad/s]; forces: (f,).
         states: of the damper, s * f points, the speeds one after the other.
-        estimate: amplitude by free vibration, the one nearest to the mean, (s, f, starts) [m]; nan where it is not.
+        reduction: the same by free vibration, as a run estimates it, at the levels followed.
         least_force: from which on the ball cannot stay at rest, in the unit of the forces.
         figures: the damper's own, at the crossing.
     """
@@ -40,7 +40,7 @@ class Passage:
     omega: Floats
     forces: tuple[float, ...]
     states: damper.Forced
-    estimate: Floats
+    reduction: VibrationReduction
     least_force: float
     figures: damper.DampingCurve
 
@@ -82,7 +82,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
         stress_without, stress_with: at the root [Pa], None where it is not known.
-        estimate, difference: amplitude by free vibration, and over the mean less 1; None where that does not apply.
+        estimate: largest amplitude by free vibration, whatever the speed [m]; None where that does not apply.
     """
 
     passage: Passage
@@ -110,8 +110,13 @@ class Row:
         return self.mean / self.without
 
     @property
+    def estimated_ratio(self) -> float | None:
+        """The same by free vibration."""
+        return None if self.estimate is None else self.estimate / self.without
+
+    @property
     def difference(self) -> float | None:
-        """The estimated amplitude over the true one, less 1."""
+        """The estimated ratio over the one of the motion, less 1."""
         return None if self.estimate is None else self.estimate / self.mean - 1
 
 
@@ -133,7 +138,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         return float(passage.shaped(getattr(states, name))[speed, force, start])
 
     without = float(np.abs(passage.shaped(states.without))[:, force].max())
-    estimate = float(passage.estimate[speed, force, start])
+    estimates = {each.level: each.amplitude for each in passage.reduction.levels}
     stress = excitation.root_stress(result.results, passage.crossing)
     return Row(
         passage=passage,
@@ -144,7 +149,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         **{name: at(name) for name in _OF_A_ROW},
         smallest=float(passage.shaped(states.mean)[speed, force].min()),
         regime=str(passage.shaped(states.regime)[speed, force, start]),
-        estimate=estimate if np.isfinite(estimate) else None,
+        estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
         stress_with=None if stress is None else stress * at("greatest"),
     )
@@ -216,15 +221,21 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
-    reductions = []
-    for crossing in met:
-        with during(_where(crossing)):
-            reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, forcing))
+
+    def estimates(of: Excitation) -> list[VibrationReduction]:
+        found = []
+        for crossing in met:
+            with during(_where(crossing)):
+                found.append(excitation.estimate(solver, results, at[crossing.omega], crossing, of))
+        return found
+
+    reductions = estimates(forcing)
     followed = with_best_levels(forcing, reductions)
+    reductions = reductions if followed.levels == forcing.levels else estimates(followed)
     passages, not_followed = [], []
-    for crossing in met:
+    for crossing, reduction in zip(met, reductions, strict=True):
         with during(_where(crossing)):
-            passage = _passage(solver, at[crossing.omega], crossing, followed)
+            passage = _passage(solver, at[crossing.omega], crossing, followed, reduction)
         if isinstance(passage, str):
             not_followed.append((crossing, passage))
         else:
@@ -239,8 +250,13 @@ def _where(crossing: Crossing) -> str:
     return f"order {crossing.order} at {whole(crossing.rpm)} rpm"
 
 
-_NEAR_BEST = 0.9
+NEAR_BEST = 0.9
 """Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
+
+
+def best_level(reduction: VibrationReduction) -> float:
+    """Where the ball does most by free vibration, to two digits."""
+    return float(f"{reduction.level:.2g}")
 
 
 def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
@@ -248,31 +264,32 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
     best = set()
     for each in reductions:
         shown = max((1 - level.ratio for level in each.levels if level.endured), default=0.0)
-        if math.isfinite(each.range[0]) and shown < _NEAR_BEST * (1 - each.ratio):
-            best.add(float(f"{each.level:.2g}"))
+        if math.isfinite(each.range[0]) and shown < NEAR_BEST * (1 - each.ratio):
+            best.add(best_level(each))
     return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
 
 
-def _passage(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation) -> Passage | str:
+def _passage(
+    solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation, reduction: VibrationReduction
+) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
-    _, axis, leads = excitation.modes_at_crossing(at, crossing)
+    _, axis, _ = excitation.modes_at_crossing(at, crossing)
     omega = _speeds(solver, crossing, at)
     dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
     states = _steady_states(solver, crossing, dampers, harmonics, axis)
     states = replace(states, without=_without_ball(unloaded, harmonics, axis))
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        estimate = _estimated_amplitudes(system, dampers, harmonics, states, speaks=leads)
         return Passage(
             crossing=crossing,
             axis=axis,
             omega=omega,
             forces=forcing.levels,
             states=states,
-            estimate=estimate.reshape(len(omega), len(forcing.levels), -1),
+            reduction=reduction,
             least_force=float((levels * states.moves_from).min()),
             figures=damper_stage.figures(system),
         )
@@ -357,30 +374,3 @@ def _steady_states(
         return damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-
-
-def _estimated_amplitudes(
-    middle: damper.ParticleDamper,
-    dampers: list[damper.ParticleDamper],
-    harmonics: list[damper.Harmonic],
-    states: damper.Forced,
-    *,
-    speaks: bool,
-) -> Floats:
-    """Amplitudes by free vibration, nearest to the means; nan where that does not tell of the mode that is crossed.
-
-    That is so where another yields more along x. One measurement at the crossing serves all of it: frequencies scale
-    with the structure's own, forces with its stiffness.
-    """
-    estimate = np.full(states.mean.shape, np.nan)
-    if not speaks:
-        return estimate
-    vibration = excitation.free_vibration(middle)
-    for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = excitation.force_at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
-        nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
-        amplitudes = np.array([amplitude for amplitude, _ in vibration.answers(force, nu)])
-        if amplitudes.size:
-            off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
-            estimate[n] = amplitudes[np.argmin(off, axis=0)]
-    return estimate
