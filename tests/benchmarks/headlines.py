@@ -6,8 +6,8 @@ Each scene of headlines.toml goes through `run`, which estimates from free vibra
 the motion, and, where it has a table [design], through `design`; ten small spaces on a known structure go through
 `design` alone. Every number of a sentence has to follow from the JSON beside it: percent, levels, speeds, what the
 plate endures, damping ratios. Of what was followed no level may contradict the sentence. `run` and `response` have to
-agree: the same verdict, percent within 3 points, and the range of `run` holds the levels of `response` that give half of
-the best, and no other, within 20 % of its ends; unless `run` calls its estimate rough.
+agree: the same verdict, percent within 3 points, and the range of `run` holds the levels of `response` that give half
+of the best, and no other, within 20 % of its ends; unless `run` calls its estimate rough.
 Prints every sentence to be read, then what does not hold, and ends with 1 where something does not. It takes some
 twenty minutes of one core, most of them in `response` and `design`.
 """
