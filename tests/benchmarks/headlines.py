@@ -6,7 +6,8 @@ Each scene of headlines.toml goes through `run`, which estimates from free vibra
 the motion, and, where it has a table [design], through `design`; ten small spaces on a known structure go through
 `design` alone. Every number of a sentence has to follow from the JSON beside it: percent, levels, speeds, what the
 plate endures, damping ratios. Of what was followed no level may contradict the sentence. `run` and `response` have to
-agree: the same verdict, percent within 3 points, ends of the range within 20 %, unless `run` calls its estimate rough.
+agree: the same verdict, percent within 3 points, and the range of `run` holds the levels of `response` that give half
+of the best, and no other, within 20 % of its ends; unless `run` calls its estimate rough.
 Prints every sentence to be read, then what does not hold, and ends with 1 where something does not. It takes some
 twenty minutes of one core, most of them in `response` and `design`.
 """
@@ -62,7 +63,7 @@ _NUMBER = r"(\d[\d.]*)"
 _PLACE = re.compile(rf"At engine order (\d+) \({_NUMBER} rpm, [\w ]+ mode\): ")
 _LESS = re.compile(
     rf"up to {_NUMBER} % less vibration at {_NUMBER} [^ ,.]+"
-    rf"(?:, at least half of that between {_NUMBER} and {_NUMBER} )?"
+    rf"(?:, at least half of that (?:between|at all levels evaluated from) {_NUMBER} (?:and|to) {_NUMBER} )?"
 )
 _AT_MOST = re.compile(rf"the balls? reduces? the amplitude by {_NUMBER} % at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
@@ -213,8 +214,11 @@ def of_speeds(sentences: Sequence[str], speeds: Sequence[Table]) -> list[str]:
     return [f"ζ {told:g} % where the best is {100 * best:.3g} %"] if off(told, 100 * best, 2) else []
 
 
-def disagreements(short: Sequence[Said], motion: Sequence[Said], *, rough: bool) -> list[str]:
-    """Where `run` and `response` say different things of the same crossing; `rough`: `run` calls its figures so."""
+def disagreements(short: Sequence[Said], motion: Sequence[Said], levels: Sequence[float], *, rough: bool) -> list[str]:
+    """Where `run` and `response` say different things of the same crossing.
+
+    `levels`: those that `response` followed; `rough`: `run` calls its figures so.
+    """
     faults = []
     for mine in short:
         other = next((m for m in motion if m.order == mine.order and abs(m.rpm - mine.rpm) <= 1), None)
@@ -229,9 +233,12 @@ def disagreements(short: Sequence[Said], motion: Sequence[Said], *, rough: bool)
             continue
         if abs(mine.percent - other.percent) > POINTS:
             faults.append(f"{place}: {mine.percent:g} % against {other.percent:g} %")
-        for name, one, two in (("from", mine.low, other.low), ("to", mine.high, other.high)):
-            if abs(one / two - 1) > ENDS:
-                faults.append(f"{place}: {name} {one:g} against {two:g}")
+        useful = [level for level in levels if other.low * 0.995 <= level <= other.high * 1.005]
+        wide = mine.low / (1 + ENDS), mine.high * (1 + ENDS)
+        narrow = mine.low * (1 + ENDS), mine.high / (1 + ENDS)
+        faults += [f"{place}: {level:g} gives half" for level in useful if not wide[0] <= level <= wide[1]]
+        idle = [level for level in levels if level not in useful]
+        faults += [f"{place}: {level:g} gives less than half" for level in idle if narrow[0] <= level <= narrow[1]]
     return faults
 
 
@@ -290,7 +297,8 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
         motion = said(document["headline"])
         faults = [fault for each in motion for fault in of_crossings(each, document)]
         rough = any(sentence.startswith("A rough estimate") for sentence in every)
-        faults += of_added(document["headline"], reductions) + disagreements(short, motion, rough=rough)
+        levels = sorted({entry["force"] for entry in document["crossings"]})
+        faults += of_added(document["headline"], reductions) + disagreements(short, motion, levels, rough=rough)
         yield Line(name, "response", document["headline"], faults)
     except SpindampError as failed:
         yield Line(name, "response", [f"No answer: {failed}"], ["no answer"])

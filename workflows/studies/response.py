@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ class Passage:
         crossing: where; axis: along which of the damper's axes the amplitude is.
         omega: (s,) [rad/s]; forces: (f,).
         states: of the damper, s * f points, the speeds one after the other.
-        estimate: amplitude by free vibration, the one nearest to the mean, (s, f, starts) [m]; nan where it is not.
+        reduction: the same by free vibration, as a run estimates it, at the levels followed.
         least_force: from which on the ball cannot stay at rest, in the unit of the forces.
         figures: the damper's own, at the crossing.
     """
@@ -40,7 +40,7 @@ class Passage:
     omega: Floats
     forces: tuple[float, ...]
     states: damper.Forced
-    estimate: Floats
+    reduction: VibrationReduction
     least_force: float
     figures: damper.DampingCurve
 
@@ -82,7 +82,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
         stress_without, stress_with: at the root [Pa], None where it is not known.
-        estimate, difference: amplitude by free vibration, and over the mean less 1; None where that does not apply.
+        estimate: largest amplitude by free vibration, whatever the speed [m]; None where that does not apply.
     """
 
     passage: Passage
@@ -110,8 +110,13 @@ class Row:
         return self.mean / self.without
 
     @property
+    def estimated_ratio(self) -> float | None:
+        """The same by free vibration."""
+        return None if self.estimate is None else self.estimate / self.without
+
+    @property
     def difference(self) -> float | None:
-        """The estimated amplitude over the true one, less 1."""
+        """The estimated ratio over the one of the motion, less 1."""
         return None if self.estimate is None else self.estimate / self.mean - 1
 
 
@@ -133,7 +138,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         return float(passage.shaped(getattr(states, name))[speed, force, start])
 
     without = float(np.abs(passage.shaped(states.without))[:, force].max())
-    estimate = float(passage.estimate[speed, force, start])
+    estimates = {each.level: each.amplitude for each in passage.reduction.levels}
     stress = excitation.root_stress(result.results, passage.crossing)
     return Row(
         passage=passage,
@@ -144,7 +149,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         **{name: at(name) for name in _OF_A_ROW},
         smallest=float(passage.shaped(states.mean)[speed, force].min()),
         regime=str(passage.shaped(states.regime)[speed, force, start]),
-        estimate=estimate if np.isfinite(estimate) else None,
+        estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
         stress_with=None if stress is None else stress * at("greatest"),
     )
@@ -163,9 +168,6 @@ _RINGS = 5.0
 _SHIFTS = 1.5
 """And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without."""
 
-_BENT = 3.0
-"""In the middle of the band speeds are three times as close as evenly spaced, so that no peak falls between them."""
-
 _NARROWEST = 2e-3
 """Least half width of the band."""
 
@@ -178,15 +180,59 @@ def band(crossing: Crossing, zeta: float, shift: float, speeds: tuple[float, flo
     return max(crossing.omega - half, low), min(crossing.omega + half, high)
 
 
-def resonance_speeds(middle: float, low: float, high: float, count: int) -> Floats:
-    """Speeds through a band [rad/s], closer to each other towards its middle."""
-    x = np.linspace(-1.0, 1.0, count)
-    bent = np.sinh(_BENT * x) / math.sinh(_BENT)
-    return np.where(x < 0, middle + (middle - low) * bent, middle + (high - middle) * bent)
+def resonance_speeds(resonances: Sequence[float], width: float, ends: tuple[float, float], count: int) -> Floats:
+    """Speeds between two ends [rad/s], closest to each other about resonances of a half width, which are among them.
+
+    They lie evenly on the sum of asinh((omega - resonance) / width): the farther off, the farther apart.
+    """
+    around = np.add.outer(resonances, width * np.sinh(np.linspace(-15.0, 15.0, 3001)))
+    fine = np.unique(np.clip(around, *ends))
+    place = np.arcsinh(np.subtract.outer(fine, resonances) / width).sum(axis=1)
+    omega: Floats = np.interp(np.linspace(place[0], place[-1], count), place, fine)
+    for each in resonances:
+        omega[np.argmin(np.abs(omega - each))] = min(max(each, ends[0]), ends[1])
+    return omega
 
 
-SPEEDS, FEW_SPEEDS = 60, 20
-"""Through a crossing; fewer where each speed of the plate is solved by itself."""
+def beside_peaks(omega: Floats, amplitude: Floats, ends: tuple[float, float]) -> Floats:
+    """A further speed for each force, beside the one at which its amplitude is largest [rad/s].
+
+    It lies where a parabola through 1 / A² is least, as about a linear resonance, or where that is known, midway to a
+    neighbour; beyond the speeds, within the ends, where the first or the last has the largest amplitude.
+
+    Args:
+        omega: ascending (s,) [rad/s].
+        amplitude: (s, f).
+        ends: between which all speeds lie [rad/s].
+    """
+    known = omega
+    for curve in amplitude.T:
+        k = int(np.argmax(curve))
+        below, at, above = omega[max(k - 1, 0)], omega[k], omega[min(k + 1, len(omega) - 1)]
+        tries = [0.5 * (at + each) for each in sorted((below, above), key=lambda each: -abs(each - at))]
+        if 0 < k < len(omega) - 1 and curve[k - 1] > 0 < curve[k + 1]:
+            low, high = below - at, above - at
+            left, right = ((curve[k] / curve[each]) ** 2 - 1 for each in (k - 1, k + 1))
+            curvature = (right / high - left / low) / (high - low)
+            tries.insert(0, at + 0.5 * (low - left / (low * curvature)) if curvature > 0 else at)
+        elif k in (0, len(omega) - 1):
+            tries.insert(0, min(max(2 * at - (omega[-1] if k == 0 else omega[0]), ends[0]), ends[1]))
+        gaps = np.diff(known)
+        tries.append(known[np.argmax(gaps)] + 0.5 * gaps.max())
+        apart = _APART * (above - below)
+        chosen = next((each for each in tries[:-1] if np.abs(known - each).min() > apart), tries[-1])
+        known = np.sort(np.append(known, chosen))
+    return np.setdiff1d(known, omega)
+
+
+_APART = 0.05
+"""How far a further speed lies from all others, over the distance of the neighbours of the largest amplitude."""
+
+SPEEDS, FEW_SPEEDS = 40, 12
+"""Through a crossing, at first; fewer where each speed of the plate is solved by itself."""
+
+_ROUNDS = 4
+"""How often a further speed is evaluated for each force."""
 
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
@@ -216,15 +262,21 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
     at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
-    reductions = []
-    for crossing in met:
-        with during(_where(crossing)):
-            reductions.append(excitation.estimate(solver, results, at[crossing.omega], crossing, forcing))
+
+    def estimates(of: Excitation) -> list[VibrationReduction]:
+        found = []
+        for crossing in met:
+            with during(_where(crossing)):
+                found.append(excitation.estimate(solver, results, at[crossing.omega], crossing, of))
+        return found
+
+    reductions = estimates(forcing)
     followed = with_best_levels(forcing, reductions)
+    reductions = reductions if followed.levels == forcing.levels else estimates(followed)
     passages, not_followed = [], []
-    for crossing in met:
+    for crossing, reduction in zip(met, reductions, strict=True):
         with during(_where(crossing)):
-            passage = _passage(solver, at[crossing.omega], crossing, followed)
+            passage = _passage(solver, at[crossing.omega], crossing, followed, reduction)
         if isinstance(passage, str):
             not_followed.append((crossing, passage))
         else:
@@ -239,8 +291,13 @@ def _where(crossing: Crossing) -> str:
     return f"order {crossing.order} at {whole(crossing.rpm)} rpm"
 
 
-_NEAR_BEST = 0.9
+NEAR_BEST = 0.9
 """Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
+
+
+def best_level(reduction: VibrationReduction) -> float:
+    """Where the ball does most by free vibration, to two digits."""
+    return float(f"{reduction.level:.2g}")
 
 
 def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
@@ -248,34 +305,52 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
     best = set()
     for each in reductions:
         shown = max((1 - level.ratio for level in each.levels if level.endured), default=0.0)
-        if math.isfinite(each.range[0]) and shown < _NEAR_BEST * (1 - each.ratio):
-            best.add(float(f"{each.level:.2g}"))
+        if math.isfinite(each.range[0]) and shown < NEAR_BEST * (1 - each.ratio):
+            best.add(best_level(each))
     return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
 
 
-def _passage(solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation) -> Passage | str:
+def _passage(
+    solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation, reduction: VibrationReduction
+) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
-    _, axis, leads = excitation.modes_at_crossing(at, crossing)
+    _, axis, _ = excitation.modes_at_crossing(at, crossing)
+    speeds = solver.source.scene.rotor.speeds
     omega = _speeds(solver, crossing, at)
-    dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
-    states = _steady_states(solver, crossing, dampers, harmonics, axis)
-    states = replace(states, without=_without_ball(unloaded, harmonics, axis))
+    states = _steady_states(solver, crossing, forcing, omega, axis)
+    for _ in range(_ROUNDS):
+        largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
+        more = beside_peaks(omega, largest, (min(speeds), max(speeds)))
+        states = _merged(omega, states, more, _steady_states(solver, crossing, forcing, more, axis))
+        omega = np.sort([*omega, *more])
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        estimate = _estimated_amplitudes(system, dampers, harmonics, states, speaks=leads)
         return Passage(
             crossing=crossing,
             axis=axis,
             omega=omega,
             forces=forcing.levels,
             states=states,
-            estimate=estimate.reshape(len(omega), len(forcing.levels), -1),
+            reduction=reduction,
             least_force=float((levels * states.moves_from).min()),
             figures=damper_stage.figures(system),
         )
+
+
+def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> damper.Forced:
+    """Steady states at some speeds and at others, with ascending speeds."""
+    order = np.argsort([*omega, *more])
+
+    def both(name: str) -> Any:
+        one, other = getattr(states, name), getattr(others, name)
+        shape = one.shape[1:]
+        every = np.concatenate([one.reshape(len(omega), -1, *shape), other.reshape(len(more), -1, *shape)])
+        return every[order].reshape(-1, *shape)
+
+    return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
 
 
 def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floats:
@@ -284,7 +359,10 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floa
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
-    return resonance_speeds(crossing.omega, *ends, FEW_SPEEDS if solver.solves_each_speed else SPEEDS)
+    per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
+    resting = crossing.omega - shift * per_speed
+    count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
+    return resonance_speeds((resting, crossing.omega), zeta * per_speed, ends, count)
 
 
 def _excited_dampers(
@@ -337,13 +415,10 @@ def _without_ball(
 
 
 def _steady_states(
-    solver: StructureSolver,
-    crossing: Crossing,
-    dampers: list[damper.ParticleDamper],
-    harmonics: list[damper.Harmonic],
-    axis: int,
+    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int
 ) -> damper.Forced:
-    """The steady states, with progress for a person who waits."""
+    """The steady states at some speeds, with progress for a person who waits."""
+    dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
     starts = tuple(damper.Start)
     with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
@@ -354,33 +429,7 @@ def _steady_states(
                 step.advance(_where(crossing))
             done = number
 
-        return damper.forced(
+        states = damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-
-
-def _estimated_amplitudes(
-    middle: damper.ParticleDamper,
-    dampers: list[damper.ParticleDamper],
-    harmonics: list[damper.Harmonic],
-    states: damper.Forced,
-    *,
-    speaks: bool,
-) -> Floats:
-    """Amplitudes by free vibration, nearest to the means; nan where that does not tell of the mode that is crossed.
-
-    That is so where another yields more along x. One measurement at the crossing serves all of it: frequencies scale
-    with the structure's own, forces with its stiffness.
-    """
-    estimate = np.full(states.mean.shape, np.nan)
-    if not speaks:
-        return estimate
-    vibration = excitation.free_vibration(middle)
-    for n, (system, harmonic) in enumerate(zip(dampers, harmonics, strict=True)):
-        force = excitation.force_at_cavity(system, harmonic) * middle.stiffness[0] / system.stiffness[0]
-        nu = harmonic.frequency * middle.stuck_frequency / system.stuck_frequency
-        amplitudes = np.array([amplitude for amplitude, _ in vibration.answers(force, nu)])
-        if amplitudes.size:
-            off = np.abs(np.log(amplitudes[:, None] / states.mean[n]))
-            estimate[n] = amplitudes[np.argmin(off, axis=0)]
-    return estimate
+    return replace(states, without=_without_ball(unloaded, harmonics, axis))

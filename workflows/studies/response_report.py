@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.rotor import in_rpm
-from workflows.formatting import DASH, aligned, significant, whole
+from workflows.formatting import aligned, fixed, significant, whole
 from workflows.io import provenance
 from workflows.io.files import finite, global_attributes
 from workflows.report import figures, plots, remarks, templates, verdict
@@ -19,7 +19,7 @@ from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response import Passage, Response, Row, is_beyond, peak, rows
+from workflows.studies.response import NEAR_BEST, Passage, Response, Row, best_level, is_beyond, peak, rows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -76,8 +76,9 @@ def dataset(result: Response) -> xr.Dataset:
     for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
         values = np.abs([passage.shaped(getattr(passage.states, name)) for passage in passages])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
-    estimate = np.array([passage.estimate for passage in passages])
-    data["shortcut"] = (dims, estimate, {"units": "m", "long_name": "amplitude estimated from free vibration"})
+    estimates = [[row.estimate for row in rows(result, passage)] for passage in passages]
+    description = "largest amplitude, whatever the speed, estimated from free vibration"
+    data["shortcut"] = (dims[::2], np.array(estimates, dtype=float), {"units": "m", "long_name": description})
     return data
 
 
@@ -152,16 +153,10 @@ def sentences(result: Response) -> list[str]:
     """What the ball does at each order asked for, in plain sentences, where it does most first."""
     if (dense := remarks.too_dense(result.results)) is not None:
         return [f"No verdict: {dense[0]}.", dense[1]]
-    passages = [passage.crossing for passage in result.passages]
-    not_followed = [
-        each for each in result.results.reductions if not any(_is_of(each, crossing) for crossing in passages)
-    ]
+    not_followed = [each for each in result.results.reductions if each.reason == Reason.NOT_DRIVEN]
     reductions = *(confirmed(result, passage) for passage in result.passages), *not_followed
     answer = verdict.of_orders(replace(result.results, reductions=reductions))
-    added = [level for level in result.excitation.levels if level not in result.requested_levels]
-    if added:
-        levels = f"{templates.listed(added)} {result.excitation.unit} {'is' if len(added) == 1 else 'are'}"
-        answer.append(f"{levels} evaluated too, near the largest reduction that free vibration predicts.")
+    answer += _added(result)
     for passage in result.passages:
         speeds = [peak(passage, force)[0] for force in range(len(passage.forces))]
         if 0 in speeds or len(passage.omega) - 1 in speeds:
@@ -171,8 +166,21 @@ def sentences(result: Response) -> list[str]:
     return answer
 
 
-def _is_of(reduction: VibrationReduction, crossing: Crossing) -> bool:
-    return (reduction.order, reduction.mode, reduction.rpm) == (crossing.order, crossing.branch + 1, crossing.rpm)
+def _added(result: Response) -> list[str]:
+    """Why levels are evaluated that nobody asked for, and whether the motion does there what was predicted."""
+    unit, near, sentences = result.excitation.unit, list[float](), list[str]()
+    for level in sorted({*result.excitation.levels} - {*result.requested_levels}):
+        here = [row for row in rows(result) if row.force == level and best_level(row.passage.reduction) == level]
+        missed = [row for row in here if not _is_confirmed(row)]
+        near += [] if missed else [level]
+        sentences += templates.said("response/missed", rows=missed, unit=unit)
+    return [*templates.said("response/near_best", levels=near, unit=unit), *sentences]
+
+
+def _is_confirmed(row: Row) -> bool:
+    """Whether the reduction that free vibration predicts is that of the motion, to a tenth."""
+    predicted = 1.0 if row.estimated_ratio is None else row.estimated_ratio
+    return abs(row.ratio - predicted) <= (1 - NEAR_BEST) * (1 - predicted)
 
 
 _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
@@ -180,9 +188,8 @@ _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
 
 
 def confirmed(result: Response, passage: Passage) -> VibrationReduction:
-    """What the ball does at a crossing by the motion followed, between levels by free vibration."""
-    estimate = next(each for each in result.results.reductions if _is_of(each, passage.crossing))
-    mine = rows(result, passage)
+    """What the ball does at a crossing by the motion followed; its range is of levels that were."""
+    estimate, mine = passage.reduction, rows(result, passage)
     if estimate.reason and estimate.reason not in _OF_MOTION:
         return estimate
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
@@ -190,38 +197,19 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
     useful = [each.endured and each.ratio <= enough for each in levels]
+    followed = np.array([each.level for each in levels])
+    around = neighbours(followed, np.flatnonzero(useful), levels.index(best)) if any(useful) else (math.nan, math.nan)
     return replace(
         estimate,
         ratio=best.ratio,
         level=best.level,
-        range=_range(estimate, levels, useful, best.level),
+        range=around,
         moves_from=passage.least_force,
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=False,
         reason=Reason.NONE,
         detail=f"the levels followed, {templates.listed([each.level for each in levels])} {result.excitation.unit}",
     )
-
-
-_NEAR = 1.25
-"""How far the best level followed may lie outside an estimated range that is said to be confirmed."""
-
-
-def _range(
-    estimate: VibrationReduction, levels: Sequence[ForceLevel], useful: Sequence[bool], best: float
-) -> tuple[float, float]:
-    """Levels around the best with at least half of its reduction: the estimated ones, as far as those followed agree.
-
-    Where they do not, levels followed one after the other.
-    """
-    if not any(useful):
-        return math.nan, math.nan
-    followed = np.array([each.level for each in levels])
-    low, high = estimate.range
-    agree = all(use for level, use in zip(followed, useful, strict=True) if low <= level <= high)
-    if agree and low / _NEAR <= best <= high * _NEAR:  # false where nothing is estimated
-        return min(low, best), max(high, best)
-    return neighbours(followed, np.flatnonzero(useful), int(np.argmin(np.abs(followed - best))))
 
 
 def place(c: Crossing) -> str:
@@ -239,7 +227,7 @@ def text(result: Response) -> str:
     """What a person reads on the terminal."""
     every, unit = rows(result), f"{result.excitation.kind}, {result.excitation.unit}"
     heads = ("order", "mode", "largest at, rpm", unit, "without, mm", "with, mm", "ratio", "regime", "hits")
-    table = aligned([(*heads, "estimate off"), *(_cells(result, row) for row in every)])
+    table = aligned([(*heads, "estimated ratio", "estimate off, %"), *(_cells(result, row) for row in every)])
     marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
@@ -267,7 +255,8 @@ def _cells(result: Response, row: Row) -> tuple[str, ...]:
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
-        DASH if row.difference is None else f"{significant(100 * row.difference, 2)} %",
+        significant(row.estimated_ratio, 4),
+        fixed(None if row.difference is None else 100 * row.difference, 1),
     )
 
 
@@ -304,7 +293,8 @@ def _crossing(c: Crossing) -> dict[str, Any]:
 def _entry(result: Response, row: Row) -> dict[str, Any]:
     c, target, estimate = row.passage.crossing, result.results.scene.accuracy.damping, None
     if row.estimate is not None and row.difference is not None:
-        estimate = {"amplitude": row.estimate, "difference": row.difference, "suffices": abs(row.difference) <= target}
+        estimate = {"amplitude": row.estimate, "ratio": row.estimated_ratio, "difference": row.difference}
+        estimate["suffices"] = abs(row.difference) <= target
     return _crossing(c) | {
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
