@@ -121,7 +121,7 @@ def test_peaks_are_the_largest_answers_at_any_frequency(clearance: float) -> Non
     frequencies = damper.stuck_frequency * np.unique(
         np.concatenate(
             [
-                np.linspace(1 - width, 1 + width, 400),
+                np.linspace(1 - width, 1 + width, 100),
                 *(each.frequency / damper.stuck_frequency for each in found.branches),
             ]
         )

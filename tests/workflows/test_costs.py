@@ -92,7 +92,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
     source = load.load("paper").changed(rotor={"speeds": (500.0,), "modes": 2})
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
-    limits = tuple(replace(method, finest=min(method.finest, 8)) for method in studies.LIMITS)
+    limits = tuple(replace(method, finest=min(method.finest, 6)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(studies, "PLATE_METHODS", few)
         patch.setattr(studies, "LIMITS", limits)
