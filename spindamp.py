@@ -28,16 +28,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+import workflows
 from workflows.errors import BadInput, ImpossibleResult, NoAnswer, NotAvailable, SpindampError
 from workflows.laws import lawful
+from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file, load, parse, shipped
 from workflows.scene.scene import Scene, omega_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
-    from pathlib import Path
 
     import xarray
 
@@ -91,18 +93,15 @@ def run(scene: SceneLike = DEFAULT) -> Results:
         NoAnswer: the physics has none.
         TypeError: it is no scene.
     """
-    from workflows.report import text
-
-    return text.run(scene)
+    return workflows.run(scene)
 
 
 @lawful()
 def campbell(scene: SceneLike = DEFAULT) -> Results:
     """The plate alone: frequencies over speed. Takes and raises what :func:`run` does."""
     from workflows import pipeline
-    from workflows.report import text
 
-    return text.run(pipeline.plate_only(as_scene_file(scene)))
+    return workflows.run(pipeline.plate_only(as_scene_file(scene)))
 
 
 @lawful()
@@ -118,7 +117,6 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
     """
     from workflows import pipeline
     from workflows.io.modes import save_modes
-    from workflows.progress import Stages
 
     model = pipeline.modes(as_scene_file(scene), Stages(visible=False))
     if file is not None:
@@ -130,9 +128,8 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
 def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
     from workflows import pipeline
-    from workflows.report import text
 
-    return text.run(pipeline.at_one_speed(as_scene_file(scene), None if rpm is None else omega_of(rpm)))
+    return workflows.run(pipeline.at_one_speed(as_scene_file(scene), None if rpm is None else omega_of(rpm)))
 
 
 @lawful()
@@ -207,9 +204,6 @@ def sweep(
     Raises:
         BadInput: scene, keys or values are wrong, or the folder belongs to another study.
     """
-    from pathlib import Path
-
-    from workflows.progress import Stages
     from workflows.studies.sweep import study
     from workflows.studies.sweep.executor import workers_of
 
@@ -256,15 +250,11 @@ def compare(*runs: SceneLike | Results) -> Comparison:
 
 def dataset(results: Results) -> xarray.Dataset:
     """The same numbers as labelled arrays; see :func:`workflows.dataset`."""
-    from workflows.io import files
-
-    return files.dataset(results)
+    return workflows.dataset(results)
 
 
 def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
     """Write a folder with all that the command `run`, or `response`, writes; see :func:`workflows.save`."""
-    from pathlib import Path
-
     from workflows.studies.response import Response
 
     if isinstance(results, Response):
@@ -273,9 +263,7 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
         write_study(response_report, results, Path(folder))
         return Path(folder)
-    from workflows.report import page
-
-    return page.save(results, folder)
+    return workflows.save(results, folder)
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
@@ -283,13 +271,9 @@ def load_results(folder: str | PathLike[str]) -> Results:
 
     Saved again they are identical except for `timings`.
     """
-    from workflows.report import page
-
-    return page.load_results(folder)
+    return workflows.load_results(folder)
 
 
 def report(results: Results, path: str | PathLike[str]) -> Path:
     """Write the report, one page; see :func:`workflows.save_report`."""
-    from workflows.report import page
-
-    return page.save_report(results, path)
+    return workflows.save_report(results, path)

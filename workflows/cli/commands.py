@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from workflows.errors import BadInput, NoAnswer
+from workflows.formatting import plain
 from workflows.progress import LOG, Stages
 from workflows.versions import versions
 
@@ -172,7 +173,6 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
-    from workflows.formatting import plain
     from workflows.io.files import as_json
     from workflows.studies.sweep import executor, report, store, study
 
@@ -371,7 +371,6 @@ def _warned(source: SceneFile) -> SceneFile:
 def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     """Run a scene, write it to `out` if there is one, and print the result."""
     from workflows import pipeline
-    from workflows.formatting import plain
     from workflows.io import files, folder, serialise
     from workflows.report import text
     from workflows.report.remarks import remarked
@@ -407,7 +406,6 @@ def _study(
     solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
 ) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned."""
-    from workflows.formatting import plain
     from workflows.io import files, folder
 
     if out is not None:

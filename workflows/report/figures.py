@@ -17,7 +17,6 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.formatting import amount, significant
 from workflows.io import files
-from workflows.io.files import Curve
 from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
@@ -220,7 +219,7 @@ def capacity(results: Results) -> Figure | None:
     return figure
 
 
-def is_fast(track: Curve) -> bool:
+def is_fast(track: files.Curve) -> bool:
     """Whether a vibration swings too often for each swing to be drawn."""
     return oscillations(track.y) > _SWINGS_AN_INCH * plots.WIDTH
 
@@ -230,7 +229,7 @@ def is_band(cycles: Floats) -> bool:
     return len(cycles) > _CYCLES_AT_MOST
 
 
-def _branch(axes: Axes, track: Curve) -> str:
+def _branch(axes: Axes, track: files.Curve) -> str:
     """One frequency over speed; its colour."""
     colour, marker = plots.of_family(track.label.rsplit(" ", 1)[0])
     axes.plot(track.x, track.y, color=colour, marker=marker if len(track.x) <= 12 else "", clip_on=False)
@@ -247,7 +246,7 @@ def _table_two(axes: Axes, results: Results) -> None:
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
 
 
-def _oscillation(axes: Axes, track: Curve, colour: str) -> None:
+def _oscillation(axes: Axes, track: files.Curve, colour: str) -> None:
     """A vibration over time; only how far it swings where there are too many swings for the figure."""
     if not is_fast(track):
         axes.plot(1e3 * track.x, track.y, color=colour, lw=0.9, label=track.label)
@@ -274,19 +273,19 @@ def _stop(axes: Axes, stop: float, end: float) -> None:
     )
 
 
-def _scale(lines: list[Curve]) -> str:
+def _scale(lines: list[files.Curve]) -> str:
     low, high = min(float(line.x.min()) for line in lines), max(float(line.x.max()) for line in lines)
     return "log" if high > 3 * low > 0 else "linear"
 
 
-def _pieces(lines: list[Curve]) -> Floats:
+def _pieces(lines: list[files.Curve]) -> Floats:
     """Ends of the pieces in which long ring-downs are drawn."""
     low, high = min(float(line.x.min()) for line in lines), max(float(line.x.max()) for line in lines)
     spaced = np.geomspace if _scale(lines) == "log" else np.linspace
     return np.asarray(spaced(low, high, _CYCLES_AT_MOST + 1))
 
 
-def _cycles(axes: Axes, line: Curve, percent: Floats, edges: Floats, colour: str) -> None:
+def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colour: str) -> None:
     """What each cycle takes; of many cycles the mean, between the least and the most."""
     if not is_band(line.y):
         axes.plot(line.x, percent, color=colour, marker="o", ms=2.4, lw=1.1, label=line.label)
@@ -296,7 +295,7 @@ def _cycles(axes: Axes, line: Curve, percent: Floats, edges: Floats, colour: str
     axes.plot(reach.x, reach.mean, color=colour, lw=1.1, label=line.label)
 
 
-def _title(whole: Axes, part: Axes, lines: list[Curve], results: Results) -> None:
+def _title(whole: Axes, part: Axes, lines: list[files.Curve], results: Results) -> None:
     """Titles, the range of the axis, and what the paper reports."""
     top = 100 * max(float(line.y.max()) for line in lines)
     if part is not whole and any(paper.row(results.scene, point.load_g) for point in results.speeds):
@@ -374,7 +373,7 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     return figure
 
 
-def _from_to(lines: list[Curve], ranges: list[OwnFigures]) -> tuple[float, float]:
+def _from_to(lines: list[files.Curve], ranges: list[OwnFigures]) -> tuple[float, float]:
     """Ends of the axis [mm]: all of the curves, and ticks that are not far below them."""
     shown = np.concatenate([line.x[line.y > 0] for line in lines])
     ticks = [figures.cutoff for figures in ranges if figures.cutoff > 0]

@@ -14,10 +14,8 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
 from workflows.io.folder import check, replacing, replacing_file
-from workflows.io.provenance import hashes
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
-from workflows.report.mode_viewer import View
 from workflows.report.templates import from_template, script
 from workflows.report.text import shown
 from workflows.scene import paper
@@ -80,7 +78,7 @@ class Drawings:
     figures: dict[str, str]
     css: str
     shape: bytes | None
-    view: View | None
+    view: mode_viewer.View | None
 
 
 def draw(results: Results) -> Drawings:
@@ -105,7 +103,7 @@ def render(results: Results, drawings: Drawings) -> str:
         carrier=remarks.carrier(results),
         assumptions=remarks.assumptions(results),
         versions=versions(),
-        hashes=hashes(results),
+        hashes=provenance.hashes(results),
         toml=provenance.as_toml(results.scene, results.effects, results.theory),
         rows=[_row(results, point) for point in results.speeds],
         errors=remarks.worst(results),

@@ -11,10 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from damper.contact import Contact, hit_time
+from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
 from workflows.formatting import turning, upwards
 from workflows.report import templates
@@ -23,9 +25,6 @@ from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint
-
-if TYPE_CHECKING:
-    from damper.contact import Contact
 
 Values: TypeAlias = dict[str, Any] | None
 """What a sentence says, by name; None where there is nothing to say."""
@@ -196,8 +195,6 @@ def _share(damping: Damping) -> float:
 
 def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
-    from fem.theory.registry import kind
-
     scene = results.scene
     theory = "" if results.theory is None else kind(results.theory.name).value
     words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
@@ -483,8 +480,6 @@ def long_hits(results: Results) -> Values:
     At the amplitude A of the best: a ball crosses its clearance d in half a period, or, where it leaves a wall as this
     begins to slow down and rolls by (5/7) |1 - tau| A omega³ t³ / 6, in less; it hits at the mean speed of that.
     """
-    from damper.contact import hit_time
-
     damper, made_of = results.scene.damper, limits.solids(results.scene)
     if damper is None or made_of is None:
         return None
@@ -698,8 +693,6 @@ def veering(results: Results) -> Values:
 @remark
 def frequency_error(results: Results) -> Values:
     """How far the frequencies can be trusted, and by what they are off."""
-    from fem.theory.registry import THEORIES
-
     if results.diagram is None or results.theory is None:
         return None
     plate, solid = results.scene.plate, results.theory.name == "solid"

@@ -1,22 +1,19 @@
 """Pages and sentences from templates, and the filters by which templates turn values into words."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from jinja2 import BaseLoader, Environment, FileSystemLoader, FunctionLoader, StrictUndefined, pass_context
+from jinja2.runtime import Context
 
 from workflows import formatting
-from workflows.formatting import significant, whole
 from workflows.solve import limits
 from workflows.solve.results import SpeedPoint
-
-if TYPE_CHECKING:
-    from jinja2 import BaseLoader, Environment
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -50,10 +47,12 @@ _BY_NUMBER = re.compile(r"(?<!\{)\{([^{}|%#]*)\|([^{}|]*)\}(?!\})")
 
 
 @cache
-def _texts(*, several: bool) -> Environment:
-    from jinja2 import FunctionLoader, pass_context
-    from jinja2.runtime import Context
+def _pages() -> Environment:
+    return _environment(FileSystemLoader(_TEMPLATES), autoescape=True)
 
+
+@cache
+def _texts(*, several: bool) -> Environment:
     def source(name: str) -> str:
         file, text = name.split("/")
         return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], _file(file)[text])
@@ -73,17 +72,8 @@ def _file(name: str) -> dict[str, str]:
     return tomllib.loads((_TEMPLATES / f"{name}.toml").read_text(encoding="utf-8"))
 
 
-@cache
-def _pages() -> Environment:
-    from jinja2 import FileSystemLoader
-
-    return _environment(FileSystemLoader(_TEMPLATES), autoescape=True)
-
-
 def _environment(loader: BaseLoader, *, autoescape: bool) -> Environment:
     """Templates, each compiled once, with the filters that turn values into words."""
-    from jinja2 import Environment, StrictUndefined
-
     environment = Environment(
         loader=loader, autoescape=autoescape, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -99,12 +89,12 @@ def script(name: str) -> str:
 
 def at_load(point: SpeedPoint) -> str:
     """Where in the range of speeds, within a sentence."""
-    return f"at {whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
+    return f"at {formatting.whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
 
 
 def at_speed(point: SpeedPoint) -> str:
     """A speed with its load."""
-    return f"{whole(point.rpm)} rpm ({whole(point.load_g)} g)"
+    return f"{formatting.whole(point.rpm)} rpm ({formatting.whole(point.load_g)} g)"
 
 
 def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
@@ -129,17 +119,17 @@ def capital(text: str) -> str:
 
 def millimetres(length: float) -> str:
     """A length [m] in mm."""
-    return significant(1e3 * length, 2)
+    return formatting.significant(1e3 * length, 2)
 
 
 def mm(length: float) -> str:
     """The same in more digits, with the unit."""
-    return f"{significant(1e3 * length)} mm"
+    return f"{formatting.significant(1e3 * length)} mm"
 
 
 def in_percent(share: float) -> str:
     """A share in percent."""
-    return significant(100 * share, 2)
+    return formatting.significant(100 * share, 2)
 
 
 def rounded(value: float, *, up: bool = False) -> str:
@@ -147,12 +137,12 @@ def rounded(value: float, *, up: bool = False) -> str:
     if value == 0:
         return "0"
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
+    return formatting.significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
 def listed(items: Sequence[float | str], joint: str = "and") -> str:
     """A few levels, or texts, in words."""
-    texts = [each if isinstance(each, str) else significant(each) for each in items]
+    texts = [each if isinstance(each, str) else formatting.significant(each) for each in items]
     return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
 
 

@@ -16,7 +16,6 @@ from workflows.formatting import aligned, amount, fixed, plain, prose, revolutio
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
-from workflows.report.remarks import remarked
 from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
@@ -170,4 +169,4 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Shown:
         ImpossibleResult: a figure violates a law of physics.
         BadInput, NoAnswer, TypeError: see :func:`workflows.pipeline.run`.
     """
-    return shown(remarked(pipeline.run(scene, stages)))
+    return shown(remarks.remarked(pipeline.run(scene, stages)))

@@ -13,7 +13,6 @@ from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits
 from workflows.solve.excitation import HELPS
-from workflows.solve.limits import in_g
 from workflows.solve.results import Figures, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
@@ -35,7 +34,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     limit = limits.endured(results) or math.inf
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
-        g = in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
+        g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1]}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
@@ -57,7 +56,7 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None
     """Down to where a ball in motion goes on [m], far below what sets it off, as one in a hollow floor may."""
     if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return None
-    last = point.damper.cutoff_g / in_g(results, point.reduced, 1.0)
+    last = point.damper.cutoff_g / limits.in_g(results, point.reduced, 1.0)
     return last if last < _BELOW * cutoff else None
 
 

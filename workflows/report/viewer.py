@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 import fem
-from workflows import formatting, pipeline
+from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
 from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots
-from workflows.report.mode_viewer import loops
 from workflows.report.page import put
 from workflows.report.templates import from_template, script
 from workflows.scene import load
@@ -64,7 +63,7 @@ def numbers(surface: Surface) -> dict[str, Any]:
         "points": len(points),
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
         "root": {"x": float(low[0]), "edges": len(ends), "length": float(_length(ends))},
-        "holes": len(loops(surface.outline)) - 1,
+        "holes": len(mode_viewer.loops(surface.outline)) - 1,
         "edges": {
             "shortest": float(sides.min()),
             "median": float(np.median(sides)),
@@ -292,7 +291,7 @@ def thinned(seen: mode_viewer.View) -> str:
     """What to say where points were left out; nothing where none were."""
     if not seen.thinned:
         return ""
-    drawn, of = formatting.whole(seen.points), formatting.whole(seen.of)
+    drawn, of = whole(seen.points), whole(seen.of)
     return f"drawn with {drawn} of {of} points, the boundary's corners all kept"
 
 

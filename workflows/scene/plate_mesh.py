@@ -10,7 +10,8 @@ import numpy.typing as npt
 import fem
 from fem.meshes.mesh_sequence import Planform
 from fem.meshes.planform import PlaceError, clamped_length, locate
-from fem.meshes.thickness import Profile
+from fem.meshes.thickness import Nodal, Profile, spread
+from fem.meshes.thickness import of as thickness_of
 from workflows.errors import BadInput
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
@@ -49,9 +50,7 @@ def thickness_range(plate: Plate, form: Planform | None = None) -> tuple[float, 
         return least, volume(plate)[0] / plate.length / plate.width, greatest
     if form is None:
         raise ValueError("the planform of a plate from a mesh is needed")
-    from fem.meshes import thickness
-
-    return thickness.spread(profile(plate, form), form.mesh(form.sizes[0]))
+    return spread(profile(plate, form), form.mesh(form.sizes[0]))
 
 
 @functools.cache
@@ -77,12 +76,10 @@ def volume(plate: Plate) -> tuple[float, float]:
 
 def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
-    from fem.meshes.thickness import of
-
     assert plate.width is not None
     places, (t, weights) = np.asarray(x, dtype=float), _gauss()
     points = np.stack(np.meshgrid(places, 0.5 * plate.width * t, indexing="ij"))
-    heights = np.broadcast_to(of(profile(plate), points), points.shape[1:])
+    heights = np.broadcast_to(thickness_of(profile(plate), points), points.shape[1:])
     return places, 0.5 * plate.width * heights @ weights
 
 
@@ -212,7 +209,6 @@ def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
 def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem.meshes.read import FieldError, read_field
-    from fem.meshes.thickness import Nodal
 
     plate = source.scene.plate
     if source.mesh is None or plate is None:

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+import fem
+from fem.linalg import has_pardiso
+from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
 from workflows.formatting import significant, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
+from workflows.scene.scene import Scene
 from workflows.solve import resources
-from workflows.solve.known_modes import Request, SpaceStructure, about_spin_axis, seat_of, space_structure
+from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
+from workflows.solve.results import Floats
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import fem
     from fem.meshes.volume import VolumeMesh
-    from fem.modal_model import ModesAtSpeed
     from fem.solid.assembly import SolidOperators
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
-    from workflows.scene.scene import Scene
-    from workflows.solve.known_modes import Seat
-    from workflows.solve.results import Floats
 
 
 def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
@@ -112,12 +111,11 @@ def _matrices(source: SceneFile) -> SolidOperators:
 @lru_cache(maxsize=2)
 def _assembled(request: Request) -> SolidOperators:
     """The matrices of a blade, without large deflection."""
-    from fem import Effects
     from fem.solid.assembly import assemble_solid
 
     blade = blade_of(request.source)
     LOG.info("blade: %s", in_words(request.source, blade))
-    return assemble_solid(blade, Effects(coriolis=True))
+    return assemble_solid(blade, fem.Effects(coriolis=True))
 
 
 def deflection(source: SceneFile) -> Called:
@@ -176,9 +174,7 @@ def blade_of(source: SceneFile) -> Blade:
     Raises:
         BadInput: the mesh or its root is no good; it needs more memory than there is.
     """
-    from fem import Material, MeshError
     from fem.meshes.volume import read_volume
-    from fem.modal_model import ModalModel
     from fem.solid.blade import Blade, named_root, root_at
 
     scene, path = source.scene, source.blade_mesh
@@ -187,27 +183,25 @@ def blade_of(source: SceneFile) -> Blade:
         raise ValueError("the scene has no [blade]")
     try:
         mesh = read_volume(path, spec.scale, spec.size)
-    except MeshError as error:
+    except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         raise BadInput(text, file=source.name, key="[blade] mesh", value=spec.mesh) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
-    stuff: fem.Material = Material(material.youngs_modulus, material.poissons_ratio, material.density)
+    stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     try:
         if spec.root is not None and spec.root_radius is None:
             root = named_root(mesh, spec.root)
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         return Blade(mesh, stuff, root, about.axis, about.origin)
-    except MeshError as error:
+    except fem.MeshError as error:
         raise BadInput(str(error), file=source.name, key="[blade] root", value=spec.root) from error
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:
     """The mesh of a blade: what it is made of, its extents, what of it is held; who solves it, where not SuperLU."""
-    from fem.linalg import has_pardiso
-
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
     unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
     name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import fem
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
@@ -19,7 +20,6 @@ from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, c
 
 if TYPE_CHECKING:
     import damper
-    import fem
 
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
@@ -234,22 +234,18 @@ def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell
     Raises:
         BadInput: the damper's place, or too few modes to find the bending mode among.
     """
-    from fem import Reduction
-
     with _place_errors(source):
-        return Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
+        return fem.Reduction(operators, diagram, plate_mesh.place(source, operators.plate.mesh))
 
 
 @contextmanager
 def _place_errors(source: SceneFile) -> Iterator[None]:
     """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
-    from fem import NoFlapMode, PlaceError
-
     try:
         yield
-    except PlaceError as error:
+    except fem.PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
-    except NoFlapMode as error:
+    except fem.NoFlapMode as error:
         modes = source.scene.rotor.modes
         raise source.wrong(f"{error}: ask for more modes", "[rotor] modes", modes) from error
 
@@ -262,12 +258,10 @@ def cavity_modes(
     reduced: list[Reduced | None],
 ) -> list[tuple[CavityMode, ...]]:
     """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
-    from fem import modes_at
-
     balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
-    reduction = modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
+    reduction = fem.modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
     return [modes_of(reduction, n, pressed=reduction.pressed) for n in range(len(reduction.stiffness))]
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+import damper
+from damper.curve_measurement import falling
+from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput, during
@@ -30,10 +33,6 @@ from workflows.solve.results import (
     copy_fields,
 )
 
-if TYPE_CHECKING:
-    import damper
-
-
 CYCLES = 8
 """Vibration cycles from the ball's first motion on."""
 
@@ -49,8 +48,6 @@ KINDS = ("release", "start", "reversal", "hit", "rub", "grip")
 
 def ball_path(motion: damper.RingDown) -> BallPath | None:
     """The ball's way in the first cycles in which it moves, from a ring-down with its events; None if it never does."""
-    from damper import sample
-
     rows = motion.rows
     if rows is None or motion.last_motion is None:
         return None
@@ -65,7 +62,7 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
     count = max(2, math.ceil((end - begin) / period * _A_CYCLE) + 1)
     events: Floats = rows["time"][inside]
     times = np.union1d(np.linspace(begin, end, count), events)
-    samples = sample(motion, times)
+    samples = damper.sample(motion, times)
     return BallPath(
         t=times,
         ball=samples.relative_position,
@@ -110,8 +107,6 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
     A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
     """
-    from damper.curve_measurement import falling
-
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
@@ -145,9 +140,7 @@ def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
 
 def figures(system: damper.ParticleDamper) -> damper.DampingCurve:
     """The damper's own figures in the modes that yield most along either axis."""
-    from damper import damping_curve
-
-    return damping_curve(in_leading_modes(system))
+    return damper.damping_curve(in_leading_modes(system))
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:
@@ -168,14 +161,12 @@ def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, fl
 
     It begins at twice the amplitude at which the ball begins to move.
     """
-    from damper import capacity, ringdown
-
     begin = system.amplitude_of(system.leaving_threshold)
     if not begin < coupling.OUT_OF_REACH:
         return math.nan, math.nan
     moving = replace(system, damping_ratio=_RESOLVING, break_away=0.0)
-    motion = ringdown(moving, (2 * begin, 0.0), progress=_look_up)
-    cutoff, load = capacity(motion).cutoff, point.omega**2 * point.radius
+    motion = damper.ringdown(moving, (2 * begin, 0.0), progress=_look_up)
+    cutoff, load = damper.capacity(motion).cutoff, point.omega**2 * point.radius
     return (math.nan, math.nan) if cutoff is None else (cutoff * point.load_g / load, cutoff / load)
 
 
@@ -188,22 +179,19 @@ def particle_damper(
         BadInput: a value without physical sense.
         LawViolation: with the ball at rest the structure has another frequency than the point.
     """
-    from damper import Formulation, ParticleDamper
-    from damper.laws import EXACT, require
-
     spec, reduced = scene.damper, point.reduced
     assert spec is not None
     assert reduced is not None
     try:
         system = copy_fields(
-            ParticleDamper,
+            damper.ParticleDamper,
             spec,
             **coupling.structure(scene, effects, point, only),
             ball_mass=coupling.ball_mass(scene, reduced.M2),
             ball_radius=spec.radius,
             centrifugal_acceleration=point.omega**2 * point.pressing,
             lateral_acceleration=(point.omega**2 * point.lean[0], point.omega**2 * point.lean[1]),
-            formulation=Formulation(spec.formulation),
+            formulation=damper.Formulation(spec.formulation),
             **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
@@ -237,14 +225,12 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
-    from damper import capacity, ringdown
-
     release = coupling.release_displacement(scene, point, system)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     stop_cycles = None if isinstance(cycles, str) else cycles
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
-    motion = ringdown(system, release, stop_cycles, **how, keep_events=keep, progress=_look_up)
-    energy, gravity = capacity(motion), scene.rotor.gravity
+    motion = damper.ringdown(system, release, stop_cycles, **how, keep_events=keep, progress=_look_up)
+    energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
     return copy_fields(
@@ -281,12 +267,10 @@ def _modal_energies(
 
 
 def _history(motion: damper.RingDown) -> History:
-    from damper import sample
-
     period = 2 * math.pi / motion.damper.stuck_frequency
     end = min(motion.duration, _SAMPLES_AT_MOST / _SAMPLES_PER_CYCLE * period)
     count = max(2, math.ceil(end / period * _SAMPLES_PER_CYCLE) + 1)
-    samples = sample(motion, np.linspace(0.0, end, count))
+    samples = damper.sample(motion, np.linspace(0.0, end, count))
     return History(samples.time, samples.velocity)
 
 

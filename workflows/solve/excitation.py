@@ -10,11 +10,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+import damper
 from workflows.errors import read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -33,10 +34,6 @@ from workflows.solve.results import (
     copy_fields,
 )
 from workflows.solve.structure import StructureSolver, StructureState
-
-if TYPE_CHECKING:
-    import damper
-
 
 HELPS = 0.99
 """Amplitude over that without the ball up to which the ball is said to help: less is next to nothing."""
@@ -96,15 +93,13 @@ def harmonic_of(
     system: damper.ParticleDamper, crossing: Crossing, point: SpeedPoint, excitation: Excitation, level: float
 ) -> damper.Harmonic:
     """The excitation at a level, at a speed."""
-    from damper import Harmonic
-
     frequency = crossing.order * point.omega
     if excitation.kind == "force" and excitation.at is None:
-        return Harmonic(frequency, force=(level, 0.0))
+        return damper.Harmonic(frequency, force=(level, 0.0))
     if excitation.kind == "base":
-        return Harmonic(frequency, base=(level, 0.0))
+        return damper.Harmonic(frequency, base=(level, 0.0))
     pushes = {mode.stiffness: _push(mode, excitation) for mode in point.cavity_modes}
-    return Harmonic(frequency, modal=tuple(level * pushes[mode.stiffness] for mode in system.modes or ()))
+    return damper.Harmonic(frequency, modal=tuple(level * pushes[mode.stiffness] for mode in system.modes or ()))
 
 
 def force_at_cavity(system: damper.ParticleDamper, harmonic: damper.Harmonic, *, ball: bool = True) -> float:
@@ -254,9 +249,7 @@ def is_well_held(system: damper.ParticleDamper) -> bool:
 @lru_cache(maxsize=16)
 def free_vibration(system: damper.ParticleDamper, threads: int | None = None) -> damper.Backbone:
     """Damping and frequency of free vibration, measured once for a damper that is met again."""
-    from damper import backbone
-
-    return backbone(system, threads=threads)
+    return damper.backbone(system, threads=threads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,11 +275,9 @@ class _Balance:
         cls, system: damper.ParticleDamper, point: SpeedPoint, crossing: Crossing, excitation: Excitation
     ) -> _Balance:
         """That of a damper at a crossing."""
-        from damper import moves_from
-
         unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
         force, alone = force_at_cavity(system, unit), force_at_cavity(system, unit, ball=False)
-        moves = float(moves_from(system, [replace(unit, frequency=resting)])[0])
+        moves = float(damper.moves_from(system, [replace(unit, frequency=resting)])[0])
         return cls(free_vibration(system), force, alone, resting, crossing.order * crossing.omega, moves)
 
     def amplitude(self, levels: Floats) -> Floats:

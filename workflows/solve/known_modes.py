@@ -15,7 +15,7 @@ import numpy as np
 from fem import modal_model
 from fem.modal_files import ModesFileError, Raw, in_si, joined, read
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
-from fem.rotor import in_rpm
+from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
 from workflows.formatting import percent, significant
@@ -579,8 +579,6 @@ def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False
 
     turns: axis and point on it are the file's where the scene does not give them.
     """
-    from fem import Rotor
-
     rotor, axis_given = source.scene.rotor, _rotor_keys(source)
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)

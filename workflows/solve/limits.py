@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from damper import contact as contacts
+from damper.contact import Contact, Solid
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
@@ -30,9 +32,6 @@ from workflows.solve.results import (
     VibrationReduction,
     copy_fields,
 )
-
-if TYPE_CHECKING:
-    from damper.contact import Contact, Solid
 
 STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
@@ -101,8 +100,6 @@ def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:
     """What ball and floor are made of; None where one has no name, or not all is known by it."""
-    from damper.contact import Solid
-
     known = [KNOWN[name] for name in scene.contact_materials if name is not None]
     materials = [
         Solid(each.youngs_modulus, each.poissons_ratio, each.yield_strength or math.nan, each.hardness or math.nan)
@@ -114,13 +111,11 @@ def solids(scene: Scene) -> tuple[Solid, Solid] | None:
 
 def lever(scene: Scene, point: SpeedPoint) -> float:
     """Rolling friction at a speed, μ_r [m]: as given, or by elastic hysteresis."""
-    from damper.contact import rolling_lever
-
     damper, pressed = scene.damper, contact(scene, point)
     rolling_friction = 0.0 if damper is None else damper.rolling_friction
     if isinstance(rolling_friction, float):
         return rolling_friction
-    return 0.0 if pressed is None else rolling_lever(pressed)
+    return 0.0 if pressed is None else contacts.rolling_lever(pressed)
 
 
 _SPEEDS_OF_HITS = 16
@@ -132,8 +127,6 @@ _FASTEST = 1000.0
 
 def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
     """Restitution of a damper: its value at low speeds, and pairs of impact speed and restitution."""
-    from damper import contact as contacts
-
     damper, made_of = scene.damper, solids(scene)
     if damper is None or isinstance(damper.restitution, float):
         return {} if damper is None else {"restitution": damper.restitution}
@@ -162,18 +155,14 @@ def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
 
     A hollow floor is a sphere of the mean of its curvatures.
     """
-    from damper.contact import resting
-
     pressed = _pressed(scene, point)
-    return None if pressed is None else resting(*pressed)
+    return None if pressed is None else contacts.resting(*pressed)
 
 
 def rim_slope(scene: Scene, point: SpeedPoint) -> float:
     """Slope that the resting ball climbs to leave its dent; 0 where that is not known."""
-    from damper.contact import rim_slope
-
     pressed = _pressed(scene, point)
-    slope = 0.0 if pressed is None else rim_slope(*pressed)
+    slope = 0.0 if pressed is None else contacts.rim_slope(*pressed)
     return 0.0 if math.isnan(slope) else slope
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import fem
+from fem.theory.registry import solid_theory
 from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.errors import NoAnswer
@@ -34,8 +36,6 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
     Raises:
         NoAnswer: the plate diverges, has no equilibrium, or is too thin for its theory in double precision.
     """
-    import fem  # its names are looked up, and its modules imported, only where something is raised
-
     try:
         yield
     except fem.Divergence as error:
@@ -111,7 +111,6 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
         raise ValueError("the planform of a plate from a mesh is needed")
     if spec.theory != "auto":
         return Theory(spec.theory, "asked for by the scene")
-    from fem import Effects
     from fem.accuracy.theory_selection import choose_theory
 
     source = SceneFile(scene, "scene", Path())
@@ -119,7 +118,7 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
     plate = plate_mesh.plate(source, plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
     rotor = plate_mesh.rotor(scene)
     stiffened = scene.effects.stress_stiffening is not False
-    effects = Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
+    effects = fem.Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
     chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)
     return Theory(chosen.name, chosen.why, chosen.model_error)
 
@@ -174,8 +173,6 @@ def model(source: SceneFile, choice: ModelChoice) -> str:
 
 def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
     """The theory's name with the layers of a solid, and the error that these leave."""
-    from fem.theory.registry import solid_theory
-
     scene = source.scene
     if theory.name != "solid" or scene.plate is None:
         return theory_model(theory.name, scene), 0.0

@@ -9,14 +9,16 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import psutil
+
+from fem.meshes.mesh_sequence import CELLS_PER_MODE, Planform, Rectangle, begun_with
+from fem.theory.registry import THEORIES, theory_of
+from workflows.effects.definition import Effect
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-    from workflows.effects.definition import Effect
+from workflows.solve.results import SHAPES_AT_MOST
 
 BASE = 2.5e8
 """Bytes of the program itself, with all it loads."""
@@ -90,8 +92,6 @@ class Part:
 
 def parts(source: SceneFile) -> list[Part]:
     """What a scene needs at least, part by part; the largest first."""
-    from workflows.solve.results import SHAPES_AT_MOST
-
     scene = source.scene
     speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
     listed = []
@@ -202,8 +202,6 @@ def _beside_the_plate(source: SceneFile) -> float:
 
 def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
     """Unknowns of the first mesh of a search that has enough cells for the modes, or of the only one."""
-    from fem.meshes.mesh_sequence import Rectangle, begun_with
-
     if not isinstance(form, Rectangle):
         from fem.accuracy.mesh_selection import has_pair
 
@@ -223,8 +221,6 @@ def of_lines(scene: Scene) -> float:
 
 def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool = False) -> float:
     """Bytes that so many unknowns of a plate take in a theory, or in the least ("auto"), up to some 150 000 of them."""
-    from fem.theory.registry import THEORIES
-
     name, _, element = model.partition("/")
     each, deflected = min(
         (theory.memory.get(element, theory.memory[""]), theory.deflected)
@@ -249,8 +245,6 @@ def unknowns(model: str, mesh: Any) -> float:
 
 def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
     """Unknowns of each corner, edge and cell of a mesh in a theory."""
-    from fem.theory.registry import theory_of
-
     theory, element = theory_of(model)
     return theory.unknowns(element, quads)
 
@@ -261,8 +255,6 @@ def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:
 
 def available() -> float:
     """Bytes of memory that a program can still get here; infinite where the system does not say."""
-    import psutil
-
     free = [float("inf")]
     with suppress(OSError, psutil.Error):
         free.append(float(psutil.virtual_memory().available))
@@ -279,8 +271,6 @@ def available() -> float:
 
 def _own_memory() -> float:
     """Bytes that this process has of those in BASE: counted in what is needed, and gone from what is there."""
-    import psutil
-
     try:
         return min(float(psutil.Process().memory_info().rss), BASE)
     except (OSError, psutil.Error):
@@ -289,8 +279,6 @@ def _own_memory() -> float:
 
 def _least_size(source: SceneFile) -> tuple[float, float]:
     """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
-    from fem.meshes.mesh_sequence import CELLS_PER_MODE
-
     points = float(CELLS_PER_MODE * source.scene.rotor.modes)
     if source.mesh is not None:
         points = source.mesh.stat().st_size / _BYTES_OF_A_CELL

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, computed_field, model_validator
 from pydantic_core import core_schema
 
+import fem
 from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import from_rpm, in_rpm
 from workflows.effects.definition import Effect, LeftOut
@@ -26,7 +27,6 @@ from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     import damper
-    import fem
     from fem.output import Finer
 
 
@@ -924,8 +924,6 @@ def _thickness(plate: fem.Plate, mesh: Any) -> Floats | None:
 
 def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested: tuple[float, ...]) -> Diagram:
     """What else the sweep found: its bound, veerings among the modes shown, speeds lost to divergence."""
-    from fem import critical_speed
-
     operators, families = discrete.choice.operators, diagram.families
     known = set(diagram.omega.tolist())
     lost = tuple(sorted(rounded_rpm(omega) for omega in requested if omega not in known))
@@ -942,7 +940,7 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested:
         bases=diagram.sizes,
         veerings=tuple(veering for veering in veerings if veering[2]),
         lost=lost,
-        critical=rounded_rpm(critical_speed(operators)) if lost and linear else None,
+        critical=rounded_rpm(fem.critical_speed(operators)) if lost and linear else None,
     )
 
 

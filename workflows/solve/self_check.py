@@ -6,6 +6,9 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import fem
+from damper import forced, ringdown, self_check
+from damper.curve_measurement import falling, samples_of
 from workflows import versions
 
 
@@ -16,21 +19,17 @@ def plates() -> None:
     Raises:
         LawViolation: a frequency differs from its reference.
     """
-    from damper.self_check import leave
     from fem.reduction import reference
 
     path = stamp_of_plates()
     if not path.exists():
         reference.check()
-        leave(path)
+        self_check.leave(path)
 
 
 def stamp_of_plates() -> Path:
     """Where it stands that the plates were checked."""
-    import fem
-    from damper.self_check import stamp
-
-    return stamp("plates", Path(fem.__file__).parent, (platform.machine(), platform.node(), versions.line()))
+    return self_check.stamp("plates", Path(fem.__file__).parent, (platform.machine(), platform.node(), versions.line()))
 
 
 def report() -> Iterator[str]:
@@ -39,13 +38,16 @@ def report() -> Iterator[str]:
     Families that passed have their stamps then; as plain Python they have none, and long motions are left out.
     """
     from damper.compiled import COMPILES
-    from damper.self_check import FAMILIES, RINGDOWNS, leave, stamp_of
 
     yield versions.line()
     passed = True
-    kernels = [family for family, motions in FAMILIES.items() if COMPILES or motions.keys() <= RINGDOWNS.keys()]
+    kernels = [
+        family
+        for family, motions in self_check.FAMILIES.items()
+        if COMPILES or motions.keys() <= self_check.RINGDOWNS.keys()
+    ]
     families = {"plates": (_plates, stamp_of_plates)} | {
-        family: (partial(_kernels, family), partial(stamp_of, family)) for family in kernels
+        family: (partial(_kernels, family), partial(self_check.stamp_of, family)) for family in kernels
     }
     for family, (checks, place) in families.items():
         right, lines = True, []
@@ -57,10 +59,10 @@ def report() -> Iterator[str]:
             right = False
             lines.append(f"WRONG  {family}: {error}")
         if right and (COMPILES or family == "plates"):
-            leave(place())
+            self_check.leave(place())
         passed &= right
         yield from lines
-    if len(kernels) < len(FAMILIES):
+    if len(kernels) < len(self_check.FAMILIES):
         yield "not checked: damping curves and steady states, which take plain Python too long"
     yield ALL_PASSED if passed else "do not trust results of this installation"
 
@@ -70,9 +72,6 @@ ALL_PASSED = "all checks passed"
 
 def _kernels(family: str) -> Iterator[tuple[str, bool]]:
     """The lines of a family of kernels, and whether each is right."""
-    from damper import forced, ringdown, self_check
-    from damper.curve_measurement import falling, samples_of
-
     motions: dict[str, Callable[..., Any]] = {"sweeps": samples_of, "curves": falling, "forced": forced}
     for line in self_check.lines(family, motions.get(family.split()[-1], ringdown)):
         line_text = f"{line.name}: {line.figure} {line.value:.11g}, reference {line.reference:.11g}"

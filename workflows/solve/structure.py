@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+import fem
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
 from workflows.progress import LOG, Stages, Step
@@ -20,10 +20,6 @@ from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
 from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory
-
-if TYPE_CHECKING:
-    import fem
-
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
@@ -296,11 +292,9 @@ def discretise(
 
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
     """
-    from fem import Choice, Effects, MeshError, PlaceError, assemble, choose_mesh, with_coriolis
-
     scene, effects = source.scene, model_choice.effects
     form, theory = model_choice.plate
-    plain = Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
+    plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
     rotor = plate_mesh.rotor(scene)
     model, layers = with_layers(source, form, theory)
 
@@ -308,24 +302,24 @@ def discretise(
         with stages("mesh"):
             plate = plate_mesh.plate(source, form.mesh(size), form)
         with stages("prestress"):
-            return assemble(plate, rotor, plain, model)
+            return fem.assemble(plate, rotor, plain, model)
 
     def whole(operators: fem.Operators) -> fem.Operators:
-        return with_coriolis(operators) if effects["coriolis"].on else operators
+        return fem.with_coriolis(operators) if effects["coriolis"].on else operators
 
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
-        choice = Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
+        choice = fem.Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, _left_out(effects))
     try:
         left_out = sum(effect.largest for effect in _left_out(effects).values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
-        choice = choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
+        choice = fem.choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
-    except MeshError as error:
+    except fem.MeshError as error:
         raise source.wrong(str(error), "[plate]") from error
-    except PlaceError as error:
+    except fem.PlaceError as error:
         raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.describe_mesh(source, form, choice.size)
     if layers:
@@ -360,13 +354,11 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
     Raises:
         BadInput: the plate has no room for them.
     """
-    from fem import PlaceError, with_cavity
-
     choice = discrete.choice
     if cavity is not None and cavity.counted:
         try:
-            operators = with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
-        except PlaceError as error:
+            operators = fem.with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
+        except fem.PlaceError as error:
             sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
             raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
@@ -379,7 +371,6 @@ def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
 
 def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
-    from fem import campbell
 
     def progress(number: int) -> None:
         if step is not None:
@@ -393,7 +384,7 @@ def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fe
         if speeds.size == 1 or np.diff(np.sort(speeds)).max() > np.diff(more).min():
             speeds = np.union1d(speeds, more)
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return campbell(
+    return fem.campbell(
         operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states, progress=progress
     )
 

@@ -8,9 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from workflows import formatting
 from workflows.errors import BadInput
-from workflows.formatting import aligned, amount, fixed, readable, significant, whole
+from workflows.formatting import DASH, aligned, amount, fixed, readable, significant, whole
 from workflows.io import provenance, serialise
 from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
@@ -195,7 +194,7 @@ def _value(value: Any, factor: float) -> str:
         items = [_value(item, factor) for item in value]
         return f"[{', '.join(items if len(items) <= _ITEMS else [items[0], '…', items[-1]])}]"
     if value is None or isinstance(value, bool):
-        return formatting.DASH if value is None else json.dumps(value)
+        return DASH if value is None else json.dumps(value)
     return f"{factor * value + 0.0:.6g}" if isinstance(value, float) else str(value)
 
 

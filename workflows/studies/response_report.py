@@ -190,7 +190,9 @@ _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
 def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     """What the ball does at a crossing by the motion followed; its range is of levels that were."""
     estimate, mine = passage.reduction, rows(result, passage)
-    if estimate.reason and estimate.reason not in _OF_MOTION:
+    damper = result.results.scene.damper
+    frictionless = estimate.reason == Reason.SLIP and damper is not None and damper.friction == 0
+    if frictionless or (estimate.reason and estimate.reason not in _OF_MOTION):
         return estimate
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels

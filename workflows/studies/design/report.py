@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import DampingCurve, ParticleDamper
-from workflows import formatting
-from workflows.formatting import significant, whole
+from workflows.formatting import fixed, significant, whole
 from workflows.io.files import finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
@@ -21,10 +20,8 @@ from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
-from workflows.studies.sweep import evaluate
-from workflows.studies.sweep import plan as plans
-from workflows.studies.sweep.evaluate import PlateCache, damper_curve
-from workflows.studies.sweep.plan import Spread
+from workflows.studies.sweep.evaluate import PlateCache, damper_cases, damper_curve, empty
+from workflows.studies.sweep.plan import Spread, as_plain
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 _AT_END = 0.02
@@ -169,7 +166,7 @@ class DesignResult:
         evaluation, design, worst = self.optimum.evaluation, self.space.design, self.optimum.worst
         values = self.space.values(self.optimum.shares)
         damper = self.scene.scene.damper
-        best: dict[str, Any] = {name.partition(".")[2]: plans.as_plain([value])[0] for name, value in values.items()}
+        best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
         entries = {
             "schema_version": 1,
             "title": self.space.source.scene.title,
@@ -259,7 +256,7 @@ class Curve:
 def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
     """A curve for each speed at which the best ball moves below the highest amplitude of the goal, up to there."""
     plan = space.plan(optimum.shares[None])
-    cases = evaluate.damper_cases(space.source, plan, 0, PlateCache(), evaluate.empty(plan.size), [])
+    cases = damper_cases(space.source, plan, 0, PlateCache(), empty(plan.size), [])
     curves = [
         Curve(each.point.rpm, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
         for each in cases
@@ -343,5 +340,5 @@ def render(result: DesignResult) -> str:
         sentences=sentences(result),
         figures=pictures,
         toml=result.toml,
-        evaluations=formatting.fixed(result.optimum.evaluations),
+        evaluations=fixed(result.optimum.evaluations),
     )

@@ -23,8 +23,7 @@ from workflows.studies.design.objectives import (
     Obstacle,
     amplitude_objective,
 )
-from workflows.studies.sweep import evaluate
-from workflows.studies.sweep.evaluate import DamperCase, PlateCache
+from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, empty
 from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Spread, Value, at_shares, find
 
 
@@ -211,9 +210,9 @@ def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool |
     """The same; without `quick` by formulas alone, and None where these do not say."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
-    rows, reasons = evaluate.empty(plan.size), list[str]()
+    rows, reasons = empty(plan.size), list[str]()
     cases: list[list[DamperCase]] = [[] for _ in shares]
-    for each in evaluate.damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
+    for each in damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
         cases[each.number // speeds].append(each)
     scores = list[Evaluation | None]()
     for number, mine in enumerate(cases):

@@ -19,9 +19,7 @@ from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import Block, PlateCache
-from workflows.studies.sweep.executor import Workers
 from workflows.studies.sweep.plan import Plan
-from workflows.studies.sweep.store import Region
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -79,7 +77,7 @@ class Study:
         digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()
         return texts | {"title": self.source.scene.title, "keys": keys, "study": digest}
 
-    def regions(self) -> list[Region]:
+    def regions(self) -> list[store.Region]:
         """Its points, block by block."""
         return store.regions(self.plan, self.size)
 
@@ -117,7 +115,7 @@ def of_scene(
     return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
-def compute(study: Study, region: Region) -> Block:
+def compute(study: Study, region: store.Region) -> Block:
     """The rows of a region; what a worker does.
 
     Raises:
@@ -128,7 +126,7 @@ def compute(study: Study, region: Region) -> Block:
     return evaluate.block(study.source, study.plan, region.begin, region.end, _plates, quick=study.quick)
 
 
-def complete(study: Study, out: Path, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
+def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Workers], stages: Stages) -> xr.Dataset:
     """Compute the regions that a folder lacks of a study, or has damaged, and open all of it.
 
     Raises:
@@ -151,7 +149,7 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[Workers], sta
         return store.open_dataset(place.path / store.DATA)
 
 
-def solve(study: Study, out: Path | None, pool: AbstractContextManager[Workers], stages: Stages) -> xr.Dataset:
+def solve(study: Study, out: Path | None, pool: AbstractContextManager[executor.Workers], stages: Stages) -> xr.Dataset:
     """The data set of a study, in a folder or with nothing left on the disk; percentiles of what is uncertain."""
     if out is None:
         with tempfile.TemporaryDirectory(prefix="spindamp-sweep-") as place:

@@ -9,8 +9,7 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
-from workflows.effects import selection
-from workflows.effects.selection import EFFECTS
+from workflows.effects.selection import EFFECTS, called_for
 from workflows.errors import SpindampError
 from workflows.formatting import whole
 from workflows.io.files import as_table
@@ -205,7 +204,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         scene = source.changed(**tables)
         return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
 
-    called = selection.called_for(source.scene, choice.form)
+    called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
         own = run()
         scatter = _scatter(own, [run(clearance=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
