@@ -330,8 +330,12 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
         )
     extent = float(np.ptp(points, axis=0).max())
     if not SIZES[0] <= extent <= SIZES[1]:
-        meant = "mm" if extent > SIZES[1] else "m"
-        raise MeshError(f"the mesh measures {extent:.3g} m: are its coordinates in {meant}? Say so by `unit`")
+        given = "" if scale == 1.0 else " in the unit given"
+        fits = [name for name, unit in (("m", 1.0), ("mm", 1e-3)) if SIZES[0] <= extent / scale * unit <= SIZES[1]]
+        question = f"are its coordinates in {' or '.join(fits)}?" if fits else "expected 2 mm to 20 m."
+        raise MeshError(
+            f"the mesh measures {extent:.3g} m{given}: {question} Give the unit of its coordinates as `unit`"
+        )
     renumbered = [(kind, _upright(kind, number[nodes], points)) for kind, nodes in cells]
     sets = {}
     for name, nodes in _sets(raw).items():

@@ -108,8 +108,19 @@ REFUSED = {
     "no set": (("nroot", "base"), r"\[blade\] root = 'base': the mesh has no set 'base': its sets are EALL, NROOT"),
     "no radius": (("nroot", "1 m"), r"\[blade\] root = '1 m': no nodes lie at the radius 1 m"),
     "no file": (("fan.inp", "fin.inp"), r"\[blade\] mesh = 'fin.inp': no such file beside the scene"),
+    "axis between root and tip": (
+        ('origin = ["0 m", "0 m", "0 m"]', 'origin = ["150 mm", "0 m", "0 m"]'),
+        r"\[rotor\] origin = .*: the spin axis passes between the root, 50 mm away, and the tip, .* on its other side",
+    ),
+    "origin and hub": (
+        ("origin = [", 'hub_radius = "100 mm"\norigin = ['),
+        r"\[rotor\] hub_radius.*leave hub_radius out",
+    ),
     "no origin": (('origin = ["0 m", "0 m", "0 m"]\n', ""), r"\[rotor\] origin: missing: a point on the spin axis"),
-    "in mm": (('root = "nroot"', 'unit = "mm"'), r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m"),
+    "in mm": (
+        ('root = "nroot"', 'unit = "mm"'),
+        r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m in the unit given: are .* in m\?",
+    ),
     "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
     "an effect": (
         ("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"),

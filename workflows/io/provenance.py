@@ -27,6 +27,8 @@ def resolved_scene(scene: Scene, effects: dict[str, Effect], theory: Theory | No
     """The resolved scene as plain data; a material is its numbers, but for the strengths of the contact."""
     data = scene.model_dump(mode="json", exclude_none=True)
     data.get("material", {}).pop("name", None)
+    if scene.rotor.origin is not None:
+        del data["rotor"]["hub_radius"]
     both, damper = scene.contact_materials, data.get("damper", {})
     if all(both) and any(KNOWN[each].hardness for each in both if each is not None):
         damper["floor_material"] = both[1]

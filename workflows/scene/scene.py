@@ -672,6 +672,8 @@ class Scene(Table):
                 "missing: a point on the spin axis in the mesh's coordinates, such as ['0 m', '0 m', '0 m'] (or"
                 " hub_radius, from the axis to the smallest x)",
             )
+        if self.rotor.origin is not None and self.rotor.hub_radius:
+            raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
         self._require_defaults(_OF_A_MESH)

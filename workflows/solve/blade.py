@@ -195,9 +195,28 @@ def blade_of(source: SceneFile) -> Blade:
             root = named_root(mesh, spec.root)
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
-        return Blade(mesh, stuff, root, about.axis, about.origin)
+        blade = Blade(mesh, stuff, root, about.axis, about.origin)
     except fem.MeshError as error:
         raise BadInput(str(error), file=source.name, key="[blade] root", value=spec.root) from error
+    _check_sides(source, blade)
+    return blade
+
+
+def _check_sides(source: SceneFile, blade: Blade) -> None:
+    """Refuse a spin axis that passes between a blade's root, where that is on one side of it, and its tip."""
+    arms = (blade.mesh.points - blade.origin) @ blade.projector
+    outwards = arms[blade.root].mean(axis=0)
+    tip = arms[np.linalg.norm(arms, axis=1).argmax()]
+    if (arms[blade.root] @ outwards).min() > 0.0 > tip @ outwards:
+        root, reach = (significant(1e3 * float(np.linalg.norm(arm))) for arm in (outwards, tip))
+        text = f"the spin axis passes between the root, {root} mm away, and the tip, {reach} mm away on its other side"
+        point = "hub_radius" if source.scene.rotor.origin is None else "origin"
+        raise BadInput(
+            f"{text}: expected both on one side",
+            file=source.name,
+            key=f"[rotor] {point}",
+            value=getattr(source.scene.rotor, point),
+        )
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:
