@@ -53,6 +53,11 @@ class Said:
         return self.percent > 0
 
     @property
+    def rough(self) -> bool:
+        """Whether it names the best level alone."""
+        return "roughly up to" in self.text
+
+    @property
     def short(self) -> str:
         levels = f", {self.low:.3g} to {self.high:.3g}" if self.useful else ""
         return f"{self.percent:.3g} % less{levels}" if self.useful else "not useful"
@@ -124,8 +129,11 @@ def of_reduction(each: Said, reductions: Sequence[Table]) -> list[str]:
     elif each.useful:
         if off(each.percent, 100 * (1 - true["ratio"]), 2):
             faults.append(f"{each.percent:g} % where the ratio is {true['ratio']:.4f}")
+        ends = [true["level"]] * 2 if each.rough else ends
         if off(each.low, ends[0], 3) or off(each.high, ends[1], 3):
             faults.append(f"{each.low:g} to {each.high:g} where the range is {ends}")
+        if each.rough != true.get("loose", False):
+            faults.append(f"{'called' if each.rough else 'not called'} rough, loose is {not each.rough}")
     if (limit := _ENDURED.search(each.text)) is not None and off(float(limit[1]), true["endured_level"], 3):
         faults.append(f"endures {limit[1]} where endured_level is {true['endured_level']}")
     rows = [(level["level"], level["ratio"], level["endured"]) for level in true["levels"]]
@@ -193,7 +201,7 @@ def of_levels(each: Said, rows: Sequence[tuple[float, float, bool]], moves_from:
         own = [float(cut) for told, cut in _BESIDE.findall(each.text) if not off(float(told), level, 3)]
         if own and off(own[0], 100 * (1 - ratio), 2):
             faults.append(f"{own[0]:g} % at {level:g}, and its ratio is {ratio:.4f}")
-        if each.useful and not inside and not why and not own:
+        if each.useful and not each.rough and not inside and not why and not own:
             faults.append(f"of {level:g} nothing is said")
     if not each.useful and (claimed := _AT_MOST.search(each.text)) is not None:
         most = max((100 * (1 - ratio) for _, ratio, endured in rows if endured), default=0.0)
@@ -213,8 +221,8 @@ def of_speeds(sentences: Sequence[str], speeds: Sequence[Table]) -> list[str]:
     return [f"ζ {told:g} % where the best is {100 * best:.3g} %"] if off(told, 100 * best, 2) else []
 
 
-def disagreements(short: Sequence[Said], motion: Sequence[Said], *, rough: bool) -> list[str]:
-    """Where `run` and `response` say different things of the same crossing; `rough`: `run` calls its figures so."""
+def disagreements(short: Sequence[Said], motion: Sequence[Said]) -> list[str]:
+    """Where `run` and `response` say different things of the same crossing."""
     faults = []
     for mine in short:
         other = next((m for m in motion if m.order == mine.order and abs(m.rpm - mine.rpm) <= 1), None)
@@ -225,7 +233,7 @@ def disagreements(short: Sequence[Said], motion: Sequence[Said], *, rough: bool)
         if mine.useful != other.useful:
             faults.append(f"{place}: {mine.short} against {other.short}")
             continue
-        if not mine.useful or rough:
+        if not mine.useful or mine.rough:
             continue
         if abs(mine.percent - other.percent) > POINTS:
             faults.append(f"{place}: {mine.percent:g} % against {other.percent:g} %")
@@ -289,8 +297,7 @@ def judged(name: str, scene: Table) -> Iterator[Line]:
         document = of_response.document(found)
         motion = said(document["headline"])
         faults = [fault for each in motion for fault in of_crossings(each, document)]
-        rough = any(sentence.startswith("A rough estimate") for sentence in every)
-        faults += of_added(document["headline"], reductions) + disagreements(short, motion, rough=rough)
+        faults += of_added(document["headline"], reductions) + disagreements(short, motion)
         yield Line(name, "response", document["headline"], faults)
     except SpindampError as failed:
         yield Line(name, "response", [f"No answer: {failed}"], ["no answer"])
