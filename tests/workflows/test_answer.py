@@ -756,7 +756,7 @@ def test_ring_downs_that_would_slip_are_all_named() -> None:
     assert "given for wall hits up to 600 rpm" in said
     (alone,) = (note for note in at(600, 3500).notes if "olling without slip" in note)
     assert alone.startswith(
-        "In the ring-down at 600 rpm (80.5 g) (release 1 mm), rolling without slip requires a friction"
+        "In the ring-down at 600 rpm (80.5 g), released at 1 mm, rolling without slip requires a friction"
     )
     assert f"of up to {demands[1]:.2g}, more than the 0.3 given for wall hits: unless the floor" in alone
     assert alone.count("600 rpm") == 1
