@@ -659,6 +659,11 @@ def test_a_verdict_ends_where_the_contact_yields() -> None:
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict.startswith(
         "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); no verdict at 20000 rpm"
     )
+    end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.LOCKED, Reason.OUT_OF_REACH, 0.0))
+    assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict == (
+        "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); the balls are locked at 20000 rpm"
+        " (89460 g)"
+    )
 
 
 def test_levels_beside_the_range_have_their_own_numbers() -> None:
