@@ -49,8 +49,8 @@ def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
     own = found.speeds[0].damping_curve
     assert own.peak < 0.5 * own.from_above.peak
     said = re.search(
-        r"may roll or rest without hitting a wall up to ([\d.]+) mm\. As the vibration falls, it keeps bouncing"
-        r" down to ([\d.]+) mm and adds up to ([\d.]+) %",
+        r"may roll or rest without hitting a wall up to ([\d.]+) mm\. As the vibration falls, they keep bouncing"
+        r" down to ([\d.]+) mm and add up to ([\d.]+) %",
         " ".join(answer(found).sentences),
     )
     rolls, stops, most = map(float, said.groups())

@@ -659,6 +659,11 @@ def test_a_verdict_ends_where_the_contact_yields() -> None:
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict.startswith(
         "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); no verdict at 20000 rpm"
     )
+    end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.LOCKED, Reason.OUT_OF_REACH, 0.0))
+    assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict == (
+        "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); the balls are locked at 20000 rpm"
+        " (89460 g)"
+    )
 
 
 def test_levels_beside_the_range_have_their_own_numbers() -> None:
@@ -756,7 +761,7 @@ def test_ring_downs_that_would_slip_are_all_named() -> None:
     assert "given for wall hits up to 600 rpm" in said
     (alone,) = (note for note in at(600, 3500).notes if "olling without slip" in note)
     assert alone.startswith(
-        "In the ring-down at 600 rpm (80.5 g) (release 1 mm), rolling without slip requires a friction"
+        "In the ring-down at 600 rpm (80.5 g), released at 1 mm, rolling without slip requires a friction"
     )
     assert f"of up to {demands[1]:.2g}, more than the 0.3 given for wall hits: unless the floor" in alone
     assert alone.count("600 rpm") == 1

@@ -123,8 +123,8 @@ def test_each_scene_is_read_once(spindamp, monkeypatch, structure):
     quick = changed(structure, rotor__speeds=["3500 rpm"], release__cycles=2)
     for name in ("one", "two"):
         write(changed(quick, title=f"of {name}"), Path(f"{name}.toml"))
-    reads, read = [], loading._read
-    monkeypatch.setattr(loading, "_read", lambda path, name: reads.append(name) or read(path, name))
+    reads, read = [], loading.load
+    monkeypatch.setattr(loading, "load", lambda where: reads.append(where) or read(where))
     assert spindamp("compare", "one.toml", "two.toml", "--json").status == 0
     assert reads == ["one.toml", "two.toml"]
     assert [run["name"] for run in json.loads(spindamp("compare", "one.toml", "two.toml", "--json").out)["runs"]] == [

@@ -259,8 +259,8 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
             elif k == len(stretches) - 1:
                 where = f"from {first} on"
             else:
-                between = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
-                where = f"up to {last}" if k - 1 in known else between
+                inside = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
+                where = f"up to {last}" if k - 1 in known else inside
             words.append(f"{_WORDS[rank]} {where}")
         main = ", ".join(words)
     locked = [point for point in points if _rank(point) == 0]
