@@ -56,9 +56,10 @@ class Branch:
         way: what the ball does.
         amplitude: ascending, shape (n,) [m].
         damping_ratio: by the ball alone, shape (n,) [-]; below the first amplitude it is as there, beyond the
-            last it falls as one over amplitude.
-        frequency: shape (n,) [rad/s].
+            last it falls as A^(-4/3): carried by a wall, the ball crosses the gap g in (12 g / A)^(1/3) of a radian.
+        frequency: shape (n,) [rad/s]; beyond the last amplitude its distance from the one at rest falls as 1 / A.
         range: amplitudes between which there is such a motion [m].
+        at_rest: frequency with the ball at rest [rad/s].
     """
 
     way: Way
@@ -66,12 +67,14 @@ class Branch:
     damping_ratio: Floats
     frequency: Floats
     range: tuple[float, float]
+    at_rest: float
 
     def at(self, amplitude: Floats) -> tuple[Floats, Floats]:
         """Damping ratio and frequency."""
         place, known = np.log(amplitude), np.log(self.amplitude)
         beyond = np.minimum(1.0, self.amplitude[-1] / amplitude)
-        return np.interp(place, known, self.damping_ratio) * beyond, np.interp(place, known, self.frequency)
+        ratio = np.interp(place, known, self.damping_ratio) * beyond ** (4 / 3)
+        return ratio, self.at_rest + (np.interp(place, known, self.frequency) - self.at_rest) * beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +175,7 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
     growing, bare = damping_curve(damper, threads=threads), undamped(damper)
     branch = growing.descending
     still = np.array([damper.stuck_frequency])
-    resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff))
+    resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff), damper.stuck_frequency)
     branches = [resting] if growing.cutoff > 0 else []
     if branch.peak > 0:
         branches.append(_hitting(bare, branch))
@@ -203,7 +206,7 @@ def _hitting(bare: ParticleDamper, curve: DampingCurve) -> Branch:
         frequency.append(_turns(run, min(_SETTLING, cycles)))
     free = np.interp(np.log(curve.amplitude), np.log(curve.amplitude[which]), frequency)
     low = max(curve.cutoff, float(curve.amplitude[0]) * (1 - 1e-9))
-    return Branch(Way.HITS, curve.amplitude, curve.damping_ratio, free, (low, math.inf))
+    return Branch(Way.HITS, curve.amplitude, curve.damping_ratio, free, (low, math.inf), bare.stuck_frequency)
 
 
 def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
@@ -226,7 +229,7 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
         return None
     amplitude, ratio, frequency = np.array(points).T
     begin = cutoff if cutoff < low else float(amplitude[0])  # a ball that is hardly held rolls at less, too
-    return Branch(Way.ROLLS, amplitude, ratio, frequency, (begin, float(amplitude[-1])))
+    return Branch(Way.ROLLS, amplitude, ratio, frequency, (begin, float(amplitude[-1])), bare.stuck_frequency)
 
 
 def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:

@@ -129,3 +129,19 @@ def test_peaks_are_the_largest_answers_at_any_frequency(clearance: float) -> Non
     largest = [max((a for nu in frequencies for a, _ in found.answers(force, nu)), default=0.0) for force in forces]
     np.testing.assert_allclose(found.peaks(forces), largest, rtol=1e-2)  # a peak lies between two frequencies
     assert found.peaks(forces)[0] == pytest.approx(forces[0] / (found.dashpot * damper.stuck_frequency), rel=1e-9)
+
+
+@pytest.mark.parametrize("times", [3.0, 10.0, 40.0])
+def test_far_beyond_the_amplitudes_measured(times: float) -> None:
+    """The ball flies for (12 gap / A)^(1/3) of a radian, so that its loss, beside steady states, falls as A^(-4/3).
+
+    Of 1 / A, which is 1.4 to 3.4 times as much, the tolerance knows it apart from 10 on.
+    """
+    damper = paper(damping_ratio=1e-4, mass_ratio=0.05)
+    found = backbone(damper)
+    hits = branch(found, Way.HITS)
+    amplitude = times * hits.amplitude[-1:]
+    force, turns = float(found.force(hits, amplitude)[0]), float(hits.at(amplitude)[1][0])
+    truth = float(forced(damper, [Harmonic(turns, (force, 0.0))], [Start.DOWN]).mean[0, 0])
+    undamped = force / (found.dashpot * damper.stuck_frequency)
+    assert undamped / truth - 1 == pytest.approx(undamped / amplitude[0] - 1, rel=0.3)

@@ -360,14 +360,17 @@ def test_the_least_amplitude_is_a_limit_where_damping_is_least_there(in_a_range)
 
 
 def test_what_is_left_where_a_length_is_off(in_a_range):
-    """The least of four dampers with ball or clearance 2 % off, each run by itself; the verdict names a large loss."""
+    """The least of four dampers with ball or clearance 2 % off, each run by itself; the verdict names a large loss.
+
+    The ball that is off lies in the best one's cavity.
+    """
     found = in_a_range
     damper, left = parse(tomllib.loads(found.toml)).damper, {}
     radius, clearance = damper.radius, damper.cavity[0] - 2 * damper.radius
     for name, off in product(("ball_diameter", "clearance"), (-0.02, 0.02)):
         factor = 1 + off if off > 0 else 1 / (1 - off)
         r, c = (radius * factor, clearance) if name == "ball_diameter" else (radius, clearance * factor)
-        lengths = {"radius": r, "cavity": [2 * r + c] * 2, "ball_density": 7850.0, "mass": None}
+        lengths = {"radius": r, "cavity": [2 * radius + c] * 2, "ball_density": 7850.0, "mass": None}
         point = spindamp.run(parse(tomllib.loads(found.toml)).changed(damper=lengths)).speeds[0]
         left[name, off] = objectives.least(point.damping_curve, 1.7e-3, 2.2e-3)[0]
     worst = found.optimum.worst

@@ -259,7 +259,7 @@ class _Balance:
     Attributes:
         free: free vibration with the ball.
         force: at the cavity by a unit of the excitation [N]; alone: the same without the ball's part.
-        resting: frequency with the ball at rest; without: without it [rad/s].
+        resting: frequency with the ball at rest; light: without its mass; without: without its pull too [rad/s].
         moves_from: level up to which the ball stays at rest, along both axes.
     """
 
@@ -267,6 +267,7 @@ class _Balance:
     force: float
     alone: float
     resting: float
+    light: float
     without: float
     moves_from: float
 
@@ -278,7 +279,8 @@ class _Balance:
         unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
         force, alone = force_at_cavity(system, unit), force_at_cavity(system, unit, ball=False)
         moves = float(damper.moves_from(system, [replace(unit, frequency=resting)])[0])
-        return cls(free_vibration(system), force, alone, resting, crossing.order * crossing.omega, moves)
+        light, without = math.sqrt(system.stiffness[0] / system.modal_mass), crossing.order * crossing.omega
+        return cls(free_vibration(system), force, alone, resting, light, without, moves)
 
     def amplitude(self, levels: Floats) -> Floats:
         """The largest as the speed goes through the crossing, whatever the ball does [m]."""
@@ -291,8 +293,8 @@ class _Balance:
 
     @property
     def bare(self) -> float:
-        """Without the ball, by a unit of the excitation [m]."""
-        return self.alone / (self.free.dashpot * self.without)
+        """Without the ball, by a unit of the excitation [m]: at the same damping ratio the dashpot goes with omega."""
+        return self.alone / (self.free.dashpot * self.without) * (self.light / self.without)
 
 
 def half_way(ratio: float) -> float:

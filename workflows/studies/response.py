@@ -18,7 +18,7 @@ from workflows.scene.scene import Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation, limits, resources
 from workflows.solve import damper as damper_stage
 from workflows.solve.engine_orders import Crossing
-from workflows.solve.results import CavityMode, Floats, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import CavityMode, Floats, ForceLevel, Results, SpeedPoint, VibrationReduction
 from workflows.solve.structure import StructureSolver
 
 
@@ -82,7 +82,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
         stress_without, stress_with: at the root [Pa], None where it is not known.
-        estimate: largest amplitude by free vibration, whatever the speed [m]; None where that does not apply.
+        estimate: by free vibration, of a run; None where that does not apply.
     """
 
     passage: Passage
@@ -100,7 +100,7 @@ class Row:
     hits_per_cycle: float
     power_in: float
     power_lost: float
-    estimate: float | None
+    estimate: ForceLevel | None
     stress_without: float | None
     stress_with: float | None
 
@@ -110,14 +110,9 @@ class Row:
         return self.mean / self.without
 
     @property
-    def estimated_ratio(self) -> float | None:
-        """The same by free vibration."""
-        return None if self.estimate is None else self.estimate / self.without
-
-    @property
     def difference(self) -> float | None:
         """The estimated ratio over the one of the motion, less 1."""
-        return None if self.estimate is None else self.estimate / self.mean - 1
+        return None if self.estimate is None else self.estimate.ratio / self.ratio - 1
 
 
 def rows(result: Response, only: Passage | None = None) -> list[Row]:
@@ -138,7 +133,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         return float(passage.shaped(getattr(states, name))[speed, force, start])
 
     without = float(np.abs(passage.shaped(states.without))[:, force].max())
-    estimates = {each.level: each.amplitude for each in passage.reduction.levels}
+    estimates = {each.level: each for each in passage.reduction.levels}
     stress = excitation.root_stress(result.results, passage.crossing)
     return Row(
         passage=passage,

@@ -76,9 +76,10 @@ def dataset(result: Response) -> xr.Dataset:
     for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
         values = np.abs([passage.shaped(getattr(passage.states, name)) for passage in passages])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
-    estimates = [[row.estimate for row in rows(result, passage)] for passage in passages]
+    every = ([row.estimate for row in rows(result, passage)] for passage in passages)
+    estimates = [[np.nan if each is None else each.amplitude for each in one] for one in every]
     description = "largest amplitude, whatever the speed, estimated from free vibration"
-    data["shortcut"] = (dims[::2], np.array(estimates, dtype=float), {"units": "m", "long_name": description})
+    data["shortcut"] = (dims[::2], estimates, {"units": "m", "long_name": description})
     return data
 
 
@@ -179,7 +180,7 @@ def _added(result: Response) -> list[str]:
 
 def _is_confirmed(row: Row) -> bool:
     """Whether the reduction that free vibration predicts is that of the motion, to a tenth."""
-    predicted = 1.0 if row.estimated_ratio is None else row.estimated_ratio
+    predicted = 1.0 if row.estimate is None else row.estimate.ratio
     return abs(row.ratio - predicted) <= (1 - NEAR_BEST) * (1 - predicted)
 
 
@@ -257,7 +258,7 @@ def _cells(result: Response, row: Row) -> tuple[str, ...]:
         significant(row.ratio, 4),
         row.regime,
         significant(row.hits_per_cycle),
-        significant(row.estimated_ratio, 4),
+        significant(None if row.estimate is None else row.estimate.ratio, 4),
         fixed(None if row.difference is None else 100 * row.difference, 1),
     )
 
@@ -295,7 +296,7 @@ def _crossing(c: Crossing) -> dict[str, Any]:
 def _entry(result: Response, row: Row) -> dict[str, Any]:
     c, target, estimate = row.passage.crossing, result.results.scene.accuracy.damping, None
     if row.estimate is not None and row.difference is not None:
-        estimate = {"amplitude": row.estimate, "ratio": row.estimated_ratio, "difference": row.difference}
+        estimate = {"amplitude": row.estimate.amplitude, "ratio": row.estimate.ratio, "difference": row.difference}
         estimate["suffices"] = abs(row.difference) <= target
     return _crossing(c) | {
         "frequency_error": finite(c.error),

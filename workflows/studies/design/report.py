@@ -73,18 +73,20 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
 def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:
     """What is left of the best design if one of its lengths is a little off, the least; None: it has none, or fails.
 
-    A deviation beyond a limit, as of the mass, does not count.
+    A ball that is off lies in the cavity that was made for the best one. A deviation beyond a limit, as of the mass,
+    does not count.
     """
     if not optimum.evaluation.works:
         return None
-    deviations = []
+    deviations, best = [], space.values(optimum.shares)
     for k in space.continuous:
-        axis, value = space.axes[k], float(space.values(optimum.shares)[space.axes[k].name])
-        axes = list(space.axes)
-        axes[k] = replace(axis, spread=None, values=(value / (1 + OFF), value * (1 + OFF)))
-        shares = np.repeat(optimum.shares[None], 2, axis=0)
-        shares[:, k] = 0.25, 0.75
-        both = score(replace(space, axes=tuple(axes)), shares, False)
+        axis, value = space.axes[k], float(best[space.axes[k].name])
+        off: dict[str, tuple[float, ...]] = {axis.name: (value / (1 + OFF), value * (1 + OFF))}
+        if axis.name == "damper.radius" and "damper.clearance" in best:
+            off["damper.clearance"] = tuple(float(best["damper.clearance"]) + 2 * (value - r) for r in off[axis.name])
+        axes = tuple(replace(each, spread=None, values=off.get(each.name, (best[each.name],))) for each in space.axes)
+        shares = np.repeat([[0.25], [0.75]], len(axes), axis=1)
+        both = score(replace(space, axes=axes), shares, False)
         deviations += [Deviation(NAMES[axis.name], off, each) for off, each in zip((-OFF, OFF), both, strict=True)]
     possible = [each for each in deviations if not each.evaluation.impossible]
     return min(possible, key=lambda each: each.evaluation.score, default=None)
