@@ -57,16 +57,14 @@ def main(arguments):
 def test(arguments):
     """Lint, format, types, tests; all of them, even if one fails. Types are checked beside the tests, and said last."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # the tests have all cores already
-    ready = [PYTHON, "-W", "error", "-m", "tests.kernels_ready"]
-    kernels = [subprocess.Popen([*ready, part], cwd=ROOT) for part in ("free", "forced")]
+    kernels = subprocess.Popen([PYTHON, "-W", "error", "-m", "tests.kernels_ready"], cwd=ROOT)
     mypy = subprocess.Popen(
         [PYTHON, "-m", "mypy"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
     pytest = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]
 
     def tests():
-        for each in kernels:
-            each.wait()  # each process of pytest would compile them
+        kernels.wait()  # each process of pytest would compile them
         return call(*pytest)
 
     def types():
