@@ -379,8 +379,8 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
 
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
     """Slippery walls; little load, or a vibration of 1 MHz, where no floor keeps the ball rolling."""
-    least = "Of little use: at most 0.049 % equivalent damping ratio (at 3500 rpm)"
-    rests = f"{least}, provided that the ball rolls without slip"
+    rests = "Of little use: at most 0.049 % equivalent damping ratio (at 3500 rpm), provided that the ball rolls"
+    " without slip"
     slides = "No verdict: the ball would slide, since rolling requires a friction coefficient of "
     for speeds, frequency, friction, says in (
         ("3500", "269.5 Hz", "0.1", rests),
