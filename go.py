@@ -55,23 +55,32 @@ def main(arguments):
 
 
 def test(arguments):
-    """Lint, format, types, tests; all of them, even if one fails."""
+    """Lint, format, types, tests; all of them, even if one fails. Types are checked beside the tests, and said last."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # the tests have all cores already
-    steps = [
-        ("ruff check", [PYTHON, "-m", "ruff", "check", *PACKAGES]),
-        ("ruff format", [PYTHON, "-m", "ruff", "format", "--check", *PACKAGES]),
-        ("mypy", [PYTHON, "-m", "mypy"]),
-        ("pytest", [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]),
-    ]
-    ready = [PYTHON, "-W", "error", "-m", "tests.kernels_ready"]
-    kernels = [subprocess.Popen([*ready, part], cwd=ROOT) for part in ("free", "forced")]  # mypy takes one core
+    kernels = subprocess.Popen([PYTHON, "-W", "error", "-m", "tests.kernels_ready"], cwd=ROOT)
+    mypy = subprocess.Popen(
+        [PYTHON, "-m", "mypy"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    pytest = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]
+
+    def tests():
+        kernels.wait()  # each process of pytest would compile them
+        return call(*pytest)
+
+    def types():
+        print(mypy.communicate()[0], end="")
+        return mypy.returncode
+
+    steps = {
+        "ruff check": lambda: call(PYTHON, "-m", "ruff", "check", *PACKAGES),
+        "ruff format": lambda: call(PYTHON, "-m", "ruff", "format", "--check", *PACKAGES),
+        "pytest": tests,
+        "mypy": types,
+    }
     failed = []
-    for name, command in steps:
-        if name == "pytest":
-            for each in kernels:
-                each.wait()  # each process of pytest would compile them
+    for name, step in steps.items():
         print(f"\n== {name}", flush=True)
-        if call(*command) != 0:
+        if step() != 0:
             failed.append(name)
     print("\n== {}".format("failed: " + ", ".join(failed) if failed else "all passed"))
     return 1 if failed else 0

@@ -116,8 +116,7 @@ def check(environment: Environment, expected: list[str]) -> None:
     """Kernels, types, the paper's figures and the tests."""
     place, python = environment.place, environment.python
     print(*together(place, PRINTING, [python, "-c", INSTALLED]), end="", flush=True)
-    kernels = [[python, "-W", "error", "-m", "tests.kernels_ready", part] for part in ("free", "forced")]
-    together(place, COMPILING, *kernels, [python, "-m", "mypy"])
+    together(place, COMPILING, [python, "-W", "error", "-m", "tests.kernels_ready"], [python, "-m", "mypy"])
     here = figures(place, python)
     if here != expected:
         changes = difflib.unified_diff(expected, here, "with constraints.txt", "here", lineterm="", n=0)

@@ -14,7 +14,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fem.accuracy.error_estimates import estimate_error
     from fem.accuracy.mesh_selection import Choice, choose_mesh
     from fem.accuracy.theory_selection import choose_theory
     from fem.assembly import Operators, assemble, with_cavity, with_coriolis, with_point_mass
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
     from fem.sweep.laws import LawViolation
 
 _NAMES = {
-    "fem.accuracy.error_estimates": "estimate_error",
     "fem.accuracy.mesh_selection": "Choice choose_mesh",
     "fem.accuracy.theory_selection": "choose_theory",
     "fem.assembly": "Operators assemble with_cavity with_coriolis with_point_mass",
@@ -87,7 +85,6 @@ __all__ = [
     "critical_speed",
     "displacement",
     "equilibrium",
-    "estimate_error",
     "families",
     "modes_at",
     "read_mesh",

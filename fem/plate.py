@@ -113,11 +113,6 @@ class Plate:
         return float(x.max() - x.min()), float(y.max() - y.min())
 
     @property
-    def thinnest(self) -> float:
-        """Least thickness in m."""
-        return self._spread[0]
-
-    @property
     def mean_thickness(self) -> float:
         """Mean thickness over the planform, in m."""
         return self._spread[1]

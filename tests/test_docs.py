@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -126,54 +127,7 @@ def test_links_inside_the_documentation_resolve():
             assert any(path.exists() for path in found), (page.name, target)
 
 
-ANSWERS = {
-    "Where is friction at the wall?": [("damper/impacts.py", "friction"), ("damper/impacts.py", "friction")],
-    "Where does a frequency get its error?": [
-        ("fem/accuracy/error_estimates.py", "class Estimates"),
-        ("workflows/solve/results.py", "ErrorParts("),
-    ],
-    "What is the verdict at a speed, and what bounds a damper?": [
-        ("workflows/solve/limits.py", "def verdict("),
-        ("workflows/solve/results.py", "class Verdict"),
-        ("workflows/report/verdict.py", "def answer("),
-    ],
-    "Where does a sentence of the report come from?": [("workflows/templates/answer.toml", "In a slowly growing")],
-    "Where is the cut-off computed?": [
-        ("damper/capacity.py", "cutoff = "),
-        ("damper/curve_measurement.py", "cutoff = "),
-    ],
-    "What do I write for a new effect?": [
-        ("workflows/scene/scene.py", "class Effects"),
-        ("CONTRIBUTING.md", "workflows/effects/plate.py"),
-    ],
-    "Which file do I change to add a unit?": [("workflows/units.txt", "\ngram = ")],
-    "Where is the law of impact?": [
-        ("damper/impacts.py", "def hit"),
-        ("damper/laws.py", "def check_hits"),
-        ("workflows/studies/work_precision/integration.py", "self.e"),
-    ],
-    "Where are hits and events counted?": [("damper/engine.py", "def count("), ("damper/state.py", "class Counts")],
-    "Which file do I change to add a material?": [("workflows/materials.toml", "\n[steel]")],
-    "What is known of a plate theory?": [("fem/theory/registry.py", "\nTHEORIES = ")],
-    "Which engine orders does the Campbell chart have, and how does it look?": [
-        ("workflows/solve/engine_orders.py", "\nENGINE_ORDERS = "),
-        ("workflows/report/figures.py", "def campbell"),
-    ],
-    "What do I write for a new study?": [("CONTRIBUTING.md", "write_study")],
-    "Where do the cells of a mesh lie?": [
-        ("fem/meshes/mesh_sequence.py", "def graded"),
-        ("workflows/scene/plate_mesh.py", "def planform"),
-    ],
-    "Where is the tip mass put into the matrices?": [("fem/assembly.py", "def with_point_mass")],
-    "What does a number of the results mean, and what is its unit?": [
-        ("workflows/solve/results.py", "lost to rolling resistance"),
-    ],
-    "Who decides the mesh, and how exact each part has to be?": [
-        ("fem/accuracy/mesh_selection.py", "def choose_mesh"),
-        ("fem/accuracy/tolerances.py", "class Budget"),
-    ],
-}
-"""What a newcomer asks, and what stands in the files that the page sends him to."""
+ANSWERS = tomllib.loads(Path(__file__).with_name("architecture.toml").read_text(encoding="utf-8"))
 
 
 def test_the_page_of_hard_cases_names_tests_and_all_that_are_hard_cases():

@@ -6,7 +6,6 @@ rest.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,10 +14,9 @@ from scipy.sparse import csc_array
 
 from fem.accuracy.edge_layer import drift, folds, layer_and_rest, layer_errors, unseen
 from fem.accuracy.theory_selection import layers
-from fem.assembly import Operators, assemble, transfer
+from fem.assembly import Operators, transfer
 from fem.linalg import Array, Solver, factorise, lowest_modes
 from fem.meshes.mesh_sequence import Planform, enough_cells
-from fem.meshes.thickness import Nodal
 from fem.modes import Divergence, Modes, check_count, solve_modes, solve_real
 from fem.plate import Plate
 from fem.statics import NoEquilibrium, linearise, settle, tangent
@@ -438,57 +436,3 @@ def _falling(first: Array | float, second: Array | float, sizes: tuple[int, int,
     falls = ((coarse / before) ** orders - 1.0) / (1.0 - (coarse / fine) ** orders)
     nearest = np.abs(falls * np.asarray(second)[..., None] - np.asarray(first)[..., None]).argmin(axis=-1)
     return np.asarray(orders[nearest])
-
-
-ORDER = 2
-"""Order in the cell size to which errors are taken to fall on an even mesh."""
-
-
-def coarser(mesh: Any) -> Any | None:
-    """Leave out every second grid line; None where the mesh is no grid of quadrilaterals."""
-    x, y = (np.unique(np.round(c / np.ptp(c), 12), return_index=True)[1] for c in mesh.p)
-    if mesh.t.shape[0] != 4 or x.size * y.size != mesh.p.shape[1] or min(x.size, y.size) < 3:
-        return None
-    lines = [np.sort(c[k])[_every_second(k.size)] for c, k in zip(mesh.p, (x, y), strict=True)]
-    return type(mesh).init_tensor(*lines)
-
-
-def _every_second(count: int) -> NDArray[np.int64]:
-    return np.unique(np.append(np.arange(0, count, 2), count - 1))
-
-
-def extrapolated_errors(coarse_hz: Array, fine_hz: Array, growth: float) -> Array:
-    """Relative errors of frequencies on the finer of two meshes.
-
-    Args:
-        coarse_hz: on the coarser mesh, shape (count,) [Hz].
-        fine_hz: on the finer mesh, shape (count,) [Hz].
-        growth: error on the coarser mesh over that on the finer.
-
-    Returns:
-        Shape (count,).
-    """
-    return np.asarray(np.abs(coarse_hz / fine_hz - 1.0) / (growth - 1.0))
-
-
-def estimate_error(operators: Operators, modes: Modes) -> Array:
-    """Relative error estimate of each frequency, from a coarser mesh or else a finer one.
-
-    It costs about a quarter of the modes themselves on a grid, four times as much on other meshes.
-
-    Args:
-        operators: of the plate.
-        modes: solved with them.
-
-    Returns:
-        Shape (count,).
-    """
-    plate = operators.plate
-    mesh = None if isinstance(plate.thickness, Nodal) else coarser(plate.mesh)
-    other = replace(plate, mesh=plate.mesh.refined() if mesh is None else mesh)
-    neighbour = assemble(other, operators.rotor, operators.effects, operators.model.theory)
-    again = solve_modes(neighbour, modes.omega, modes.eigenvalues.size).frequencies_hz
-    if mesh is None:
-        return 2.0**ORDER * extrapolated_errors(modes.frequencies_hz, again, 2.0**ORDER)
-    cells = plate.mesh.t.shape[1] / mesh.t.shape[1]
-    return extrapolated_errors(again, modes.frequencies_hz, float(cells ** (0.5 * ORDER)))

@@ -18,7 +18,6 @@ from fem import (
     Rotor,
     assemble,
     displacement,
-    estimate_error,
     read_mesh,
     rectangle,
     reduce_at,
@@ -165,12 +164,13 @@ def test_not_a_surface():
 
 @pytest.mark.parametrize("path", sorted(MESHES.glob("*.msh")), ids=lambda p: p.stem)
 def test_shipped_meshes(path):
-    """Each is read, and its first modes are good to 1 % beside those with every cell split in four, as is estimated."""
+    """Each is read, and its first modes are good to 1 % beside those with every cell split in four."""
     mesh = read_mesh(path)
-    coarse, fine = (assemble(Plate(cells, 0.01, STEEL), Rotor(), Effects()) for cells in (mesh, mesh.refined(1)))
-    modes, finer = (solve_modes(operators, rpm(5000), 3) for operators in (coarse, fine))
-    assert np.abs(modes.frequencies_hz / finer.frequencies_hz - 1.0).max() < 1e-2
-    assert estimate_error(coarse, modes).max() < 1e-2
+    coarse, fine = (
+        solve_modes(assemble(Plate(cells, 0.01, STEEL), Rotor(), Effects()), rpm(5000), 3).frequencies_hz
+        for cells in (mesh, mesh.refined(1))
+    )
+    assert np.abs(coarse / fine - 1.0).max() < 1e-2
 
 
 def test_shipped_meshes_are_what_the_script_makes(tmp_path, monkeypatch):
@@ -184,18 +184,6 @@ def test_shipped_meshes_are_what_the_script_makes(tmp_path, monkeypatch):
     )
     for path in tmp_path.iterdir():
         assert path.read_text() == (MESHES / path.name).read_text()
-
-
-def test_error_estimate_tells_the_true_error():
-    """Against a four times finer mesh: within a factor of three either way."""
-    fine = solve_modes(assemble(Plate(rectangle(0.2, 0.08, 48, 20), 0.01, STEEL), Rotor(), Effects()), 0.0, 6)
-    for mesh in (rectangle(0.2, 0.08, 12, 5), rectangle(0.2, 0.08, 12, 5).to_meshtri()):
-        operators = assemble(Plate(mesh, 0.01, STEEL), Rotor(), Effects())
-        modes = solve_modes(operators, 0.0, 6)
-        true = np.abs(modes.frequencies_hz / fine.frequencies_hz - 1.0)
-        ratio = estimate_error(operators, modes) / true
-        assert (ratio > 1.0 / 3.0).all()
-        assert (ratio < 3.0).all()
 
 
 @pytest.mark.parametrize("triangles", [False, True])

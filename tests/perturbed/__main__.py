@@ -27,13 +27,14 @@ class Found:
 def trial(case: Case, times: int, seed: int = 0) -> Found:
     """Solve a case as it is, and so many times with each kind of change."""
     found = Found()
-    right = case.answer(case.problem.build(), SI)
+    plain = case.problem.build()
+    right = case.answer(plain, SI)
     if right.ending != case.ending:
         found.faults.append(f"ends with {right.ending or 'an answer'}, not with {case.ending or 'one'}")
     for number, (kind, change) in enumerate(KINDS.items()):
         found.apart[kind] = 0.0
         for k in range(times):
-            with change(case.problem, np.random.default_rng((seed, number, k))) as (operators, units):
+            with change(case.problem, plain, np.random.default_rng((seed, number, k))) as (operators, units):
                 _compare(found, kind, k, right, case.answer(operators, units))
     return found
 

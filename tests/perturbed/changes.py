@@ -55,7 +55,7 @@ class Problem:
 
 
 @contextmanager
-def bits(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
+def bits(_: Problem, operators: Operators, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """Every number of the matrices, and of the tables that they are made from, changed by its last bit or not."""
 
     def changed(values: np.ndarray) -> np.ndarray:
@@ -66,13 +66,12 @@ def bits(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators
         lower.data = changed(lower.data)
         return (lower + sign * tril(lower, -1).T).tocsc()
 
-    yield _matrices(problem.build(), alike, changed, lambda fields: _tables(fields, changed)), SI
+    yield _matrices(operators, alike, changed, lambda fields: _tables(fields, changed)), SI
 
 
 @contextmanager
-def order(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
+def order(_: Problem, operators: Operators, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """The unknowns in another order."""
-    operators = problem.build()
     old = rng.permutation(operators.mass.shape[0])  # unknown number k was old[k]
     new = np.append(np.argsort(old), -1)  # the last for what is clamped
 
@@ -89,17 +88,17 @@ def order(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operator
 
 
 @contextmanager
-def units(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
+def units(problem: Problem, _: Operators, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """Other units of length, mass and time."""
     other = Units(*(10.0 ** rng.uniform(-SPREAD, SPREAD, 3)))
     yield problem.build(other), other
 
 
 @contextmanager
-def start(problem: Problem, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
+def start(_: Problem, operators: Operators, rng: np.random.Generator) -> Iterator[tuple[Operators, Units]]:
     """Other vectors to start from."""
     with mock.patch("fem.linalg.SEED", int(rng.integers(1, 2**31))):
-        yield problem.build(), SI
+        yield operators, SI
 
 
 KINDS: dict[str, Callable[..., Any]] = {"bits": bits, "order": order, "units": units, "start": start}

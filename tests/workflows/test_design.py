@@ -54,7 +54,7 @@ def in_a_range(slow, here):
     free = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "2 mm"], "amplitude": ["1.7 mm", "2.2 mm"]}
     scene = changed(slow | {"design": free}, damper__ball_density="7850 kg/m^3", damper__mass_ratio=None)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "_MAP", 7)
+        patch.setattr(study, "MAP", 7)
         return spindamp.design(scene, executor=here)
 
 
@@ -579,7 +579,7 @@ def test_the_bound_of_an_amplitude(shaken):
 
 def test_nothing_falls_below_the_bound(shaken, monkeypatch):
     """Free balls that hit the walls all the time, and held ones, under forces of all sizes: at resonance alone."""
-    monkeypatch.setattr(objectives, "_ASIDE", (0.0,))
+    monkeypatch.setattr(objectives, "ASIDE", (0.0,))
     for rolling, force in product((0.0, 2e-5, 1e-4), (0.3, 1.0, 3.0)):
         found, _ = at_the_crossing(changed(shaken, damper__rolling_friction=rolling, excitation__force=force), 0.6)
         lines = objectives.linear(found)

@@ -20,170 +20,24 @@ from workflows.scene.scene import Effects, KnownModes, Scene, Structure
 Raw = dict[str, dict[str, str]]
 """A scene as table → key → TOML text, so that a value can be anything a file can hold."""
 
-NEVER_RIGHT = {
-    "a date": "2026-01-01",
-    "a time": "07:32:00",
-    "a table": "{ a = 1 }",
-    "an empty list": "[]",
-    "a list in a list": "[[1]]",
-    "an empty text": '""',
-    "a word": '"nonsense"',
-    "code": "\"__import__('os').system('true')\"",
-}
-NO_NUMBER = NEVER_RIGHT | {
-    "true": "true",
-    "not a number": "nan",
-    "infinite": "inf",
-    "of 400 digits": "1" + "0" * 400,
-    "of 60000 binary digits": "0x" + "F" * 15_000,
-}
-NO_QUANTITY = NO_NUMBER | {
-    "a list": "[1.0]",
-    "text without a unit": '"0.5"',
-    "a unit without a number": '"cm"',
-    "an unknown unit": '"1 furlong"',
-    "another dimension": '"1 N*s"',
-    "a line break in the unit": '"1 kg\\n/m^3"',
-    "overflowing": '"1e999 m"',
-    "out of range": "1e300",
-    "vanishing": "1e-300",
-    "two numbers": '"1 2 m"',
-}
-NO_PLAIN = NO_NUMBER | {"a list": "[1.0]", "a number in quotes": '"0.3"', "a percentage": '"30 %"'}
-NO_WHOLE = NO_PLAIN | {"a fraction": "1.5", "zero": "0", "negative": "-1"}
-NO_PAIR = NO_NUMBER | {
-    "one number": "1.0",
-    "one of two": "[1.0]",
-    "three": "[1.0, 1.0, 1.0]",
-    "not a number inside": "[1.0, nan]",
-    "infinite inside": "[inf, 1.0]",
-    "true inside": "[true, 1.0]",
-    "another dimension inside": '["1 s", 1.0]',
-    "a list inside": "[1.0, [1.0]]",
-    "of 400 digits inside": "[1.0, 1" + "0" * 400 + "]",
-}
-NO_VECTOR = {k: v for k, v in NO_PAIR.items() if k != "three"} | {"two": "[1.0, 1.0]"}
-NO_FILE = {"a number": "1", "a list": "[1]", "true": "true", "blank": '"  "', "nowhere": '"no.file"', "a folder": '"."'}
-NO_UNIT = {
-    "a number": "1",
-    "true": "true",
-    "a time": '"s"',
-    "misspelt": '"mmm"',
-    "with a number": '"2 mm"',
-    "blank": '" "',
-}
-NO_SWITCH = NO_NUMBER | {"one": "1", "yes": '"yes"', "another case": '"Auto"'}
-del NO_SWITCH["true"]
-NO_TEXT = {k: v for k, v in NO_NUMBER.items() if '"' not in v} | {"two lines": '"a\\nb"', "a control": '"a\\u0000b"'}
-NO_CHOICE = NO_NUMBER | {"a number": "1", "a list": '["auto"]'}
-NEGATIVE = {"negative": "-1.0"}
-ZERO = {"zero": "0"}
-ABOVE_ONE = {"above one": "1.0001", "huge": "1e9"}
+WRONG = tomllib.loads(
+    Path(__file__)
+    .with_name("malformed.toml")
+    .read_text(encoding="utf-8")
+    .replace("<zeros>", 400 * "0")
+    .replace("<digits>", 15_000 * "F")
+)
 
-NO_LEVEL = {k: v for k, v in NO_QUANTITY.items() if k != "a list"} | ZERO | NEGATIVE
-BENT: dict[str, dict[str, str]] = {
-    "title": NO_TEXT | {"too long": '"' + "a" * 201 + '"'},
-    "plate.length": NO_QUANTITY | NEGATIVE | ZERO | {"shorter than thick": '"1 mm"'},
-    "plate.width": NO_QUANTITY | NEGATIVE | ZERO | {"thousands of times wider than long": '"2 km"'},
-    "plate.thickness": NO_QUANTITY | NEGATIVE | ZERO | {"above the width": '"9 cm"', "a film": '"1 nm"'},
-    "plate.mesh": NO_TEXT | {"blank": '"  "', "nowhere": '"no.msh"', "a folder": '"."', "a device": '"/dev/zero"'},
-    "plate.mesh_unit": NO_TEXT
-    | NEVER_RIGHT
-    | {"a mass": '"kg"', "misspelt": '"mmm"', "with a number": '"2 mm"', "blank": '" "', "without a mesh": '"mm"'},
-    "plate.theory": NO_CHOICE | {"another case": '"Mindlin"', "misspelt": '"kirchhof"'},
-    "plate.tip_mass": NO_QUANTITY | NEGATIVE,
-    "plate.tip_mass_at": NO_PAIR | {"beside a damper's": '["20 cm", 0]'},
-    "plate.root": {"a number": "1", "text": '"springs"', "a list": "[1]", "true": "true", "a quantity": '"5e9 N/m/m"'},
-    "material.name": NO_CHOICE | {"another case": '"Steel"', "what no plate is made of": '"lead"'},
-    "material.youngs_modulus": NO_QUANTITY | NEGATIVE | ZERO,
-    "material.poissons_ratio": NO_PLAIN | {"a half": "0.5", "minus one": "-1.0"} | ABOVE_ONE,
-    "material.density": NO_QUANTITY | NEGATIVE | ZERO,
-    "rotor.speeds": NO_NUMBER
-    | {
-        "one speed": '"3500 rpm"',
-        "of frequency": '["50 Hz"]',
-        "negative inside": '["-1 rpm"]',
-        "not a number inside": "[nan]",
-        "twice the same": "[1, 1.0]",
-        "beyond every plate": '["1e7 rpm"]',
-        "practically at rest": '["0 rpm", "1e-6 rpm"]',
-        "true inside": "[true]",
-        "a ladder without count": "{ start = 0, stop = 1 }",
-        "a ladder with more": "{ start = 0, stop = 1, count = 2, step = 1 }",
-        "a ladder downwards": "{ start = 2, stop = 1, count = 2 }",
-        "a ladder of half steps": "{ start = 0, stop = 1, count = 2.5 }",
-        "a ladder of none": "{ start = 0, stop = 1, count = 0 }",
-        "a ladder of true": "{ start = 0, stop = 1, count = true }",
-        "a ladder without end": "{ start = 0, stop = 1, count = 1000000000 }",
-        "a ladder to nan": "{ start = 0, stop = nan, count = 2 }",
-        "a ladder of text": '{ start = "a", stop = 1, count = 2 }',
-        "a ladder finer than rounding": "{ start = 1.0, stop = 1.0000000000000002, count = 9 }",
-    },
-    "rotor.hub_radius": NO_QUANTITY | NEGATIVE,
-    "rotor.radius": NO_QUANTITY | NEGATIVE | ZERO | {"with a plate": '"20 cm"'},
-    "rotor.stagger": NO_QUANTITY | {"beyond half a turn": '"400 deg"', "degrees without a unit": "45", "back": "-4"},
-    "rotor.precone": NO_QUANTITY | {"beyond upright": '"91 deg"', "degrees without a unit": "5", "of a damper": "0.1"},
-    "rotor.gravity": NO_QUANTITY | NEGATIVE | ZERO,
-    "rotor.modes": NO_WHOLE | {"too many": "201"},
-    **{f"effects.{name}": NO_SWITCH for name in Effects.model_fields},
-    "damper.at": NO_PAIR
-    | {"beyond the tip": '["21 cm", 0]', "beside": '[0.1, "5 cm"]', "at the root": "[0, 0]", "behind": "[-0.1, 0]"},
-    "damper.mass_ratio": NO_PLAIN | NEGATIVE | ZERO | {"beyond sense": "1e10"},
-    "damper.mass": NO_QUANTITY | NEGATIVE | ZERO,
-    "damper.ball_density": NO_QUANTITY | NEGATIVE | ZERO,
-    "damper.ball_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"led"'},
-    "damper.housing": NO_QUANTITY | NEGATIVE | ZERO,
-    "damper.count": NO_WHOLE,
-    "damper.radius": NO_QUANTITY | NEGATIVE | ZERO,
-    "damper.cavity": NO_PAIR
-    | {"smaller than the ball": '["2.5 mm", "1.9 mm"]', "negative": "[-1.0, -1.0]"}
-    | {"thicker than the plate": '["1 cm", "3 mm"]', "wider than the plate": '["3 mm", "81 mm"]'},
-    "damper.restitution": NO_PLAIN | NEGATIVE | ABOVE_ONE,
-    "damper.friction": NO_PLAIN | NEGATIVE | {"beyond sense": "1e7"},
-    "damper.rolling_friction": NO_QUANTITY | NEGATIVE,
-    "damper.formulation": NO_CHOICE | {"another case": '"Printed"', "misspelt": '"consistant"'},
-    "damper.damping_ratio": NO_PLAIN | NEGATIVE | ABOVE_ONE | {"one": "1"},
-    "damper.sticking_ratio": NO_PLAIN | NEGATIVE | ABOVE_ONE | ZERO,
-    "release.displacement": NO_PAIR | {"nothing": "[0, 0]", "farther than the plate is long": "[0.21, 0]"},
-    "release.acceleration": NO_PAIR | {"beside displacement": '["1 g", 0]'},
-    "release.ratio": NO_PLAIN | NEGATIVE | ZERO | {"beyond sense": "1e10", "beside displacement": "0.3"},
-    "damper.floor_radius": NO_QUANTITY | ZERO | NEGATIVE | {"three": '["2 cm", "2 cm", "2 cm"]'},
-    "structure.floor_tilt": NO_QUANTITY | {"three": "[1.0, 1.0, 1.0]"},
-    "excitation.orders": NO_WHOLE | {"a fraction inside": "[2, 2.5]", "twice": "[2, 2]"},
-    "excitation.force": NO_LEVEL | {"twice": '["1 N", "1 N"]'},
-    "excitation.pressure": NO_LEVEL | {"beside a force": '"100 Pa"'},
-    "excitation.base": NO_LEVEL | {"beside a force": '"1 g"'},
-    "design.ball_material": NO_NUMBER | {"no material": '["wood"]', "a number inside": "[1]"},
-    "design.ball_diameter": NO_NUMBER | {"descending": "[4e-3, 2e-3]", "zero inside": "[0, 1e-3]"},
-    "design.clearance": NO_NUMBER | {"descending": "[4e-3, 2e-3]", "zero inside": "[0, 1e-3]"},
-    "design.floor_radius": NO_NUMBER | {"misspelt": '["flatt", "8 mm"]'},
-    "design.count": NO_NUMBER | {"zero inside": "[0, 2]", "a fraction inside": "[1.5]"},
-    "design.place": NO_NUMBER | {"descending": "[0.2, 0.1]", "negative inside": "[-0.1, 0.1]"},
-    "design.mass": NO_QUANTITY | NEGATIVE | ZERO,
-    "design.wall": NO_QUANTITY | NEGATIVE,
-    "design.amplitude": NO_PAIR | {"descending": "[5e-3, 2e-3]", "from nothing": "[0, 2e-3]"},
-    "release.cycles": NO_NUMBER | NEGATIVE | ZERO | {"too many": "1e10", "another case": '"Auto"'},
-    "accuracy.frequency": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
-    "accuracy.damping": NO_PLAIN | NEGATIVE | ZERO | ABOVE_ONE,
-    "structure.frequency": NO_QUANTITY | NEGATIVE | ZERO | {"of light": '"1 GHz"', "a cycle a year": '"3e-8 Hz"'},
-    "structure.mass": NO_QUANTITY | NEGATIVE | ZERO,
-    "structure.modes": NO_FILE | {"of no speed": '{ "fast" = "a.frd" }', "at a length": '{ "1 m" = "a.frd" }'},
-    "structure.unit": NO_UNIT,
-    "structure.mass_unit": NO_UNIT | {"a length": '"mm"'},
-    "blade.mesh": NO_FILE,
-    "blade.unit": NO_UNIT,
-    "blade.root": NO_TEXT,
-    "blade.size": NO_QUANTITY | NEGATIVE | ZERO,
-    "rotor.axis": NO_VECTOR | {"of no length": "[0, 0, 0]"},
-    "rotor.origin": NO_VECTOR,
-    "damper.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
-    "damper.normal": NO_VECTOR | {"of no length": "[0, 0, 0]"},
-    "excitation.at": {"two lengths": "[0.1, 0]", "a switch": "true", "nothing": '""', "no node": "-1"},
-    "excitation.direction": NO_VECTOR | {"of no length": "[0, 0, 0]"},
-    "damper.floor_material": NO_CHOICE | {"another case": '"Steel"', "misspelt": '"stel"'},
-    "design.hardness_ratio": NO_PLAIN | NEGATIVE | ZERO,
-    "design.yield_ratio": NO_PLAIN | NEGATIVE | ZERO,
-}
+
+def _wrong(entry: dict[str, Any]) -> dict[str, str]:
+    """An entry's own values and those of its kinds, by what is wrong with them."""
+    found = {what: value for kind in entry.get("of", ()) for what, value in _wrong(WRONG["kinds"][kind]).items()}
+    found |= {what: value for what, value in entry.items() if what not in ("of", "without")}
+    return {what: value for what, value in found.items() if what not in entry.get("without", ())}
+
+
+BENT = {path: _wrong(entry) for path, entry in WRONG["keys"].items()}
+BENT |= dict.fromkeys((f"effects.{name}" for name in Effects.model_fields), BENT.pop("effects.*"))
 
 
 @dataclass(frozen=True)

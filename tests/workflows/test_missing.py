@@ -11,12 +11,6 @@ from workflows.progress import Stages
 from workflows.scene.load import as_scene_file
 from workflows.studies.sweep.evaluate import PlateCache
 
-
-def _frequency(scene: Scene) -> float:
-    (point,) = pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=False).points
-    return point.reduced.f2_hz
-
-
 STEEL = Material(182.6e9, 0.3, 7850.0)
 
 

@@ -93,7 +93,8 @@ def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
 def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:
     scene = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
-    few = changed(scene, rotor__speeds=["3500 rpm", "10000 rpm"])
+    roughly = {"accuracy": {"frequency": 0.05}} if "plate" in scene else {}
+    few = changed(scene, rotor__speeds=["3500 rpm", "10000 rpm"], **roughly)
     assert spindamp("run", write(few, tmp_path / "scene.toml"), "--out", "out").status == 0
     reader = Reader((tmp_path / "out" / "report.html").read_text(encoding="utf-8"))
     assert not reader.open

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,40 +26,7 @@ from workflows.studies.reproduction import (
     reproduce,
 )
 
-VERDICTS = {
-    "T2-loads": Verdict.REPRODUCED,
-    "T2-frequencies": Verdict.REPRODUCED,
-    "T2-stiffening": Verdict.REPRODUCED,
-    "T2-rest": Verdict.PARTLY,
-    "T2-cutoff-high": Verdict.REPRODUCED,
-    "T2-cutoff-low": Verdict.NOT,
-    "T2-ratio": Verdict.REPRODUCED,
-    "T2-cutoff-rises": Verdict.REPRODUCED,
-    "T2-tilt": Verdict.NOT,
-    "A-effective": Verdict.PARTLY,
-    "S1-rolls": Verdict.PARTLY,
-    "S2-threshold": Verdict.REPRODUCED,
-    "S2-momentum": Verdict.REPRODUCED,
-    "S2-restitution": Verdict.REPRODUCED,
-    "S2-cap": Verdict.REPRODUCED,
-    "S2-epsilon": Verdict.REPRODUCED,
-    "S2-steps": Verdict.NOT,
-    "S2-measure": Verdict.PARTLY,
-    "S2-energy": Verdict.PARTLY,
-    "S2-rotation": Verdict.REPRODUCED,
-    "F2-decay": Verdict.PARTLY,
-    "F3-level": Verdict.NOT,
-    "F3-trend": Verdict.PARTLY,
-    "F3-stops": Verdict.REPRODUCED,
-    "F4-linear": Verdict.REPRODUCED,
-    "F4-rises": Verdict.REPRODUCED,
-    "F5-weak": Verdict.PARTLY,
-    "F5-sense": Verdict.NOT,
-    "F5-overlap": Verdict.PARTLY,
-    "F6-weak": Verdict.REPRODUCED,
-    "F7-radius": Verdict.NOT,
-    "A-experiments": Verdict.UNTESTABLE,
-}
+VERDICTS = tomllib.loads(Path(__file__).with_name("verdicts.toml").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="module")

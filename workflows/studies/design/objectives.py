@@ -442,7 +442,7 @@ def _greatest(scan: Floats, ratio: Floats, own: float, resting: float) -> float:
     return float(scan[raised[-1]]) if raised.size else float(scan[0])
 
 
-_ASIDE = (-0.8, -0.4, 0.0, 0.4, 0.8)
+ASIDE = (-0.8, -0.4, 0.0, 0.4, 0.8)
 """Speeds about a resonance, in damping ratios of it."""
 
 _CYCLES, _FEW_CYCLES = 10_000, 4000
@@ -556,7 +556,7 @@ def followed(here: CrossedDamper, *, quick: bool) -> float:
 def _speeds(here: CrossedDamper, *, quick: bool) -> list[float]:
     """Speeds at which the steady states are looked at: the resonances of all that the ball may do."""
     zeta = max(here.system.damping_ratio, 1e-4)
-    aside = _ASIDE[::2] if quick else _ASIDE
+    aside = ASIDE[::2] if quick else ASIDE
     middles = here.pendulum_resonances()
     hollow = here.system.floor_radius is not None
     if here.leads and not (quick and hollow):

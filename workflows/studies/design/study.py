@@ -45,7 +45,7 @@ _BETTER, _LEAST = 1e-2, 1e9
 _FEW, _FOREMOST = 300, 4
 """Designs that are all looked at, where there are no more; those of them that are compared by full figures."""
 
-_MAP = 12
+MAP = 12
 """Values of each range, in the map around the best and where all designs are looked at."""
 
 _NEAR, _NEAREST = 0.08, 2e-3
@@ -121,7 +121,7 @@ def _few(space: Space) -> Floats | None:
 def _all_shares(axis: Axis) -> Floats:
     """Shares of an axis: of each of its values, and all over its range."""
     if axis.spread is not None and not axis.key.whole:
-        return np.linspace(0.0, 1.0, _MAP)
+        return np.linspace(0.0, 1.0, MAP)
     spread = axis.spread
     count = len(axis.values) if spread is None else math.floor(spread.high) - math.ceil(spread.low) + 1
     return (np.arange(count) + 0.5) / count
@@ -326,7 +326,7 @@ def _around(space: Space, optimum: Optimum, score: Score) -> Grid | None:
     if len(free) < 2:
         return None
     x, y = free[:2]
-    along = [np.union1d(np.linspace(0.0, 1.0, _MAP), optimum.shares[k]) for k in (x, y)]
+    along = [np.union1d(np.linspace(0.0, 1.0, MAP), optimum.shares[k]) for k in (x, y)]
     shape = len(along[1]), len(along[0])
     rows = np.repeat(optimum.shares[None], math.prod(shape), axis=0)
     rows[:, x], rows[:, y] = np.tile(along[0], shape[0]), np.repeat(along[1], shape[1])
