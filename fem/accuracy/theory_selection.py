@@ -4,7 +4,7 @@
 one speed, `over_speeds` at all speeds of a diagram. `choose_theory` picks the cheapest theory by these estimates.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
@@ -250,13 +250,19 @@ ENOUGH = 1e-3
 """Residual of the modes."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chosen:
-    """A theory, why it was chosen, and an estimate of its own relative error against a solid, in frequency."""
+    """A theory and why it was chosen.
+
+    Attributes:
+        model_error: estimate of its own relative error against a solid, in frequency.
+        operators: the matrices of the plate by Mindlin's theory that it was chosen by, where it took any.
+    """
 
     name: str
     why: str
     model_error: float
+    operators: Operators | None = field(default=None, repr=False)
 
 
 def choose_theory(
@@ -290,8 +296,9 @@ def choose_theory(
     ratio = plate.thickest / min(plate.sides)
     if ratio > STOUT:
         return Chosen("solid", f"the plate is a block: its thickness is {ratio:.2g} of its smaller side", 0.0)
-    errors = own_errors(plate, rotor or Rotor(), effects, speeds, count)
-    thin, thick = errors["kirchhoff"], errors["mindlin"]
+    plain = replace(effects, coriolis=False, large_deflection=False)
+    operators = assemble(plate, rotor or Rotor(), plain, "mindlin/held")
+    thin, thick = own_errors(operators, speeds, count)
     if effects.large_deflection:
         why = "the load deflects the plate: only Mindlin's theory and the solid support finite rotations"
     elif thin <= budget.thin:
@@ -299,29 +306,22 @@ def choose_theory(
     else:
         why = f"thin-plate theory would be off by about {_percent(thin)}"
     if thick <= budget.sheared:
-        return Chosen("mindlin", why, thick)
+        return Chosen("mindlin", why, thick, operators)
     left = f"Mindlin's theory would be off by about {_percent(thick)}"
     if accuracy >= DEAR and is_rectangles(plate.mesh) and not effects.large_deflection:
         return Chosen("solid", left, 0.0)
     why = 'theory = "solid" is accurate but expensive' if accuracy < DEAR else "a solid would be no better here"
-    return Chosen("mindlin", f"{left}; {why}", thick)
+    return Chosen("mindlin", f"{left}; {why}", thick, operators)
 
 
-def own_errors(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float, ...], count: int) -> dict[str, float]:
-    """Largest relative errors of thin-plate theory and of Mindlin's against a solid.
+def own_errors(operators: Operators, speeds: tuple[float, ...], count: int) -> tuple[float, float]:
+    """Largest relative errors of thin-plate theory and of Mindlin's against a solid, its root held as a solid's is.
 
     Args:
-        plate: with its mesh.
-        rotor: spin axis, hub and angles.
-        effects: which effects of spinning count.
+        operators: of the plate by Mindlin's theory so held, whose mesh may be coarse.
         speeds: [rad/s]; the lowest and the highest count, as far as there are modes.
         count: of modes.
-
-    Returns:
-        An error for each theory by name; Mindlin's with its root held as a solid's is.
     """
-    plain = replace(effects, coriolis=False, large_deflection=False)
-    operators = assemble(plate, rotor, plain, "mindlin/held")
     worst = np.zeros(2)
     for omega in sorted({min(speeds), max(speeds)}):
         try:
@@ -330,7 +330,7 @@ def own_errors(plate: Plate, rotor: Rotor, effects: Effects, speeds: tuple[float
             break
         errors = [rule(operators, modes.eigenvalues, modes.shapes).max() for rule in (thin_errors, theory_errors)]
         worst = np.maximum(worst, errors)
-    return {"kirchhoff": float(worst[0]), "mindlin": float(worst[1])}
+    return float(worst[0]), float(worst[1])
 
 
 def _percent(part: float) -> str:

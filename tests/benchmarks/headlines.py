@@ -220,7 +220,7 @@ def of_speeds(sentences: Sequence[str], speeds: Sequence[Table]) -> list[str]:
 
 
 def disagreements(short: Sequence[Said], motion: Sequence[Said], levels: Sequence[float]) -> list[str]:
-    """Where `run` and `response` say different things of the same crossing; `levels`: those that `response` followed."""
+    """Where `run` and `response` say different things of a crossing; `levels`: those that `response` followed."""
     faults = []
     for mine in short:
         other = next((m for m in motion if m.order == mine.order and abs(m.rpm - mine.rpm) <= 1), None)

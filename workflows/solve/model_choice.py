@@ -96,8 +96,10 @@ def theory_model(theory: str, scene: Scene) -> str:
     return "mindlin/held" if theory == "mindlin" and clamped else theory
 
 
-def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: bool = False) -> Theory | None:
-    """The plate theory of a scene: as given, or chosen; None without a plate.
+def chosen_theory(
+    scene: Scene, form: Planform | None = None, large_deflection: bool = False
+) -> tuple[Theory | None, fem.Operators | None]:
+    """The plate theory of a scene, as given or chosen, None without a plate; and the matrices it was chosen by.
 
     `form`: the plate's planform, needed where that is a mesh.
 
@@ -106,11 +108,11 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
     """
     spec = scene.plate
     if spec is None:
-        return None
+        return None, None
     if form is None and spec.mesh is not None:
         raise ValueError("the planform of a plate from a mesh is needed")
     if spec.theory != "auto":
-        return Theory(spec.theory, "asked for by the scene")
+        return Theory(spec.theory, "asked for by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
     source = SceneFile(scene, "scene", Path())
@@ -120,17 +122,22 @@ def chosen_theory(scene: Scene, form: Planform | None = None, large_deflection: 
     stiffened = scene.effects.stress_stiffening is not False
     effects = fem.Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
     chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)
-    return Theory(chosen.name, chosen.why, chosen.model_error)
+    return Theory(chosen.name, chosen.why, chosen.model_error), chosen.operators
 
 
 @dataclass(frozen=True, eq=False)
 class ModelChoice:
-    """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file."""
+    """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file.
+
+    Attributes:
+        tried: the plate's matrices by which its theory was chosen.
+    """
 
     form: Planform | None
     effects: dict[str, Effect]
     theory: Theory | None = None
     mesh_sha256: str | None = None
+    tried: fem.Operators | None = None
 
     @property
     def plate(self) -> tuple[Planform, Theory]:
@@ -162,8 +169,8 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), translated_errors(source):
         effects = selection.resolve(scene, source.name, form)
-        theory = chosen_theory(scene, form, effects["large_deflection"].on)
-    return ModelChoice(form, effects, theory, sha256)
+        theory, tried = chosen_theory(scene, form, effects["large_deflection"].on)
+    return ModelChoice(form, effects, theory, sha256, tried)
 
 
 def model(source: SceneFile, choice: ModelChoice) -> str:
