@@ -23,6 +23,7 @@ from damper.curves import (
     BINS,
     DampingCurve,
     continued,
+    differs,
     figures,
     folded,
     grown,
@@ -36,13 +37,16 @@ from damper.motion import flights, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
-    from damper.model import Floats, ParticleDamper
+    from damper.model import Floats, Integers, ParticleDamper
 
 SWEEPS, STAY = 16, 120
 """Sweeps through the amplitudes, and cycles that each of them takes for an octave at least."""
 
 _SLOWER = 4
 """By how much sweeps become slower, once and half as many, where the pace moves the peak."""
+
+_SHARES = 4, 2, 1
+"""One of how many sweeps down goes, until there are enough."""
 
 _SAME = 0.03
 """Relative difference of peaks, and of where half of them is left, up to which the pace does not move them."""
@@ -60,7 +64,10 @@ _HELD = 24
 """Cycles for which amplitudes that are there at once are held, once the ball has found its motion."""
 
 _AROUND = 0.97, 1.5
-"""Ends of the sweeps up of balls that roll about the middle, over the amplitude at which these must meet the walls."""
+"""Ends of the sweeps up of balls that roll about the middle, over the amplitude at which these must meet the walls.
+
+All sweeps up end there unless a ball at rest, in an abrupt start, is damped less beyond than on the way down.
+"""
 
 _FINE, _ROLLED = 4 * BINS, 4
 """Amplitudes in an octave at which a rolling ball is followed, and cycles that it is followed for."""
@@ -114,7 +121,8 @@ def damping_curve(
     Args:
         damper: what is measured; its damping ratio has no influence.
         threads: see :func:`damper.ringdowns`.
-        sweeps: down through the amplitudes, from as many starts.
+        sweeps: down through the amplitudes, from as many starts; a half or a quarter of them where that is enough, by
+            what halves of them show. Abrupt starts are at as many amplitudes an octave, up to 12.
         stay: cycles that a sweep down takes for an octave, and four times as many in half as many sweeps where the pace
             moves the peak, as it does where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the
             time, and move the peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
@@ -125,14 +133,16 @@ def damping_curve(
         return above
     bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
     rolls, meets = rolling(bare, low, threads)
+    begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
+    last = _AROUND[1] * meets
+    last = high if last > high or differs(above, begun, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
-    climbs = [samples_up(bare, low, high, _CLIMBS, pace, threads) for pace in paces]
+    climbs = [samples_up(bare, low, last, _CLIMBS, pace, threads) for pace in paces]
     if math.isfinite(meets):
         first, last = _AROUND[0] * meets, _AROUND[1] * meets
         climbs += [samples_up(bare, first, last, _CLIMBS, pace, threads, rolls=True) for pace in paces]
     for number, climb in enumerate(climbs):
         climb[:, 2] += number * _CLIMBS
-    begun = samples_at(bare, low, high, threads)
     samples = np.vstack([samples, *climbs, rolls, begun])
     growing, region = grown(above, np.vstack(climbs), rolls, meets)
     if region is not None:
@@ -180,10 +190,10 @@ def _down(
     before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(pace.stay // _SLOWER, 1)), threads)
     if before.peak == 0:
         return before, *none
-    curve, samples = _found(bare, cutoff, lowest, top, pace, threads)
+    curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
     if _moved(before, curve) > _SAME:
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
-        before, (curve, samples) = curve, _found(bare, cutoff, lowest, top, slower, threads)
+        before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
     above = replace(curve, error=max(curve.error, _moved(before, curve)))
     return above, samples, max(cutoff, _LOWEST * gap / left), top
 
@@ -201,24 +211,48 @@ def _falling(
 ) -> tuple[DampingCurve, float]:
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
-        curve, _ = _found(damper, cutoff, low, top, pace, threads)
+        samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
+        curve = _read(damper, cutoff, samples)
         if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
             return curve, top
         top *= 2**_OCTAVES
 
 
-def _found(
-    damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
+def _settled(
+    damper: ParticleDamper,
+    cutoff: float,
+    low: float,
+    top: float,
+    pace: _Pace,
+    threads: int | None,
+    before: DampingCurve,
 ) -> tuple[DampingCurve, Floats]:
-    """Figures of sweeps down at a pace, and their samples."""
-    samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
+    """Figures of sweeps down at a pace, and their samples: of as many sweeps as bring their error down.
+
+    No more go once halves of them differ by no more than reading a peak does, or by half of what the pace changes, up
+    to `_SAME`.
+    """
+    samples, done = np.zeros((0, 3)), np.zeros(0, int)
+    for share in (share for share in _SHARES if 2 * share <= pace.sweeps):
+        spaced = np.linspace(0, pace.sweeps - 1, pace.sweeps // share).round().astype(int)
+        wanted = np.setdiff1d(spaced, done)
+        samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
+        done = np.append(done, wanted)
+        curve = _read(damper, cutoff, samples)
+        if curve.error <= max(BINNED, min(_moved(before, curve), _SAME) / 2):
+            break
+    return curve, samples
+
+
+def _read(damper: ParticleDamper, cutoff: float, samples: Floats) -> DampingCurve:
+    """Figures of sweeps down."""
     self_check.once("curves", falling)
     whole = figures(samples, cutoff)
     if whole is None:
-        return nothing(cutoff), samples
+        return nothing(cutoff)
     laws.check_curve(damper, whole)
     laws.check_readings(whole, samples)
-    return replace(whole, error=max(spread(samples, whole), BINNED)), samples
+    return replace(whole, error=max(spread(samples, whole), BINNED))
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
@@ -239,17 +273,28 @@ def _freely(damper: ParticleDamper) -> float:
     return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
 
 
-def samples_of(damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None) -> Floats:
+def samples_of(
+    damper: ParticleDamper,
+    low: float,
+    high: float,
+    sweeps: int,
+    stay: int,
+    threads: int | None,
+    numbers: Integers | None = None,
+) -> Floats:
     """Samples on sweeps from high to low, a row for each cycle of each sweep.
 
     From cycle to cycle the structure is led to a little less motion, the ball keeps its own in its cavity. Columns: the
     logarithms of the amplitude before a cycle and of what its losses would leave of that, and the sweep's number.
+    `numbers`: of the sweeps that are wanted; None: all.
     """
-    each = np.arange(sweeps)
+    each = np.arange(sweeps) if numbers is None else numbers
     start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
-    ball = damper.half_gap[0] * (1 - each / sweeps), np.zeros(sweeps)
+    ball = damper.half_gap[0] * (1 - each / sweeps), np.zeros(len(each))
     cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
-    return _rows(damper, _ramped(damper, start, ball, cycles, 4 ** (-1 / stay), threads, low))
+    rows = _rows(damper, _ramped(damper, start, ball, cycles, 4 ** (-1 / stay), threads, low))
+    rows[:, 2] = each[rows[:, 2].astype(int)]
+    return rows
 
 
 def samples_up(
@@ -262,9 +307,9 @@ def samples_up(
     return _rows(damper, _ramped(damper, start, (ball[0], ball[1]), cycles, 4 ** (1 / stay), threads))
 
 
-def samples_at(damper: ParticleDamper, low: float, high: float, threads: int | None) -> Floats:
-    """The same at amplitudes that are there at once and held, the ball at rest in the middle."""
-    amplitude = np.geomspace(low, high, max(math.ceil(BINS * math.log2(high / low)), 2))
+def samples_at(damper: ParticleDamper, low: float, high: float, count: int, threads: int | None) -> Floats:
+    """The same at so many amplitudes an octave that are there at once and held, the ball at rest in the middle."""
+    amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
     still = np.zeros((2, len(amplitude)))
     return _rows(damper, _ramped(damper, amplitude, (still[0], still[1]), SETTLING + _HELD, 1.0, threads))
 
@@ -290,7 +335,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Fl
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
     still = np.zeros((2, len(amplitude)))
-    energy = _ramped(wide, amplitude, (still[0], still[1]), SETTLING + _ROLLED, 1.0, threads)
+    energy = _ramped(wide, amplitude, (still[0], still[1]), SETTLING + _ROLLED, 1.0, threads, alike=damper)
     swing = amplitude / free  # over half the clearance
     if damper.rolling_threshold > 0:
         pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
@@ -336,24 +381,26 @@ def _ramped(
     factor: float,
     threads: int | None,
     least: float = 0.0,
+    alike: ParticleDamper | None = None,
 ) -> Floats:
     """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.amplitude_sweep.Ramp`.
 
-    `ball`: its places and velocities along x; `least` as an amplitude [m].
+    `ball`: its places and velocities along x; `least` as an amplitude [m]; `alike`: a damper in another cavity, whose
+    equations of motion are the same and known.
     """
     from damper import amplitude_sweep
 
     sweeps = len(amplitude)
     start = np.zeros((sweeps, 5, 2))
     start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = amplitude, *ball
-    many = np.repeat(damper.parameters, sweeps)
-    p = prepare(many, start, cycles, cycles)
+    p = prepare(np.repeat(damper.parameters, sweeps), start, cycles, cycles)
     tables = nothing_kept()
     energy = np.full((sweeps, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
     ramp = amplitude_sweep.Ramp(_EVENTS * cycles, factor, float(below), energy)
-    f = flights(damper, many, p, amplitudes=_in_one_mode(damper, amplitude))
+    known = alike or damper
+    f = flights(known, np.repeat(known.parameters, sweeps), p, amplitudes=_in_one_mode(damper, amplitude))
 
     def work(block: tuple[int, int]) -> None:
         amplitude_sweep.run_ramps(block, f.runs, f.systems.flows, tables, ramp)

@@ -122,7 +122,7 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
     """
     climbs = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
     rolling = _binned(rolls, above.cutoff)
-    known = dict(zip(_bins(above.amplitude), zip(above.amplitude, above.damping_ratio, strict=True), strict=True))
+    known = _binned_of(above)
     merged, parted, spreads = dict(known), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
     edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else end - 1  # bins that a cut-off shares
@@ -152,6 +152,12 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
     error = max(above.error, spreads.get(_bins(amplitude)[best], 0.0))
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
     return curve, _largest(parted)
+
+
+def differs(curve: DampingCurve, samples: Floats, amplitude: float) -> bool:
+    """Whether samples show a motion damped less than a curve's somewhere beyond an amplitude."""
+    known, seen = (_binned_of(curve), _binned(samples, curve.cutoff))
+    return any(ratio < (1 - _PARTED) * known[k][1] for k, (a, ratio) in seen.items() if k in known and a > amplitude)
 
 
 def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> DampingCurve:
@@ -230,6 +236,11 @@ def _bins(amplitude: Floats) -> list[int]:
     return [math.floor(place) for place in np.log(amplitude) / _WIDTH]
 
 
+def _binned_of(curve: DampingCurve) -> dict[int, tuple[float, float]]:
+    """Points of a curve by their bins."""
+    return dict(zip(_bins(curve.amplitude), zip(curve.amplitude, curve.damping_ratio, strict=True), strict=True))
+
+
 def _binned(samples: Floats, cutoff: float) -> dict[int, tuple[float, float]]:
     """Amplitude and damping ratio by the bin's number."""
     amplitude, ratio = _curve(samples, cutoff)
@@ -280,22 +291,19 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
     if not before.size:
         return np.zeros(0), np.zeros(0)
     low, high = np.minimum(before, after) / _WIDTH, np.maximum(before, after) / _WIDTH
-    origin = math.floor(low.min())
-    size = math.floor(high.max()) - origin + 1
-    cycles, lost, place = np.zeros(size), np.zeros(size), np.zeros(size)
-    ratio = (before - after) / (2 * math.pi)
-    for step in range(math.floor((np.floor(high) - np.floor(low)).max()) + 1):
-        at = np.floor(low) + step
-        begin, end = np.maximum(low, at), np.minimum(high, at + 1)
-        share = np.where(high > low, (end - begin) / np.maximum(high - low, 1e-300), step == 0)
-        inside = share > 0
-        bins = (at[inside] - origin).astype(int)
-        np.add.at(cycles, bins, share[inside])
-        np.add.at(lost, bins, share[inside] * ratio[inside])
-        np.add.at(place, bins, share[inside] * 0.5 * (begin + end)[inside])
+    first = np.floor(low).astype(int)
+    crossed = np.floor(high).astype(int) - first + 1  # bins that each cycle is in
+    cycle = np.repeat(np.arange(len(low)), crossed)
+    at = np.arange(len(cycle)) + np.repeat(first - np.cumsum(crossed) + crossed, crossed)
+    low, high, ratio = low[cycle], high[cycle], ((before - after) / (2 * math.pi))[cycle]
+    begin, end = np.maximum(low, at), np.minimum(high, at + 1)
+    share = np.ones(len(cycle))
+    np.divide(end - begin, high - low, out=share, where=high > low)
+    origin, bins = first.min(), at - first.min()
+    cycles, lost, place = (np.bincount(bins, share * each) for each in (1.0, ratio, 0.5 * (begin + end)))
     met = cycles > _LEAST_STAY
     if cutoff > 0:
-        met &= origin + np.arange(1, size + 1) > math.log(cutoff) / _WIDTH
+        met &= origin + np.arange(1, len(met) + 1) > math.log(cutoff) / _WIDTH
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 
 
@@ -321,8 +329,8 @@ def spread(samples: Floats, whole: DampingCurve) -> float:
         selected: Floats = ratio[near]
         return selected
 
-    number = samples[:, 2]
-    sweeps = number.max() + 1
+    known, number = np.unique(samples[:, 2], return_inverse=True)
+    sweeps = len(known)
     halves = [samples[sides == side] for sides in (number % 2, number // (sweeps // 2)) for side in (0, 1)]
     seen = [part.mean() for half in halves if (part := around(*_curve(half, whole.cutoff))).size]
     mean = around(whole.amplitude, whole.damping_ratio).mean()

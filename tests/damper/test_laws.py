@@ -254,7 +254,7 @@ def halved(curve: Callable[..., Any]) -> Callable[..., Any]:
 def one_bin_off(half: Callable[..., float]) -> Callable[..., float]:
     def wrong(amplitude: Any, ratio: Any, best: int, step: int) -> float:
         end = half(amplitude, ratio, best, step)
-        return float(amplitude[np.argmin(abs(amplitude - end)) + step])
+        return float(amplitude[min(np.argmin(abs(amplitude - end)) + step, len(amplitude) - 1)])
 
     return wrong
 

@@ -121,9 +121,9 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
 def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
     """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
-    system = particle_damper(scene, effects, point)
-    tilting = None if system.formulation == "printed" else _tilting(scene, effects, point)
-    return in_leading_modes(tilting or system)
+    printed = scene.damper is not None and scene.damper.formulation == "printed"
+    tilting = None if printed else _tilting(scene, effects, point)
+    return in_leading_modes(tilting or particle_damper(scene, effects, point))
 
 
 def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
