@@ -7,7 +7,7 @@ table (`PARAMETERS`), so that many are computed at once: derived quantities and 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import lru_cache
 from numbers import Integral, Real
 from typing import Any, TypeAlias
 
@@ -448,9 +448,7 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
-        rows = _row(self)
-        validate(rows)
-        vars(self)["parameters"] = rows
+        validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
@@ -458,10 +456,10 @@ class ParticleDamper:
         if self.modes is not None:
             object.__setattr__(self, "modes", tuple(self.modes))
 
-    @cached_property
+    @property
     def parameters(self) -> Parameters:
         """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
-        return _row(self)
+        return _known_row(self)
 
     @property
     def level(self) -> bool:
@@ -601,3 +599,6 @@ def _row(damper: ParticleDamper) -> Parameters:
     rows["printed"] = damper.formulation == Formulation.PRINTED
     rows.flags.writeable = False
     return rows
+
+
+_known_row = lru_cache(maxsize=256)(_row)

@@ -415,13 +415,14 @@ def test_a_floor_tuned_to_the_order():
 
 def test_motion_that_rolls_says_nothing_without_friction(known):
     """Where rolling requires more friction than is usual, the motion is the answer; where there is none, it is not."""
-    results = known.results
-    slides = dataclasses.replace(
-        results, reductions=tuple(dataclasses.replace(each, reason="slip") for each in results.reductions)
-    )
-    assert "less vibration" in report.sentences(dataclasses.replace(known, results=slides))[0]
-    bare = dataclasses.replace(slides, scene=results.scene.changed(damper={"friction": 0.0}))
-    said = report.sentences(dataclasses.replace(known, results=bare))[0]
+    slip = [
+        dataclasses.replace(each, reduction=dataclasses.replace(each.reduction, reason="slip"))
+        for each in known.passages
+    ]
+    slides = dataclasses.replace(known, passages=tuple(slip))
+    assert "less vibration" in report.sentences(slides)[0]
+    bare = dataclasses.replace(slides.results, scene=slides.results.scene.changed(damper={"friction": 0.0}))
+    said = report.sentences(dataclasses.replace(slides, results=bare))[0]
     assert said.endswith(": no estimate, since the balls would slide at the amplitude of largest damping.")
 
 
