@@ -289,7 +289,13 @@ def cure(results: Results) -> dict[str, Any]:
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     enough = bool(keys) and rest <= target / 2 and not (thin and _DEFLECTED in keys)
-    return {"keys": keys if enough else [], "attainable": upwards(max(mode.whole for mode in modes))}
+    return {"keys": keys if enough else [], "attainable": _attainable(max(mode.whole for mode in modes))}
+
+
+def _attainable(error: float) -> str | None:
+    """The accuracy that an error would meet, in one digit; None from 1 on, which a scene cannot ask for."""
+    digit = upwards(error)
+    return digit if float(digit) < 1 else None
 
 
 _DEFLECTED = "[effects] large_deflection = true"
@@ -636,7 +642,8 @@ def modes_left_out(results: Results) -> Values:
         if mode.number not in damping.modal_energies
     )
     worst = max(left_out, default=0.0)
-    return {"worst": worst, "target": target} if worst > target and results.effects["structural_modes"].on else None
+    notable = worst > target and results.effects["structural_modes"].on
+    return {"worst": worst, "target": target, "attainable": _attainable(worst)} if notable else None
 
 
 @remark
