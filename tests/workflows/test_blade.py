@@ -17,9 +17,9 @@ from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.report import remarks
-from workflows.report.verdict import answer
+from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
-from workflows.solve import limits, resources
+from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
 
@@ -351,6 +351,45 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
     said = remarks.other_mode(lag.results(stages=stages))
     assert f"Mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
     assert remarks.other_mode(bending.results(stages=stages)) is None
+
+
+@pytest.fixture(scope="module")
+def twisted(tmp_path_factory):
+    """A blade so twisted that its fundamental is named lag, at two speeds, with a damper at its tip."""
+    folder = tmp_path_factory.mktemp("twisted")
+    shape = make.Airfoil(0.24, 0.11, 0.007, 0.95, 0.45, pretwist=85.0, camber=35.0, sweep=0.05, lean=0.03)
+    make.write_inp(folder / "fan.inp", make.solid(shape, (4, 2, 1)), "fan")
+    text = SCENE.replace("modes = 4", "modes = 2") + DAMPER.replace("26 mm", "43 mm").replace("25 mm", "38 mm")
+    (folder / "fan.toml").write_text(text.format(speeds="'3000 rpm', '8000 rpm'"), encoding="utf-8")
+    stages = Stages(visible=False)
+    return pipeline.structure(load(folder / "fan.toml"), stages).results(stages=stages)
+
+
+def test_the_fundamental_counts_as_the_first_whatever_its_family(twisted):
+    """The second, which is named flap, was taken for it, and nothing was said of the root's strength."""
+    for point in twisted.speeds:
+        assert [mode.family for mode in point.modes] == ["lag", "flap"]
+        assert first_frequency(point) == point.modes[0].frequency_hz == pytest.approx(point.reduced.f2_hz, rel=1e-9)
+    assert remarks.other_mode(twisted) is None
+    strained = twisted.scene.material.youngs_modulus * max(point.root_strain for point in twisted.speeds)
+    met = {crossing.label: crossing for crossing in engine_orders.of_points(twisted.speeds, (2, 4))}
+    assert excitation.root_stress(twisted, met["lag 1"]) == pytest.approx(strained)
+    assert excitation.endured(twisted, met["lag 1"]) == limits.endured(twisted)
+    assert excitation.root_stress(twisted, met["flap 1"]) is None
+
+
+def test_every_change_of_the_mode_that_the_damper_follows_is_named(twisted):
+    """The first was all that was said; a mode that was not asked for is not taken for the last that was."""
+    slow, fast = twisted.speeds
+    second = dataclasses.replace(fast.reduced, f2_hz=fast.modes[1].frequency_hz)
+    one, other = (significant(hertz) for hertz in (slow.modes[0].frequency_hz, second.f2_hz))
+    changed = dataclasses.replace(fast, reduced=second)
+    cases = {f"mode 2 (flap, {other} Hz": fast.modes, f"a mode not asked for ({other} Hz": fast.modes[:1]}
+    for what, modes in cases.items():
+        point = dataclasses.replace(changed, modes=modes)
+        said = remarks.other_mode(dataclasses.replace(twisted, speeds=(point, slow)))
+        assert said.startswith(f"Mode 1 (lag, {one} Hz at 3000 rpm), and from 8000 rpm on {what} at 8000 rpm) moves")
+        assert first_frequency(point) == second.f2_hz
 
 
 def test_a_direction_along_the_load_is_refused_by_its_own_key(bricks):

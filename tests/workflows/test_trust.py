@@ -54,6 +54,9 @@ def test_where_nothing_would_do_it_says_what_can_be_had(paper: Scene) -> None:
     said = remarks.sentence(found)
     assert said.endswith("no setting achieves this, but [accuracy] frequency = 0.009 would be met.")
     assert max(mode.whole for mode in remarks.worst(found)) <= 9e-3
+    for error in (0.95, 5.1):
+        said = remarks.sentence(_with_basis(found, error))
+        assert said.endswith("0.4 % was asked for; no setting achieves this."), "1 and more are refused"
 
 
 CORNER = (35.93663, 249.7615, 489.6319, 979.4331)

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, wraps
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -288,7 +289,13 @@ def cure(results: Results) -> dict[str, Any]:
     rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     enough = bool(keys) and rest <= target / 2 and not (thin and _DEFLECTED in keys)
-    return {"keys": keys if enough else [], "attainable": upwards(max(mode.whole for mode in modes))}
+    return {"keys": keys if enough else [], "attainable": _attainable(max(mode.whole for mode in modes))}
+
+
+def _attainable(error: float) -> str | None:
+    """The accuracy that an error would meet, in one digit; None from 1 on, which a scene cannot ask for."""
+    digit = upwards(error)
+    return digit if float(digit) < 1 else None
 
 
 _DEFLECTED = "[effects] large_deflection = true"
@@ -416,14 +423,11 @@ def leaning_load(results: Results) -> Values:
 
 @remark
 def other_mode(results: Results) -> Values:
-    """A cavity whose axis 1 is moved most by another than the first bending mode, at the first such speed."""
-    for point in results.speeds if results.scene.in_space else ():
-        if point.reduced is not None and point.modes:
-            off = [abs(mode.frequency_hz - point.reduced.f2_hz) for mode in point.modes]
-            number = off.index(min(off))
-            if number != [*(mode.family for mode in point.modes), "flap"].index("flap"):
-                return {"number": number + 1, "point": point}
-    return None
+    """A cavity whose axis 1 is moved most by another than the first mode: which, from the first speed of each on."""
+    every = sorted(results.speeds if results.scene.in_space else (), key=lambda p: p.omega)
+    points = [p for p in every if p.reduced is not None and p.modes]
+    runs = [(number, next(run)) for number, run in groupby(points, key=lambda point: point.followed)]
+    return {"runs": runs} if any(number != 0 for number, _ in runs) else None
 
 
 @remark
@@ -638,7 +642,8 @@ def modes_left_out(results: Results) -> Values:
         if mode.number not in damping.modal_energies
     )
     worst = max(left_out, default=0.0)
-    return {"worst": worst, "target": target} if worst > target and results.effects["structural_modes"].on else None
+    notable = worst > target and results.effects["structural_modes"].on
+    return {"worst": worst, "target": target, "attainable": _attainable(worst)} if notable else None
 
 
 @remark
@@ -675,9 +680,9 @@ def at_rest(results: Results) -> Values:
 def real_modes(results: Results) -> Values:
     """What Coriolis forces do to the mode that the damper feels, where that is more than the accuracy asked for."""
     moved = [
-        next(mode.frequency_hz for mode in point.modes if mode.family == "flap") / point.reduced.f2_hz - 1
+        point.modes[followed].frequency_hz / point.reduced.f2_hz - 1
         for point in (results.speeds if results.effects["coriolis"].on else ())
-        if point.reduced is not None and any(mode.family == "flap" for mode in point.modes)
+        if point.reduced is not None and (followed := point.followed) is not None
     ]
     most = max(moved, key=abs, default=0.0)
     return {"most": most} if abs(most) > results.scene.accuracy.frequency else None

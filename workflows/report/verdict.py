@@ -231,10 +231,12 @@ def _unsure(results: Results) -> list[str]:
 
 
 def first_frequency(point: SpeedPoint) -> float | None:
-    """The first bending frequency [Hz]: of the plate without the ball, or else the one given, with the ball stuck."""
-    if point.modes:
-        return next((mode.frequency_hz for mode in point.modes if mode.family == "flap"), None)
-    return point.reduced.f1_hz if point.reduced is not None else None
+    """Of the mode the damper follows [Hz]: without the ball, or where it is given, with the ball stuck."""
+    if (followed := point.followed) is not None:
+        return point.modes[followed].frequency_hz
+    if point.reduced is None:
+        return None
+    return point.reduced.f2_hz if point.modes else point.reduced.f1_hz
 
 
 def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:

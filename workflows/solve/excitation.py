@@ -173,11 +173,14 @@ def damper_at(
 
 
 def root_stress(results: Results, crossing: Crossing) -> float | None:
-    """At the root per amplitude at the cavity, in the first bending mode [Pa/m]; None where it is not known."""
+    """At the root per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known."""
     material, strain = results.scene.material, limits.root_strain(results, 1.0)
-    if material is None or strain is None or crossing.family != "flap" or crossing.branch != 0:
+    if material is None or strain is None:
         return None
-    return material.youngs_modulus * strain
+    point = min(results.speeds, key=lambda point: abs(point.omega - crossing.omega))
+    followed = point.followed
+    known = followed is not None and point.modes[followed].branch == crossing.branch
+    return material.youngs_modulus * strain if known else None
 
 
 def endured(results: Results, crossing: Crossing) -> float | None:

@@ -613,6 +613,10 @@ class Theory:
     model_error: float | None = None
 
 
+_SAME_MODE = 1.05
+"""Ratio of frequencies up to which Coriolis forces may tell a mode from itself."""
+
+
 SHAPES_AT_MOST = 20
 """Speeds whose mode shapes are kept for pictures and files."""
 
@@ -656,6 +660,19 @@ class SpeedPoint:
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
+
+    @property
+    def followed(self) -> int | None:
+        """Which of the modes, from 0, the damper follows, whatever its family; None where it is above those asked for.
+
+        That whose frequency is the one without the ball, but for Coriolis forces; without a damper the first.
+        """
+        if self.reduced is None or not self.modes:
+            return 0 if self.modes else None
+        hertz = self.reduced.f2_hz
+        if hertz > _SAME_MODE * self.modes[-1].frequency_hz:
+            return None
+        return min(range(len(self.modes)), key=lambda k: abs(self.modes[k].frequency_hz - hertz))
 
     @property
     def pressing(self) -> float:
