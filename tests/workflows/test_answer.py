@@ -515,6 +515,19 @@ def test_a_ball_that_dissipates_nothing_moves(paper: Scene) -> None:
     assert not any("never move" in note for note in found.notes)
 
 
+def test_a_ball_that_loses_nothing_takes_nothing_in_a_cycle_and_without_a_load_there_is_no_verdict(paper):
+    """Restitution 1, no friction: what a cycle lends comes back. At 0 rpm its weight is all that presses the ball."""
+    lossless = {"restitution": 1.0, "friction": 0.0, "rolling_friction": 0.0, "damping_ratio": 0.0}
+    lossless = {f"damper__{key}": value for key, value in lossless.items()}
+    scene = changed(paper, **lossless, rotor__speeds=["0 rpm", "3500 rpm"], release__cycles=50)
+    del scene["excitation"]
+    found = workflows.run(scene)
+    still, turning = found.speeds
+    assert (still.verdict.grade, still.verdict.reason) == ("unknown", "ball_weight")
+    assert turning.verdict.reason == "lossless"
+    assert turning.damper.peak_sdc > 1e-3 > 1e-9 >= remarks.lost_at_most(turning.damper)
+
+
 def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     """The paper's plate bears ρ Ω² L²/2 on average: 527 MPa at 17500 rpm, 2475 MPa at 37923."""
     scene = changed(paper, rotor__speeds=["3500 rpm", "37000 rpm", "38000 rpm"], release__cycles=2)
@@ -525,16 +538,18 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     found = workflows.run(scene)
     verdict = answer(found).verdict
     assert verdict.startswith("Of little use: at most ")
-    assert "; the balls are locked at 37000 rpm (300255 g); no verdict from " in verdict
-    assert "no verdict from 38000 rpm on: the mean centrifugal stress at the root, 2490 MPa, exceeds" in verdict
+    assert "; the balls are locked at 37000 rpm (300255 g); no verdict above " in verdict
+    limit = re.search(r"no verdict above (\d+) rpm: at 38000 rpm the mean .* at the root, 2490 MPa, exceeds", verdict)
+    assert limit is not None
+    assert float(limit[1]) == pytest.approx(math.sqrt(2 * 2400e6 / 7850) / 0.2 * 30 / math.pi, rel=2e-3)
     assert "38000" not in " ".join(answer(found).sentences)
     assert [limits.is_torn(found, point) for point in found.speeds] == [False, False, True]
     assert [point.verdict.reason for point in found.speeds[1:]] == ["out_of_reach", "root_stress"]
     assert [remarks.mark(found, point) for point in found.speeds] == ["", BEYOND, remarks.NO_VERDICT]
     torn = workflows.run(changed(scene, rotor__speeds=["38000 rpm"]))
-    assert answer(torn).verdict.startswith("No verdict from 38000 rpm on")
+    assert answer(torn).verdict.startswith(f"No verdict above {limit[1]} rpm: at 38000 rpm")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
-    assert "; it cannot turn from 38000 rpm on: the" in answer(workflows.run(alone)).verdict
+    assert f"; it cannot turn above {limit[1]} rpm: at 38000 rpm the" in answer(workflows.run(alone)).verdict
     slow = workflows.run(changed(alone, rotor__speeds=["3500 rpm"]))
     assert (
         answer(slow).sentences[0]

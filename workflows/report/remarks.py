@@ -112,13 +112,15 @@ _ALIKE = 1.01
 
 
 def torn_from(results: Results) -> str | None:
-    """From which of the speeds on the plate would tear, and by what stress; None where it holds at all."""
+    """Above which speed the plate would tear, and the stress at the first such; None where it holds at all."""
     stress = limits.root_stress(results, 1.0) or 0.0
     torn = [point for point in results.speeds if stress * point.omega**2 > limits.STRONGEST]
     if not torn:
         return None
     first = min(torn, key=lambda point: point.omega)
-    return phrase("phrases/torn", results, speed=turning(first.omega), stress=stress * first.omega**2)
+    endured = math.sqrt(limits.STRONGEST / stress)
+    of = {"bears": turning(endured), "speed": turning(first.omega), "stress": stress * first.omega**2}
+    return phrase("phrases/torn", results, **of)
 
 
 def too_dense(results: Results) -> tuple[str, str] | None:
@@ -185,8 +187,8 @@ def lost_at_most(damping: Damping) -> float | None:
     return damping.intrinsic_sdc if most is not None and abs(by_the_ball) <= _NOTHING * books.initial else most
 
 
-_NOTHING = 1e-9
-"""Share of the initial energy that rounding may book as lost."""
+_NOTHING = 1e-4
+"""Share of the initial energy that counts as nothing lost by the ball in a ring-down."""
 
 
 def _share(damping: Damping) -> float:

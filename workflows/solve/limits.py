@@ -185,12 +185,12 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
     if (reason := inadmissible(results, point)) is not None:
         return Verdict.without_figures(Grade.INADMISSIBLE, reason)
     most = best(results, point)
+    reason = Reason.NONE if most is not None else _idle(results, point)
+    if weight_governs(point) and reason != Reason.FILLED:
+        return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
     if most is None:
-        reason = _idle(results, point)
         moves = reason in (Reason.LOSSLESS, Reason.NOT_FOUND)
         return Verdict.without_figures(Grade.NEGLIGIBLE if moves else Grade.LOCKED, reason, 0.0)
-    if weight_governs(point):
-        return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
     if slides(results, point, most.amplitude):
         return Verdict.without_figures(Grade.UNKNOWN, Reason.SLIP)
     grade = Grade.NEGLIGIBLE
