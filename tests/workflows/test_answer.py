@@ -524,7 +524,7 @@ def test_a_ball_that_loses_nothing_takes_nothing_in_a_cycle_and_without_a_load_t
     found = workflows.run(scene)
     still, turning = found.speeds
     assert (still.verdict.grade, still.verdict.reason) == ("unknown", "ball_weight")
-    assert turning.verdict.reason == "lossless"
+    assert turning.verdict.reason == "no_loss"
     assert turning.damper.peak_sdc > 1e-3 > 1e-9 >= remarks.lost_at_most(turning.damper)
 
 
