@@ -293,6 +293,53 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
         assert re.search(rf"near \(24[68], -?{across:g}\.?\d*, ", said[0])
 
 
+NO_ROOM = {
+    "deep": ('["5 mm", "5 mm"]', '["22 mm", "5 mm"]', "cavity = .*: the box of 22 x 5 x 4 mm .* only 33 % of it"),
+    "at an edge": ("[0.25, 0.0, 0.0]", "[0.25, 0.04, 0.005]", "cavity = .* of 5 x 5 x 4 mm .* only 2\\d % of it is"),
+    "one ball": ('radius = "2 mm"\ncount = 20\ncavity = ["5 mm", "5 mm"]', 'radius = "30 mm"\ncavity = [0.07, 0.07]',
+                 "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
+    "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", NO_ROOM)
+def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
+    """A plate of 10 mm times 80 mm times 200 mm of 4430 kg/m³; steel of 7850 kg/m³."""
+    old, new, problem = NO_ROOM[case]
+    with pytest.raises(BadInput, match=rf"\[damper\] {problem}") as refused:
+        pipeline.structure(on_bricks(bricks, old, new), Stages(visible=False))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
+    text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
+    for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
+        assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+
+
+def test_metal_is_missing_where_half_of_a_cavity_is_in_it_and_not_where_the_mesh_has_it_cut(bricks, tmp_path):
+    """The middle of a cavity at the skin is in no cell: it lies 0.1 mm off; its mass is that of one inside."""
+    stages, automatic = Stages(visible=False), ("cavity_mass = false", "")
+    middle = on_bricks(bricks, *automatic)
+    skin = middle.changed(damper={"at": (0.25, 0.0, 0.0055), "normal": (1.0, 0.0, -0.05)})
+    (one,), (other,) = (pipeline.structure(each, stages).points for each in (middle, skin))
+    assert other.modes[0].error_parts.cavity_mass == pytest.approx(one.modes[0].error_parts.cavity_mass, rel=0.05)
+    block = make.solid(make.Airfoil(0.06, 0.05, 0.03, section="flat", hub_radius=0.05), (6, 5, 3), 1.0)
+    (cells,) = (each.data for each in block.cells)
+    centres = block.points[cells].mean(axis=1)
+    cut = np.linalg.norm(centres - (0.095, 0.0, 0.0), axis=1) > 1e-3
+    assert (~cut).sum() == 1
+    for kept in (cut, np.full(len(cells), True)):
+        mesh = meshio.Mesh(block.points, [(block.cells[0].type, cells[kept])], point_sets=block.point_sets)
+        make.write_inp(tmp_path / "flat.inp", mesh, "block")
+        source = on_bricks(tmp_path, *automatic)
+        for sides in (0.01, 0.011):
+            size = {"at": (0.1, 0.0, 0.0), "radius": 0.005, "cavity": (sides, sides), "count": 1}
+            state = pipeline.structure(source.changed(damper=size), stages)
+            assert not any("sticks out" in note for note in state.source.remarks)
+            assert (state.points[0].modes[0].error_parts.cavity_mass is None) == (kept is cut)
+
+
 def test_the_cavity_of_the_shipped_blade_fits_and_its_mass_is_an_error(bricks):
     """Not so 0.7 mm off the middle of its thickness. The balls' own pull is not that of the cavities' metal."""
     path = Path(make.__file__).parent / "fan_blade.toml"

@@ -54,6 +54,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     scene, key = source.scene, _key(source)
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
+    _check_balls(source, solved.operators)
     seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
         model=model,
@@ -66,6 +67,15 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         root_stress=root_stress(solved.operators),
         cut=_cavities(scene, seat, solved.operators.blade.material),
     )
+
+
+def _check_balls(source: SceneFile, operators: SolidOperators) -> None:
+    """Refuse balls that are heavier than the blade that carries them."""
+    damper, blade = source.scene.damper, float(operators.masses.sum())
+    if damper is not None and damper.balls is not None and damper.balls >= blade:
+        balls = f"{damper.count} {'ball' if damper.count == 1 else 'balls'} of radius {1e3 * damper.radius:.6g} mm"
+        problem = f"{balls} would weigh {significant(damper.balls)} kg, and the blade weighs {significant(blade)} kg"
+        raise source.wrong(f"{problem}: expected less", f"[damper] {'radius' if damper.count == 1 else 'count'}")
 
 
 def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callable[[ModesAtSpeed], Floats] | None:
