@@ -464,6 +464,34 @@ def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(floor, br
     assert "° from the load, which pulls the ball along the floor" in said
 
 
+ROOTS = {
+    "the inner end": (lambda x, y: x < 0.051, r"50 to 61.4 mm", None),
+    "a fifth": (lambda x, y: x < 0.081, r"50 to 87.6 mm", None),
+    "a third": (lambda x, y: x < 0.111, r"50 to 116 mm", r"The root covers 30 % of the blade's radial extent: is it"),
+    "an edge": (
+        lambda x, y: y < -0.039,
+        r"58.3 to 253 mm",
+        r"The root covers 9\d % of the blade's radial extent: is it",
+    ),
+    "the tip": (lambda x, y: x > 0.249, r"250 to 253 mm", r"Most of the blade \(9\d %\) lies nearer the axis than its"),
+}
+
+
+@pytest.mark.parametrize("case", ROOTS)
+def test_a_root_that_hardly_is_one_is_remarked(tmp_path, spindamp, case):
+    """A plate, x = 50 to 250 mm, 80 mm wide, 35° off the plane of rotation; 61.4² = 50² + (40 cos 35° + 5 sin 35°)²."""
+    held, radii, remark = ROOTS[case]
+    mesh = make.solid(make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05), (20, 2, 1), 1.0)
+    mesh.point_sets["NROOT"] = np.flatnonzero(held(*mesh.points.T[:2]))
+    make.write_inp(tmp_path / "fan.inp", mesh, "flat")
+    scene(tmp_path, SCENE, "'10 rpm'")
+    said = spindamp("check", tmp_path / "fan.toml").out
+    assert f"along x, y and z, at radii of 50 to 253 mm, its root at {radii}, " in said
+    remarks = re.findall(r"# (The root covers .*|Most of the blade .*)", said)
+    assert len(remarks) == (remark is not None)
+    assert remark is None or re.match(remark, remarks[0])
+
+
 def test_the_scene_of_the_guide_is_read():
     """`check`, word for word, beside the mesh that it names."""
     folder = Path(make.__file__).parent
@@ -472,6 +500,6 @@ def test_the_scene_of_the_guide_is_read():
     source = SceneFile(parse(tomllib.loads(scene_of_guide)), "guide", folder)
     blade = blade_of(source)
     assert in_words(source, blade) == (
-        "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, from a radius of 100 mm at the"
-        " root to 341 mm at the tip, 4608 unknowns, 69 nodes held"
+        "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, at radii of 100 to 341 mm,"
+        " its root at 100 to 110 mm, 4608 unknowns, 69 nodes held"
     )
