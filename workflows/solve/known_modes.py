@@ -221,7 +221,7 @@ class SpaceStructure:
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         shown = speeds_with_shapes(len(speeds))
-        points, triangles = self.model.points, modal_model.faces(self.model)
+        points, triangles = self.model.points, modal_model.faces(self.model.cells)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
         if used.size:
