@@ -302,17 +302,17 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     Raises:
         BadInput: a file, its units, its speeds or the damper's place is no good; the message says what would be right.
     """
-    known, damper = source.scene.known, source.scene.damper
+    known = source.scene.known
     assert known is not None
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
-    force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
-    first = min(source.scene.rotor.speeds)
-    seat = None if damper is None else (damper.at, damper.direction or first, damper.normal, force)
-    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
+    if source.scene.damper is not None:
+        seat, seated = seat_of(source, structure.model, structure.modes(min(source.scene.rotor.speeds)))
+        structure = replace(structure, seat=seat, remarks=(*structure.remarks, *seated))
     return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
 
 
@@ -336,7 +336,7 @@ class Request:
 
 @lru_cache(maxsize=8)
 def _structure(request: Request) -> SpaceStructure:
-    """The structure of a scene, kept for other dampers at its place."""
+    """The structure of a scene without its damper, kept for other dampers."""
     source = request.source
     known = source.scene.known
     assert known is not None
@@ -352,10 +352,7 @@ def _structure(request: Request) -> SpaceStructure:
         _check_speed(source, model, omega)
         return modal_model.chosen(model.at(omega), np.arange(count), np.ones(count))
 
-    seat, seated = None, tuple[str, ...]()
-    if source.scene.damper is not None:
-        seat, seated = seat_of(source, model, modes_at(min(source.scene.rotor.speeds)))
-    return SpaceStructure(model, modes_at, seat, described, (*remarks, *seated), sha256)
+    return SpaceStructure(model, modes_at, None, described, remarks, sha256)
 
 
 def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
