@@ -704,13 +704,13 @@ def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
     return np.asarray(np.abs(np.linalg.eigvalsh(mean)).max(axis=(0, 2)))
 
 
-def faces(model: ModalModel) -> Ints:
-    """Triangles (m, 3) of the structure's surface; none without cells.
+def faces(cells: Sequence[tuple[str, Ints]]) -> Ints:
+    """Triangles (m, 3) of the surface of cells; none without them.
 
     Mid-side nodes are among their corners.
     """
     triangles = [np.zeros((0, 3), dtype=np.int64)]
-    for every, times in faces_of(model.cells):
+    for every, times in faces_of(cells):
         triangles += [every[times == 1][:, list(part)] for part in _triangles(every.shape[1])]
     return np.concatenate(triangles)
 

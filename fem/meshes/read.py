@@ -1,7 +1,10 @@
-"""Mid-surface meshes from files, through meshio: Gmsh .msh, VTU, Abaqus .inp, Nastran .bdf and the rest.
+"""Mid-surface meshes from files, through meshlane: Gmsh .msh, VTU, Abaqus .inp, Nastran .bdf and the rest.
 
 Straight-sided cells are used: of second-order cells the corners are taken. One kind of cell a mesh: where a
 file mixes triangles and quadrilaterals, the quadrilaterals are split.
+
+Meshlane is a maintained continuation of meshio: it knows the second-order wedges (Abaqus C3D15, CalculiX) that meshio
+stumbles over, and keeps sets of nodes and cells.
 
 `raw_mesh` serves volume meshes too. Decks of Abaqus, CalculiX and Nastran are brought into the plain form that readers
 take: included files are put in their place, sets of nodes that name others get these nodes, and solid elements the name
@@ -24,7 +27,6 @@ from fem.meshes.planform import MeshError, check_mesh, root, root_facets
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import ModuleType
 
     from numpy.typing import NDArray
 
@@ -64,13 +66,11 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
             flat, not upright, not in one piece or without a straight root edge.
         FieldError: for a field that is not there, or has not one finite number a point.
     """
-    import meshio
-
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
-        raw = raw_mesh(path, meshio)
+        raw = raw_mesh(path)
         mesh, points = _surface(raw)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
@@ -91,22 +91,20 @@ def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float
     return floats
 
 
-def raw_mesh(path: Path, reader: ModuleType) -> Any:
-    """What meshio, or a package with its calls, reads of a file, whose words it keeps for itself.
-
-    Args:
-        path: of the file.
-        reader: the package.
+def raw_mesh(path: Path) -> Any:
+    """What meshlane reads of a file, whose words it keeps for itself.
 
     Raises:
         MeshError: it cannot be read.
     """
+    import meshlane
+
     output = io.StringIO()
     try:
         _check_kind(path)
         _check_named_files(path)
         with _plain(path) as deck, contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
-            return reader.read(deck)
+            return meshlane.read(deck)
     except MeshError:
         raise
     except SystemExit:
@@ -114,8 +112,8 @@ def raw_mesh(path: Path, reader: ModuleType) -> Any:
             line for line in output.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))
         ]
         why = lines[0].strip() if lines and " id" in lines[0] else _DAMAGED
-        raise MeshError(f"not a mesh file that {reader.__name__} can read ({why})") from None
-    except reader.ReadError as error:
+        raise MeshError(f"not a mesh file that meshlane can read ({why})") from None
+    except meshlane.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None

@@ -1,8 +1,4 @@
-"""Volume meshes of solid blades: nodes, cells of first or second order, named sets of nodes; read from files.
-
-Files are read by meshlane, a maintained continuation of meshio: it knows the second-order wedges (Abaqus C3D15,
-CalculiX) that meshio stumbles over, and keeps sets of nodes and cells.
-"""
+"""Volume meshes of solid blades: nodes, cells of first or second order, named sets of nodes; read from files."""
 
 from __future__ import annotations
 
@@ -253,8 +249,6 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
     Raises:
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
     """
-    import meshlane
-
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
@@ -263,15 +257,13 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
             return _of_raw(_meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
-        return _of_raw(raw_mesh(path, meshlane), scale)
+        return _of_raw(raw_mesh(path), scale)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
 
 
 def _meshed(path: Path, scale: float, size: float | None) -> Any:
     """What a reader gives of geometry that Gmsh has meshed, in m."""
-    import meshlane
-
     if size is None:
         raise MeshError("this is geometry without a mesh: give the size of its cells, or a mesh of its volume")
     if scale != 1.0:
@@ -295,7 +287,7 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.model.mesh.generate(3)
         with tempfile.TemporaryDirectory() as folder:
             gmsh.write(str(Path(folder) / "volume.msh"))
-            return raw_mesh(Path(folder) / "volume.msh", meshlane)
+            return raw_mesh(Path(folder) / "volume.msh")
     except MeshError:
         raise
     except Exception as error:  # gmsh raises plain ones

@@ -62,6 +62,11 @@ class Blade:
         return np.asarray(np.eye(3) - np.outer(self.axis, self.axis))
 
     @property
+    def arms(self) -> Array:
+        """Of the nodes from the axis, (nnode, 3) [m]."""
+        return np.asarray((self.mesh.points - self.origin) @ self.projector)
+
+    @property
     def section(self) -> Array:
         """Vector area (3,) of the section at which the root holds the blade [m²].
 

@@ -67,7 +67,7 @@ def test_a_cell_has_exact_volume_gradients_and_faces(name: str) -> None:
     assert at.displacement(model.speeds[0].shapes)[0] == pytest.approx(field @ there, abs=1e-12)
     found = at.gradient(model.speeds[0])[0][0]
     assert found @ at.tangent == pytest.approx(field @ at.tangent, abs=1e-10)
-    triangles = faces(model)
+    triangles = faces(model.cells)
     normals = np.cross(
         points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
     )

@@ -293,6 +293,53 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
         assert re.search(rf"near \(24[68], -?{across:g}\.?\d*, ", said[0])
 
 
+NO_ROOM = {
+    "deep": ('["5 mm", "5 mm"]', '["22 mm", "5 mm"]', "cavity = .*: the box of 22 x 5 x 4 mm .* only 33 % of it"),
+    "at an edge": ("[0.25, 0.0, 0.0]", "[0.25, 0.04, 0.005]", "cavity = .* of 5 x 5 x 4 mm .* only 2\\d % of it is"),
+    "one ball": ('radius = "2 mm"\ncount = 20\ncavity = ["5 mm", "5 mm"]', 'radius = "30 mm"\ncavity = [0.07, 0.07]',
+                 "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
+    "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", NO_ROOM)
+def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
+    """A plate of 10 mm times 80 mm times 200 mm of 4430 kg/m³; steel of 7850 kg/m³."""
+    old, new, problem = NO_ROOM[case]
+    with pytest.raises(BadInput, match=rf"\[damper\] {problem}") as refused:
+        pipeline.structure(on_bricks(bricks, old, new), Stages(visible=False))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
+    text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
+    for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
+        assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+
+
+def test_metal_is_missing_where_half_of_a_cavity_is_in_it_and_not_where_the_mesh_has_it_cut(bricks, tmp_path):
+    """The middle of a cavity at the skin is in no cell: it lies 0.1 mm off; its mass is that of one inside."""
+    stages, automatic = Stages(visible=False), ("cavity_mass = false", "")
+    middle = on_bricks(bricks, *automatic)
+    skin = middle.changed(damper={"at": (0.25, 0.0, 0.0055), "normal": (1.0, 0.0, -0.05)})
+    (one,), (other,) = (pipeline.structure(each, stages).points for each in (middle, skin))
+    assert other.modes[0].error_parts.cavity_mass == pytest.approx(one.modes[0].error_parts.cavity_mass, rel=0.05)
+    block = make.solid(make.Airfoil(0.06, 0.05, 0.03, section="flat", hub_radius=0.05), (6, 5, 3), 1.0)
+    (cells,) = (each.data for each in block.cells)
+    centres = block.points[cells].mean(axis=1)
+    cut = np.linalg.norm(centres - (0.095, 0.0, 0.0), axis=1) > 1e-3
+    assert (~cut).sum() == 1
+    for kept in (cut, np.full(len(cells), True)):
+        mesh = meshio.Mesh(block.points, [(block.cells[0].type, cells[kept])], point_sets=block.point_sets)
+        make.write_inp(tmp_path / "flat.inp", mesh, "block")
+        source = on_bricks(tmp_path, *automatic)
+        for sides in (0.01, 0.011):
+            size = {"at": (0.1, 0.0, 0.0), "radius": 0.005, "cavity": (sides, sides), "count": 1}
+            state = pipeline.structure(source.changed(damper=size), stages)
+            assert not any("sticks out" in note for note in state.source.remarks)
+            assert (state.points[0].modes[0].error_parts.cavity_mass is None) == (kept is cut)
+
+
 def test_the_cavity_of_the_shipped_blade_fits_and_its_mass_is_an_error(bricks):
     """Not so 0.7 mm off the middle of its thickness. The balls' own pull is not that of the cavities' metal."""
     path = Path(make.__file__).parent / "fan_blade.toml"
@@ -456,6 +503,34 @@ def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(floor, br
     assert "° from the load, which pulls the ball along the floor" in said
 
 
+ROOTS = {
+    "the inner end": (lambda x, y: x < 0.051, r"50 to 61.4 mm", None),
+    "a fifth": (lambda x, y: x < 0.081, r"50 to 87.6 mm", None),
+    "a third": (lambda x, y: x < 0.111, r"50 to 116 mm", r"The root covers 30 % of the blade's radial extent: is it"),
+    "an edge": (
+        lambda x, y: y < -0.039,
+        r"58.3 to 253 mm",
+        r"The root covers 9\d % of the blade's radial extent: is it",
+    ),
+    "the tip": (lambda x, y: x > 0.249, r"250 to 253 mm", r"Most of the blade \(9\d %\) lies nearer the axis than its"),
+}
+
+
+@pytest.mark.parametrize("case", ROOTS)
+def test_a_root_that_hardly_is_one_is_remarked(tmp_path, spindamp, case):
+    """A plate, x = 50 to 250 mm, 80 mm wide, 35° off the plane of rotation; 61.4² = 50² + (40 cos 35° + 5 sin 35°)²."""
+    held, radii, remark = ROOTS[case]
+    mesh = make.solid(make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05), (20, 2, 1), 1.0)
+    mesh.point_sets["NROOT"] = np.flatnonzero(held(*mesh.points.T[:2]))
+    make.write_inp(tmp_path / "fan.inp", mesh, "flat")
+    scene(tmp_path, SCENE, "'10 rpm'")
+    said = spindamp("check", tmp_path / "fan.toml").out
+    assert f"along x, y and z, at radii of 50 to 253 mm, its root at {radii}, " in said
+    remarks = re.findall(r"# (The root covers .*|Most of the blade .*)", said)
+    assert len(remarks) == (remark is not None)
+    assert remark is None or re.match(remark, remarks[0])
+
+
 def test_the_scene_of_the_guide_is_read():
     """`check`, word for word, beside the mesh that it names."""
     folder = Path(make.__file__).parent
@@ -464,6 +539,6 @@ def test_the_scene_of_the_guide_is_read():
     source = SceneFile(parse(tomllib.loads(scene_of_guide)), "guide", folder)
     blade = blade_of(source)
     assert in_words(source, blade) == (
-        "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, from a radius of 100 mm at the"
-        " root to 341 mm at the tip, 4608 unknowns, 69 nodes held"
+        "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, at radii of 100 to 341 mm,"
+        " its root at 100 to 110 mm, 4608 unknowns, 69 nodes held"
     )

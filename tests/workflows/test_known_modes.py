@@ -12,7 +12,10 @@ import pytest
 
 import spindamp as package
 from tests.workflows.conftest import Command, Scene, changed, refused, write
+from workflows import pipeline
+from workflows.progress import Stages
 from workflows.report import mode_viewer
+from workflows.scene.load import load
 from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -58,6 +61,15 @@ def plate() -> Scene:
     scene["material"] = {"youngs_modulus": "182.6 GPa", "poissons_ratio": 0.3, "density": 7850}
     scene["effects"] = {"structural_modes": True, "floor_tilt": True, "coriolis": False, "cavity_mass": False}
     return changed(scene, rotor__speeds=["10000 rpm"])
+
+
+def test_how_far_a_cavity_sticks_out_is_said_of_each_damper_on_the_same_modes(files: Path) -> None:
+    """Of a plate of 10 mm; as modes may be those of a blade with a housing, which has no cells, none is refused."""
+    for cavity, far in (("7 mm", 0.0), ("12 mm", 1e-3), ("30 mm", 10e-3), ("7 mm", 0.0)):
+        source = load(write(changed(SCENE, damper__cavity=[cavity, "7 mm"]), files / "scene.toml"))
+        state = pipeline.structure(source, Stages(visible=False))
+        assert state.points[0].sticks_out == pytest.approx(far, abs=1e-6)
+        assert any("it does not fit" in remark for remark in state.source.remarks) == (far > 0.0)
 
 
 def test_a_plate_by_its_modes_is_the_plate(files: Path, plate: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
+from fem.meshes.cells import cell
 from tests.workflows.browser import driven, findings, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.cli.main import main
@@ -77,6 +78,38 @@ def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> N
     text = (tmp_path / "spindamp-view-plate-with-hole-msh.html").read_text(encoding="utf-8")
     assert "560 triangles, 322 points" in text
     assert len(text) < 500_000
+
+
+SOLIDS = {"tetra10": "C3D10", "hexahedron20": "C3D20", "wedge15": "C3D15"}
+
+
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Command, tmp_path: Path) -> None:
+    """One cell of 100 mm, in mm; the same with its corners in each other's place is none of a blade."""
+
+    def written(nodes: Any) -> Path:
+        rows = "".join(f"{k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(nodes.tolist(), 1))
+        numbers = [*map(str, range(1, len(nodes) + 1))]
+        cell_lines = f"1, {', '.join(numbers[:10])}{',' * (len(nodes) > 10)}\n{', '.join(numbers[10:])}\n"
+        text = f"*NODE\n{rows}*ELEMENT, TYPE={SOLIDS[kind]}\n{cell_lines}*NSET, NSET=NROOT\n1, 2, 3\n"
+        (tmp_path / "solid.inp").write_text(text, encoding="ascii")
+        return tmp_path / "solid.inp"
+
+    nodes = cell(kind).nodes
+    nodes = 100.0 * (nodes - nodes.min(axis=0)) / np.ptp(nodes, axis=0)
+    outcome = spindamp("view", written(nodes), "--out", "page.html")
+    assert outcome.status == 0, outcome.err
+    for words in (f"1 {kind}, {len(nodes)} points", "x 0 to 100 mm, y 0 to 100 mm, z 0 to 100 mm", "NROOT", "as mm"):
+        assert words in outcome.out
+    assert f"1 {kind}" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    data = viewer.of("solid.inp")
+    ends = data.surface.points[data.surface.cells[1]]
+    x, area = ends.mean(axis=1), np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]) / 2
+    known = {"tetra10": 1 / 6, "hexahedron20": 1.0, "wedge15": 1 / 2}[kind]
+    assert abs((x * area).sum() / 3) == pytest.approx(known * SIDE**3), "the volume within, by Gauss' theorem"
+    nodes[[0, 1]] = nodes[[1, 0]]
+    said = refused(spindamp("view", written(nodes)), "", "name the volume's mesh as [blade] mesh")
+    assert f"the file holds {kind}: " in said
 
 
 def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
+import contextlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,8 @@ from typing import Any
 import numpy as np
 
 import fem
+from fem import modal_model
+from fem.meshes.volume import VolumeMesh, read_volume
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
@@ -162,11 +165,13 @@ def data_of_mesh(path: Path) -> ViewData:
     """The mesh of a file.
 
     Raises:
-        BadInput: it is no mesh of a plate's mid-surface; the message says what is wrong.
+        BadInput: it is no mesh of a plate's mid-surface, nor of a volume; the message says what is wrong.
     """
     try:
         mesh = fem.read_mesh(path)
     except fem.MeshError as error:
+        if (solid := _data_of_volume(path)) is not None:
+            return solid
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare_surface(mesh)
     words, numbers = facts(surface)
@@ -180,6 +185,39 @@ def data_of_mesh(path: Path) -> ViewData:
         facts=(*words, ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
         numbers=numbers,
     )
+
+
+def _data_of_volume(path: Path) -> ViewData | None:
+    """The surface of a volume mesh, in its file's axes; None where the file holds none that a blade can be made of."""
+    read: dict[str, VolumeMesh] = {}
+    for unit, scale in (("m", 1.0), ("mm", 1e-3)):
+        with contextlib.suppress(fem.MeshError):
+            read = read or {unit: read_volume(path, scale)}
+    if not read:
+        return None
+    ((unit, mesh),) = read.items()
+    triangles = modal_model.faces(mesh.cells)
+    used, renumbered = np.unique(triangles, return_inverse=True)
+    points, triangles = mesh.points[used], renumbered.reshape(-1, 3)
+    outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
+    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), frame=np.eye(3))
+    ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
+    extent = ", ".join(f"{axis} {_mm(one)} to {_mm(other)} mm" for axis, (one, other) in zip("xyz", ends, strict=True))
+    cells = " and ".join(f"{whole(len(nodes))} {kind}" for kind, nodes in mesh.cells)
+    words = (
+        ("cells", f"{cells}, {whole(len(mesh.points))} points"),
+        ("extent", extent),
+        ("sets of nodes", ", ".join(mesh.sets) or "none"),
+        ("unit", "coordinates taken as " + ("m" if unit == "m" else "mm: a scene says [blade] unit = 'mm'")),
+    )
+    numbers = {
+        "cells": {kind: len(nodes) for kind, nodes in mesh.cells},
+        "points": len(mesh.points),
+        "extent": dict(zip("xyz", ends, strict=True)),
+        "sets": list(mesh.sets),
+        "unit": unit,
+    }
+    return ViewData(path.name, surface, (), None, None, "", words, numbers)
 
 
 def _unit(side: float) -> str:

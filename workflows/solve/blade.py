@@ -14,7 +14,7 @@ from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
-from workflows.formatting import significant, turning
+from workflows.formatting import percent, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -23,7 +23,6 @@ from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spi
 from workflows.solve.results import Floats
 
 if TYPE_CHECKING:
-    from fem.meshes.volume import VolumeMesh
     from fem.solid.assembly import SolidOperators
     from fem.solid.blade import Blade
     from fem.solid.sweep import SolvedBlade
@@ -54,18 +53,28 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     scene, key = source.scene, _key(source)
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
+    _check_balls(source, solved.operators)
     seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
     return SpaceStructure(
         model=model,
         modes=solved.at,
         seat=seat,
         described=in_words(source, solved.operators.blade),
-        remarks=(*_remarks(source, solved.operators.blade.mesh), *remarks),
+        remarks=(*_remarks(source, solved.operators), *remarks),
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
         root_stress=root_stress(solved.operators),
         cut=_cavities(scene, seat, solved.operators.blade.material),
     )
+
+
+def _check_balls(source: SceneFile, operators: SolidOperators) -> None:
+    """Refuse balls that are heavier than the blade that carries them."""
+    damper, blade = source.scene.damper, float(operators.masses.sum())
+    if damper is not None and damper.balls is not None and damper.balls >= blade:
+        balls = f"{damper.count} {'ball' if damper.count == 1 else 'balls'} of radius {1e3 * damper.radius:.6g} mm"
+        problem = f"{balls} would weigh {significant(damper.balls)} kg, and the blade weighs {significant(blade)} kg"
+        raise source.wrong(f"{problem}: expected less", f"[damper] {'radius' if damper.count == 1 else 'count'}")
 
 
 def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callable[[ModesAtSpeed], Floats] | None:
@@ -86,7 +95,7 @@ def root_stress(operators: SolidOperators) -> float | None:
         return None
     free = np.isin(np.arange(len(blade.mesh.points)), blade.root, invert=True)
     hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
-    pull = operators.masses[hung] @ ((blade.mesh.points[hung] - blade.origin) @ blade.projector)
+    pull = operators.masses[hung] @ blade.arms[hung]
     return float(abs(pull @ section)) / area**2
 
 
@@ -204,7 +213,7 @@ def blade_of(source: SceneFile) -> Blade:
 
 def _check_sides(source: SceneFile, blade: Blade) -> None:
     """Refuse a spin axis that passes between a blade's root, where that is on one side of it, and its tip."""
-    arms = (blade.mesh.points - blade.origin) @ blade.projector
+    arms = blade.arms
     outwards = arms[blade.root].mean(axis=0)
     tip = arms[np.linalg.norm(arms, axis=1).argmax()]
     if (arms[blade.root] @ outwards).min() > 0.0 > tip @ outwards:
@@ -225,20 +234,37 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
     name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
     by = ", solved by PARDISO" if has_pardiso() else ""
-    points, (x, y, z) = blade.mesh.points, (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
-    radii = np.linalg.norm((points - blade.origin) @ blade.projector, axis=1)
-    root, tip = (significant(1e3 * float(radius)) for radius in (radii[blade.root].min(), radii.max()))
-    extents = f"{x} × {y} × {z} mm along x, y and z, from a radius of {root} mm at the root to {tip} mm at the tip"
+    x, y, z = (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
+    radii = 1e3 * np.linalg.norm(blade.arms, axis=1)
+    whole, root = (span(float(each.min()), float(each.max()), 3) for each in (radii, radii[blade.root]))
+    extents = f"{x} × {y} × {z} mm along x, y and z, at radii of {whole} mm, its root at {root} mm"
     return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.root.size} nodes held{by}"
 
 
-def _remarks(source: SceneFile, mesh: VolumeMesh) -> tuple[str, ...]:
-    spec = source.scene.blade
+def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
+    spec, blade = source.scene.blade, operators.blade
     if spec is not None and spec.size is not None:
-        return (f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm.",)
-    if not mesh.first_order:
-        return ()
-    return (
-        "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors beside the"
-        " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20).",
-    )
+        made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
+    elif blade.mesh.first_order:
+        made = [
+            "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors beside the"
+            " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20)."
+        ]
+    else:
+        made = []
+    radii, along = np.linalg.norm(blade.arms, axis=1), blade.arms @ blade.arms.mean(axis=0)
+    inside = float(operators.masses[radii < radii[blade.root].min()].sum() / operators.masses.sum())
+    if inside > 0.5:
+        made.append(
+            f"Most of the blade ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses it."
+        )
+    covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
+    if covered > _TALL:
+        made.append(
+            f"The root covers {percent(covered, 0)} % of the blade's radial extent: is it the end that the rotor holds?"
+        )
+    return tuple(made)
+
+
+_TALL = 0.2
+"""Part of a blade's radial extent above which a root that covers it is remarked."""

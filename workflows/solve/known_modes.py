@@ -19,7 +19,6 @@ from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
 from workflows.formatting import percent, significant
-from workflows.scene.damper import Damper
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
@@ -43,8 +42,8 @@ if TYPE_CHECKING:
 class Seat:
     """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the normal, its pull.
 
-    `normal`: of the floor (3,) at rest; None: along the load. `filled`: whether the cavity's middle is in a cell, so
-    that the mesh does not have it cut.
+    `normal`: of the floor (3,) at rest; None: along the load. `filled`: whether there is metal where the cavity is, so
+    that the mesh does not have it cut. `sticks_out`: how far the cavity does, out of the structure [m].
 
     `force`: where and in which direction (3,) a force shakes the structure; None: not elsewhere than here.
     """
@@ -55,6 +54,7 @@ class Seat:
     force: tuple[Place, Floats] | None = None
     normal: Floats | None = None
     filled: bool = False
+    sticks_out: float = 0.0
 
     def load(self, modes: ModesAtSpeed) -> Floats | None:
         """What a unit of the force is on the modes (count,)."""
@@ -167,6 +167,7 @@ class SpaceStructure:
             cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             lean=(float(floor.lean[0]), float(floor.lean[1])),
+            sticks_out=self.seat.sticks_out,
             root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
         )
 
@@ -220,7 +221,7 @@ class SpaceStructure:
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         shown = speeds_with_shapes(len(speeds))
-        points, triangles = self.model.points, modal_model.faces(self.model)
+        points, triangles = self.model.points, modal_model.faces(self.model.cells)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
         used = np.unique(triangles)
         if used.size:
@@ -301,17 +302,17 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     Raises:
         BadInput: a file, its units, its speeds or the damper's place is no good; the message says what would be right.
     """
-    known, damper = source.scene.known, source.scene.damper
+    known = source.scene.known
     assert known is not None
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
-    force = source.scene.excitation and (source.scene.excitation.at, source.scene.excitation.direction)
-    first = min(source.scene.rotor.speeds)
-    seat = None if damper is None else (damper.at, damper.direction or first, damper.normal, force)
-    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {seat} {stamps}", source))
+    structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
+    if source.scene.damper is not None:
+        seat, seated = seat_of(source, structure.model, structure.modes(min(source.scene.rotor.speeds)))
+        structure = replace(structure, seat=seat, remarks=(*structure.remarks, *seated))
     return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
 
 
@@ -335,7 +336,7 @@ class Request:
 
 @lru_cache(maxsize=8)
 def _structure(request: Request) -> SpaceStructure:
-    """The structure of a scene, kept for other dampers at its place."""
+    """The structure of a scene without its damper, kept for other dampers."""
     source = request.source
     known = source.scene.known
     assert known is not None
@@ -351,10 +352,7 @@ def _structure(request: Request) -> SpaceStructure:
         _check_speed(source, model, omega)
         return modal_model.chosen(model.at(omega), np.arange(count), np.ones(count))
 
-    seat, seated = None, tuple[str, ...]()
-    if source.scene.damper is not None:
-        seat, seated = seat_of(source, model, modes_at(min(source.scene.rotor.speeds)))
-    return SpaceStructure(model, modes_at, seat, described, (*remarks, *seated), sha256)
+    return SpaceStructure(model, modes_at, None, described, remarks, sha256)
 
 
 def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
@@ -654,7 +652,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     modes: at the scene's lowest speed; the first gives axis 1 of a cavity that has no direction.
 
     Raises:
-        BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements.
+        BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements; a
+            cavity lies for the most part outside a blade.
     """
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
@@ -671,7 +670,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
         keys = [("normal", damper.normal), ("direction", damper.direction)]
         key, odd = next(((key, list(given)) for key, given in keys if given is not None), ("at", value))
         raise source.wrong(str(error), f"[damper] {key}", odd) from error
-    if damper.housing is None and max(damper.cavity) >= model.size:
+    if max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
         raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
     remarks = []
@@ -681,8 +680,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
             f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
-    misfits, filled = _fit(damper, model, at, seen)
-    remarks += misfits
+    filled, sticks_out, misfit = _fit(source, model, at, seen)
+    remarks += misfit
     lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, 0])
@@ -702,34 +701,59 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    return Seat(at, direction, modal_model.pull(model, at), force, normal, filled), tuple(remarks)
+    pull = modal_model.pull(model, at)
+    return Seat(at, direction, pull, force, normal, filled, sticks_out), tuple(remarks)
 
 
-def _fit(damper: Damper, model: ModalModel, at: Place, seen: Floor) -> tuple[list[str], bool]:
-    """A remark on a cavity that sticks out of the structure, and whether its middle is in a cell.
+def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[bool, float, list[str]]:
+    """Whether there is metal where the cavity is, how far its box sticks out of it [m], and a remark on that.
 
-    Its box stands on the floor. Where its middle is in no cell, the mesh has the cavity cut: then its corners count.
+    The box stands on the floor. Where metal surrounds a hollow, the mesh has the cavity cut: then its corners count.
+
+    Raises:
+        BadInput: it lies for the most part outside a blade.
     """
+    damper = source.scene.damper
+    assert damper is not None
     sides = np.array([*damper.cavity, 2 * damper.radius])
-    grid = np.array(list(product((-0.5, 0.0, 0.5), repeat=3)))
-    points = at.point - damper.radius * seen.normal + (grid * sides) @ np.vstack([seen.axes, seen.normal])
-    off = None if damper.housing is not None else modal_model.outside(model, points)
-    if off is None:
-        return [], False
-    filled = bool(off[len(grid) // 2] < _STICKS * sides.min())
-    off = np.where(filled | (grid != 0.0).all(axis=1), off, 0.0)
-    if (far := float(off.max())) < _STICKS * sides.min():
-        return [], filled
-    box = " x ".join(significant(1e3 * each) for each in sides)
+
+    def in_space(grid: Floats) -> Floats:
+        return np.asarray(at.point - damper.radius * seen.normal + (grid * sides) @ np.vstack([seen.axes, seen.normal]))
+
+    ends, slack = np.array(list(product((-0.5, 0.0, 0.5), repeat=3))), _STICKS * sides.min()
+    points, corners = in_space(ends), (ends != 0.0).all(axis=1)
+    off = modal_model.outside(model, points)
+    if off is None or off.max() < slack:
+        return off is not None, 0.0, []
+    inner = modal_model.outside(model, in_space(np.array(list(product(_PARTS, repeat=3)))))
+    metal = 0.0 if inner is None else float((inner < slack).mean())
+    hollow = off[len(ends) // 2] >= slack and (metal < _NO_METAL or off[corners].max() < _SURROUNDED * sides.min())
+    off = np.where(corners | (not hollow), off, 0.0)
+    if (far := float(off.max())) < slack:
+        return not hollow, 0.0, []
+    box = f"box of {' x '.join(significant(1e3 * each) for each in sides)} mm on the floor"
     there = ", ".join(f"{each:.4g}" for each in 1e3 * points[off.argmax()])
-    return [
-        f"Unless the mesh has the cavity cut or housed, it does not fit: its box of {box} mm on the floor sticks out of"
-        f" the structure by up to {significant(1e3 * far, 2)} mm, near ({there}) mm."
-    ], filled
+    sticks_out = f"sticks out of the structure by up to {significant(1e3 * far, 2)} mm, near ({there}) mm"
+    if source.scene.blade is not None and not hollow and metal < _MOST:
+        problem = (
+            f"the {box} {sticks_out}, and only {significant(100 * metal, 2)} % of it is in metal: expected a smaller"
+            " cavity, a place (at) further inside, or a mesh that has the cavity and what holds it"
+        )
+        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
+    return not hollow, far, [f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."]
 
 
 _STICKS = 0.01
 """Part of its smallest side by which a cavity may stick out of the structure."""
+
+_PARTS = tuple((np.arange(6) + 0.5) / 6 - 0.5)
+"""Middles of the parts of a cavity's side, over the side, at which there may be metal."""
+
+_NO_METAL, _MOST = 0.1, 0.45
+"""Parts of a cavity's box in metal: below, the mesh has no metal there; below, a blade has no room for the cavity."""
+
+_SURROUNDED = 0.25
+"""Part of its smallest side by which the corners of a cavity that the mesh has cut may lie off the metal."""
 
 _OFF = 1e-4
 """Distance from the place asked for, relative to the structure, from which on it is said."""

@@ -631,6 +631,7 @@ class SpeedPoint:
         damping_curve: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
         stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
+        sticks_out: how far a cavity does, out of a structure in space [m].
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
         root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
             the mode that bends it most [1/m]; None where that is not known.
@@ -658,6 +659,7 @@ class SpeedPoint:
     """on the damper at this speed, from its own figures"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
+    sticks_out: Annotated[float, KEPT] = 0.0
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
 
