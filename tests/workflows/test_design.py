@@ -6,12 +6,13 @@ import tomllib
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import spindamp
-from damper import DampingCurve, damping_curve, work_bound
+from damper import DampingCurve, Start, damping_curve, forced, work_bound
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, on_mesh, write
 from workflows.errors import BadInput
@@ -182,7 +183,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
     (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
-    said = str(study._infeasible(space, max(found, thick, key=lambda each: each.score)))
+    said = str(study._infeasible(space.source, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
 
@@ -362,6 +363,38 @@ def test_the_least_amplitude_is_a_limit_where_damping_is_least_there(in_a_range)
     assert grid.values[node] == pytest.approx(evaluation.value, rel=0.05), "the best lies in the colour of its value"
 
 
+@pytest.mark.parametrize("by_damping", [True, False])
+def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, by_damping):
+    """Worse beyond it: no limit; better: one, with the gain; beyond another limit: one whose gain is not known."""
+    free = {"ball_material": None, "ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "1 mm"]}
+    space = space_of(slow if by_damping else shaken, **free)
+    optimum = Optimum(np.array([1.0, 0.5]), Evaluation(1e-3, 1e-3 if by_damping else -1e-3), 1)
+
+    def limits(factor, lost=0.0):
+        value = factor * 1e-3
+        further = Evaluation(value, (value if by_damping else -value) - lost)
+        return report.active_constraints(space, optimum, lambda *_: [further])
+
+    better, worse = (1.2, 0.8) if by_damping else (0.8, 1.2)
+    assert limits(worse) == ()
+    (limit,) = limits(better)
+    assert (limit.name, limit.gain) == ("ball_diameter", pytest.approx(better - 1))
+    assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
+    assert "5 % further" not in " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
+
+
+def test_the_cutoff_is_stated_at_its_speed(slow):
+    """The load, and so the cut-off, grows as the square of the speed: the greatest is at the highest."""
+    space = space_of(changed(slow, rotor__speeds=["4000 rpm", "2000 rpm", "3000 rpm"]))
+    (good,) = score_of(space)([[0.1, 0.5, 0.5]])
+    load = (4000 * math.pi / 30) ** 2 * 0.2
+    assert good.works
+    assert good.cutoff_rpm == pytest.approx(4000)
+    assert good.cutoff == pytest.approx(1e-4 / 1.5e-3 * load / (2 * math.pi * 269.5) ** 2, rel=1e-9)
+    said = " ".join(report._said("damping", space, Optimum(np.array([0.1, 0.5, 0.5]), good, 1)))
+    assert f"at rest below {1e3 * good.cutoff:.3g} mm at most (at 4000 rpm)" in said
+
+
 def test_what_is_left_where_a_length_is_off(in_a_range):
     """The least of four dampers with ball or clearance 2 % off, each run by itself; the verdict names a large loss.
 
@@ -454,6 +487,41 @@ def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     assert json.loads(done.out)["works"] is False
     assert json.loads((tmp_path / "b" / "design.json").read_text(encoding="utf-8")) == json.loads(done.out)
     assert not (tmp_path / "b" / "best.toml").exists()
+    done = spindamp("design", tmp_path / "b.toml", "--workers", 1, "--out", "c")
+    assert (done.status, done.err.strip().endswith("b.toml: no design works")) == (3, True)
+    assert done.out.count("the load holds every ball at rest") == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"mass": "0.01 g"}, "[design] mass = '0.01 g': no design satisfies it: the closest one needs 26.3 times"),
+        ({"wall": "3 mm"}, "[design] wall = '3 mm': no design satisfies it: the closest one needs 1.2"),
+    ],
+)
+def test_a_limit_that_no_design_can_satisfy_is_refused_before_anything_is_solved(changes, says, monkeypatch):
+    """A steel ball of 4 mm weighs 0.263 g; a cavity of 4.2 mm with walls of 3 mm takes 10.2 mm of a plate of 8 mm."""
+    free = {"count": [1, 2], "clearance": ["0.2 mm", "1 mm"], "amplitude": ["0.05 mm", "0.5 mm"]}
+    plate = {"plate": {"length": "120 mm", "width": "50 mm", "thickness": "8 mm"}, "material": {"name": "Ti-6Al-4V"}}
+    damper = tomllib.loads(BLADE)["damper"] | {"count": 1}
+    rotor = {"speeds": ["2000 rpm", "5000 rpm"], "modes": 4, "hub_radius": "150 mm"}
+    monkeypatch.setattr(spaces, "design_space", None)
+    with pytest.raises(BadInput) as refused:
+        study.design(plate | {"rotor": rotor, "damper": damper, "design": free | changes})
+    assert says in str(refused.value)
+
+
+def test_no_design_uses_less_of_a_limit_than_the_least(slow):
+    """Of the shares of the limits, the corners of the space have the least, and come to it."""
+    by_mass = changed(slow, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None)
+    for scene in (slow, by_mass):
+        space = space_of(scene, ball_diameter=["3 mm", "5 mm"], clearance=["0.5 mm", "1 mm"], count=[1, 2, 4])
+        least = spaces.least_shares(space.source)
+        corners = np.array(list(product((0.0, 0.5, 1.0), repeat=len(space.axes))))
+        used = [dict(each.used) for each in score_of(space)(corners)]
+        assert least.keys() == ({"mass"} if scene is slow else {"mass", "density"})
+        for name, share in least.items():
+            assert min(each[name] for each in used if name in each) == pytest.approx(share, rel=1e-12)
 
 
 # With [excitation]: the greatest amplitude at the crossings.
@@ -563,7 +631,7 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
     settled = passage.states.regime != "not settled"  # undamped bowls forget a start slowly
     assert settled.mean() > 0.9
     assert passage.states.mean[settled].max() < 1e-4 * best.without
-    assert found.confirmed < 0.01 * best.without
+    assert found.optimum.confirmed < 0.01 * best.without
 
 
 def test_the_bound_of_an_amplitude(shaken):
@@ -602,6 +670,113 @@ def test_the_balance_is_that_of_the_motion(shaken):
         assert is_well_held(found.system)
         assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(true, rel=5e-3)
         assert lines.grows < 1
+
+
+@pytest.fixture
+def grazing():
+    """A structure whose larger balls, in wide cavities, either roll to and fro or hit the walls, under one force."""
+    return tomllib.loads(
+        """
+        structure = { frequency = "269.5 Hz", mass = "1 kg" }
+        rotor = { speeds = ["7000 rpm", "9000 rpm"], radius = "20 cm" }
+        excitation = { orders = [2], force = ["1 N", "20 N"] }
+        [damper]
+        count = 10
+        ball_material = "steel"
+        radius = "1 mm"
+        cavity = ["2.5 mm", "2.4 mm"]
+        restitution = 0.5
+        friction = 0.3
+        rolling_friction = "0.02 mm"
+        damping_ratio = 0.002
+        [design]
+        ball_diameter = ["4 mm", "4.5 mm", "5 mm"]
+        clearance = ["1.25 mm", "1.45 mm", "1.66 mm"]
+        """
+    )
+
+
+@pytest.mark.parametrize("clearance", [1.45e-3, 1.66e-3])
+def test_a_ball_that_grazes_the_walls_beside_the_resonance(grazing, clearance):
+    """At resonance it hits the walls and damps well; beside it, it rolls to and fro, and the amplitude may be larger.
+
+    Against the steady states from all starts, at speeds between which the amplitude changes by a percent.
+    """
+    scene = changed(grazing, design__ball_diameter=["5 mm"], design__clearance=[clearance])
+    found, _ = at_the_crossing(scene)
+    lines = objectives.linear(found)
+    at = [found.at(rpm * math.pi / 30) for rpm in np.arange(8080.0, 8115.0, 0.5)]
+    states = forced(*zip(*at, strict=True), tuple(Start), probe=found.axis, accuracy=0.01, max_cycles=10_000, threads=1)
+    assert is_well_held(found.system)
+    assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(np.nanmax(states.mean), rel=0.012)
+    if clearance == 1.66e-3:
+        assert np.nanmin(states.mean[np.nanargmax(states.mean) // 3]) < 0.7 * np.nanmax(states.mean), "both coexist"
+
+
+@pytest.mark.usefixtures("few_speeds")
+def test_the_best_by_balance_is_confirmed_by_the_motion(grazing, here):
+    """The widest cavity damps best at resonance, but its ball also rolls to and fro beside it, at 1.3 mm.
+
+    The frequency is that with the best design's balls at rest: without them, the order meets it at
+    8085 rpm sqrt((1 kg + m) / 1 kg), in the sentence as in the caption.
+    """
+    found = spindamp.design(grazing, executor=here)
+    optimum, document = found.optimum, found.document()
+    assert found.space.values(optimum.shares)["damper.clearance"] < 1.5e-3
+    assert not optimum.is_refuted
+    assert document["value"] == document["search_value"] == pytest.approx(document["confirmed"], rel=0.01)
+    said = " ".join(document["why"])
+    assert f"The forced motion confirms this: {1e3 * optimum.confirmed:.3g} mm" in said
+    balls = 10 * 7850 * 4 / 3 * math.pi * found.scene.scene.damper.radius**3
+    rpm = f"{8085 * math.sqrt(1 + balls):.0f} rpm without a ball"
+    assert f"order 2 crosses the mode ({rpm})" in said
+    assert f"Order 2 meets the flap mode at {rpm}" in report.render(found)
+
+
+@pytest.mark.usefixtures("few_speeds")
+def test_an_optimum_that_its_motion_refutes(grazing, here, monkeypatch):
+    """Were the ball that rolls to and fro overlooked: every figure is that of the motion, and the search's is named."""
+    monkeypatch.setattr(objectives, "rolling", lambda *_: 0.0)
+    found = spindamp.design(grazing, executor=here)
+    best, document = found.optimum.evaluation, found.document()
+    (row,) = (row for row in response.rows(found.response) if row.force == 20.0)
+    assert document["search_value"] < 0.7 * row.mean
+    assert document["value"] == document["confirmed"] == document["at"]["amplitude"] == row.mean == best.value
+    assert document["verdict"] == (
+        f"The greatest amplitude at the crossings is {1e3 * row.mean:.3g} mm,"
+        f" {100 * (1 - row.mean / best.without):.2g} % less than without a damper"
+    )
+    assert row.ratio == pytest.approx(row.mean / best.without, rel=2e-3)
+    said = " ".join(document["why"])
+    assert f"The search's figure, {1e3 * document['search_value']:.3g} mm, is not confirmed" in said
+    assert f"achieves {100 * (best.without - row.mean) / (best.without - best.bound):.2g} % of" in said
+    assert (document["worst_deviation"], [each["gain"] for each in document["holds"]]) == (None, [None] * 2)
+
+
+def test_a_motion_without_any_reduction_refutes_the_design(monkeypatch):
+    """Of the forces that the scene has, the greatest counts; one that is followed besides does not."""
+    evaluation, crossing = Evaluation(1e-3, 0.7, without=2e-3, order=3), SimpleNamespace(omega=300.0, order=2)
+    optimum = Optimum(np.zeros(1), evaluation, 1)
+
+    def by_motion(mean, error=0.0):
+        means = {1.0: 0.1e-3, 8.0: mean, 20.0: 4e-3}
+        rows = [
+            SimpleNamespace(force=force, mean=value, error=error, passage=SimpleNamespace(crossing=crossing))
+            for force, value in means.items()
+        ]
+        monkeypatch.setattr(report, "rows", lambda _: rows)
+        return report.confirmed(optimum, SimpleNamespace(requested_levels=(1.0, 8.0)))
+
+    held = by_motion(1.009e-3)
+    assert (held.is_refuted, held.confirmed, held.evaluation.value) == (False, 1.009e-3, 1e-3)
+    assert (held.evaluation.order, held.evaluation.speed) == (2, 300.0)
+    assert not by_motion(1.1e-3, error=0.1e-3).is_refuted, "as far as the mean is known"
+    worse = by_motion(1.5e-3)
+    assert worse.is_refuted
+    assert worse.evaluation.works
+    assert worse.evaluation.score == pytest.approx(0.7 - math.log(1.5))
+    useless = by_motion(2.1e-3)
+    assert useless.evaluation.why == Obstacle("useless")
 
 
 BLADE = """

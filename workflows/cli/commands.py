@@ -226,7 +226,7 @@ def design(
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.optimum.evaluation.works:
-        raise NoAnswer(f"{source.name}: {report.in_short(best)}")
+        raise NoAnswer(f"{source.name}: {report.in_short(best) if json else 'no design works'}")
 
 
 @_commands.command()

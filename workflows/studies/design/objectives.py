@@ -58,7 +58,7 @@ class Evaluation:
         bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
             where there is no such figure.
         speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
-        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m].
+        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m]; at cutoff_speed [rad/s].
         without: amplitude without any ball that the value stands beside [m]; nan where there is none.
         grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
         dent: the dent's part of what holds the ball at rest [-].
@@ -75,6 +75,7 @@ class Evaluation:
     speed: float = math.nan
     amplitude: float = math.nan
     cutoff: float = math.nan
+    cutoff_speed: float = math.nan
     mass: float = math.nan
     used: tuple[tuple[str, float], ...] = ()
     why: Obstacle | None = None
@@ -89,6 +90,11 @@ class Evaluation:
     def rpm(self) -> float:
         """The speed at which the value is taken [rev/min]."""
         return round(in_rpm(self.speed), 9)
+
+    @property
+    def cutoff_rpm(self) -> float:
+        """The speed at which the ball stays at rest up to the largest amplitude [rev/min]."""
+        return in_rpm(self.cutoff_speed)
 
     @property
     def impossible(self) -> bool:
@@ -125,7 +131,7 @@ class LeastDamping:
             return None
         lost = math.log(cutoff / self.low) if math.isfinite(cutoff) else _NEVER
         dent = next(dent_of(each.verdict_damper) for each in cases if each.point.omega == worst)
-        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, dent=dent, why=Obstacle("held"))
+        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, worst, dent=dent, why=Obstacle("held"))
 
     def _limits(self, cases: list[DamperCase]) -> tuple[float, float, float]:
         """Largest cut-off [m], the speed where that is [rad/s], and the bound."""
@@ -135,14 +141,14 @@ class LeastDamping:
 
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that moves on its structure at every speed."""
-        (cutoff, _, bound), values, falling = self._limits(cases), [], []
+        (cutoff, worst, bound), values, falling = self._limits(cases), [], []
         for each in cases:
             figures = damper_curve(each.verdict_damper, {}, reach=self.high, **(QUICK if quick else {}))
             values.append((*least(figures, self.low, self.high), each.point.omega))
             falling.append(least(figures.descending, self.low, self.high)[0])
         value, amplitude, speed = min(values)
         why = None if value > 0 else Obstacle("lossless")
-        return Evaluation(value, value, bound, speed, amplitude, cutoff, why=why, falling=min(falling))
+        return Evaluation(value, value, bound, speed, amplitude, cutoff, worst, why=why, falling=min(falling))
 
 
 def least(figures: DampingCurve, low: float, high: float) -> tuple[float, float]:
@@ -317,12 +323,13 @@ class Linear:
     """The linear answers about a crossing, each at the speed where it is greatest.
 
     Attributes:
-        without: amplitude without the ball [m]; resting: with the ball at rest [m]; grows: by how much the force may
-            grow until the ball cannot stay at rest.
+        without: amplitude without the ball [m], at `alone` [rad/s]; resting: with the ball at rest [m]; grows: by how
+            much the force may grow until the ball cannot stay at rest.
         least: amplitude below which no ball of this mass in this room can bring it [m].
     """
 
     without: float
+    alone: float
     resting: float
     grows: float
     least: float
@@ -345,7 +352,8 @@ def linear(crossed: CrossedDamper) -> Linear:
     system = crossed.system
     threshold = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
     without = float(np.abs(alone.without[most]))
-    return Linear(without, resting, float(answers.moves_from[k]), max(resting - receptance * threshold, 0.0))
+    met = bare.speed_of(bare.without_ball)
+    return Linear(without, met, resting, float(answers.moves_from[k]), max(resting - receptance * threshold, 0.0))
 
 
 def _largest(crossed: CrossedDamper, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
@@ -402,9 +410,10 @@ def hitting(figures: DampingCurve, own: float, resting: float) -> float:
 
 
 def rolling(system: ParticleDamper, own: float, resting: float) -> float:
-    """The amplitude with a ball that rolls to and fro and reaches no wall [m]; 0 where it reaches one.
+    """The greatest amplitude with a ball that rolls to and fro and reaches no wall [m].
 
-    In a cycle it goes four times as far as `reach` says, and loses 4 m f / beta times that.
+    In a cycle it goes four times as far as `reach` says, and loses 4 m f / beta times that. Where it would reach a wall
+    at resonance, it rolls at speeds beside it, up to the amplitude at which it grazes the wall.
     """
     omega, beta = system.stuck_frequency, system.inertia_ratio
     drive = beta * abs(1 - system.tilt_share[0]) * omega**2  # per amplitude
@@ -415,7 +424,7 @@ def rolling(system: ParticleDamper, own: float, resting: float) -> float:
     reach = scan * drive / omega**2 * reaches(resistance / (drive * scan))
     lost = 4 * reach * system.ball_mass * system.rolling_threshold
     amplitude = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
-    return amplitude if np.interp(amplitude, scan, reach) <= system.half_gap[0] else 0.0
+    return min(amplitude, float(np.interp(system.half_gap[0], reach, scan)))
 
 
 def reaches(friction: Floats) -> Floats:
@@ -507,7 +516,7 @@ class LeastAmplitude:
             value,
             math.log(self.reference / value) - growth,
             bound=max(its.least for _, its in every),
-            speed=at.crossing.omega,
+            speed=lines.alone,
             amplitude=value,
             cutoff=lines.resting * lines.grows,
             why=None if value <= excitation.HELPS * without else obstacle,

@@ -13,11 +13,12 @@ from workflows.formatting import fixed, significant, whole
 from workflows.io.files import finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
+from workflows.solve import excitation
 from workflows.solve.limits import AIR
 from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
-from workflows.studies.design.objectives import Evaluation, LeastDamping
+from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstacle
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep.evaluate import PlateCache, damper_cases, damper_curve, empty
@@ -50,7 +51,10 @@ class ActiveConstraint:
 
 
 def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[ActiveConstraint, ...]:
-    """The ends of ranges, and the limits, at which the best design lies; and of amplitudes, where damping is least."""
+    """The limits at which the best design lies, and the ends of ranges beyond which it would be better.
+
+    And of the range of amplitudes, the end at which damping is least.
+    """
     constraints = [
         ActiveConstraint(name, f"{100 * share:.0f} % of the {name} allowed is used")
         for name, share in optimum.evaluation.used
@@ -58,10 +62,8 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
     ]
     values = space.values(optimum.shares)
     for k in space.continuous:
-        share, name = optimum.shares[k], space.axes[k].name
-        if not _AT_END < share < 1 - _AT_END:
-            end = f"{formatted(name, values[name])} is the {'least' if share < 0.5 else 'greatest'} allowed"
-            constraints.append(ActiveConstraint(NAMES[name], end, _gain(space, optimum, score, k)))
+        if not _AT_END < optimum.shares[k] < 1 - _AT_END:
+            constraints += _range_end(space, optimum, score, k)
     for axis in space.axes:
         numbers = [each for each in axis.values if isinstance(each, int | float) and math.isfinite(each)]
         if len(numbers) > 1 and (value := values[axis.name]) in (min(numbers), max(numbers)):
@@ -112,17 +114,43 @@ def _amplitude_constraint(space: Space, optimum: Optimum, score: Score) -> list[
     return []
 
 
-def _gain(space: Space, optimum: Optimum, score: Score, k: int) -> float | None:
-    """What the best design would gain by going on beyond the end of a range."""
-    spread, shares = space.axes[k].spread, optimum.shares.copy()
-    if spread is None or not optimum.evaluation.works:
-        return None
+def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[ActiveConstraint]:
+    """The end of a range at which the best design lies, and what it would gain beyond; none where that is no better."""
+    axes, shares, evaluation = list(space.axes), optimum.shares.copy(), optimum.evaluation
+    name, spread = axes[k].name, axes[k].spread
+    assert spread is not None
     shares[k] = round(shares[k])
+    end = f"{formatted(name, space.values(optimum.shares)[name])} is the {'greatest' if shares[k] else 'least'} allowed"
+    if not evaluation.works:
+        return [ActiveConstraint(NAMES[name], end)]
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
-    axes = list(space.axes)
     axes[k] = replace(axes[k], spread=Spread(low, high, spread.law))
     (further,) = score(replace(space, axes=tuple(axes)), shares[None], False)
-    return further.value / optimum.evaluation.value - 1 if further.works else None
+    gain = None if further.impossible else further.value / evaluation.value - 1
+    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > evaluation.score else []
+
+
+_CONFIRMED = 0.01
+"""Relative difference up to which the forced motion confirms an amplitude."""
+
+
+def confirmed(optimum: Optimum, response: Response) -> Optimum:
+    """The best design with its forced motion, under the largest force that the scene has.
+
+    Where the motion refutes the search, its figures take their place, and the worst deviation, by the search, is gone.
+    """
+    level, evaluation = max(response.requested_levels), optimum.evaluation
+    row = max((row for row in rows(response) if row.force == level), key=lambda row: row.mean)
+    value, crossing = evaluation.value, row.passage.crossing
+    evaluation = replace(evaluation, speed=crossing.omega, order=crossing.order)
+    optimum = replace(optimum, evaluation=evaluation, confirmed=row.mean, search_value=value)
+    if abs(row.mean - value) <= _CONFIRMED * row.mean + row.error:
+        return optimum
+    why = None if row.mean <= excitation.HELPS * evaluation.without else Obstacle("useless")
+    score = evaluation.score - math.log(row.mean / value)
+    return replace(
+        optimum, evaluation=replace(evaluation, value=row.mean, amplitude=row.mean, score=score, why=why), worst=None
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,13 +223,9 @@ class DesignResult:
             "why": sentences(self),
         }
         if self.response is not None:
-            entries |= {"confirmed": self.confirmed, "crossings": response_report.entries(self.response)}
+            entries |= {"confirmed": self.optimum.confirmed, "search_value": self.optimum.search_value}
+            entries["crossings"] = response_report.entries(self.response)
         return entries
-
-    @property
-    def confirmed(self) -> float | None:
-        """The greatest mean amplitude at the crossings, followed as `response` does [m]; None without."""
-        return None if self.response is None else max(row.mean for row in rows(self.response))
 
 
 NAME = "design"

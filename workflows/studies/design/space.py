@@ -10,7 +10,7 @@ import numpy as np
 from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.scene.materials import OSMIUM
+from workflows.scene.materials import KNOWN, OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import excitation, limits
 from workflows.solve.results import Floats, SpeedPoint
@@ -38,12 +38,27 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design: its shares, its worth with full figures, how many were tried, and its worst small deviation."""
+    """The best design.
+
+    Attributes:
+        evaluation: its worth with full figures; where the forced motion refutes the search, by the motion.
+        evaluations: how many designs were tried.
+        worst: its worst small deviation.
+        confirmed: the greatest mean amplitude at the crossings, of the forced motion [m]; search_value: the one by
+            which it was found [m]; None where the motion was not followed.
+    """
 
     shares: Floats
     evaluation: Evaluation
     evaluations: int
     worst: Deviation | None = None
+    confirmed: float | None = None
+    search_value: float | None = None
+
+    @property
+    def is_refuted(self) -> bool:
+        """Whether the forced motion has another amplitude than the search."""
+        return self.search_value is not None and self.search_value != self.evaluation.value
 
 
 NAMES = {
@@ -122,19 +137,25 @@ def has_thickness(scene: Scene) -> bool:
 
 def limit_shares(design: Design, scene: Scene, ball_mass: float, fastest: SpeedPoint) -> dict[str, float]:
     """How much of each limit a damper uses up: of osmium's density, the mass, the plate's thickness, the strength."""
-    shares, damper = {}, scene.damper
-    assert damper is not None
-    if damper.ball_density is None:
-        shares["density"] = damper.density(ball_mass) / OSMIUM
-    if design.mass is not None:
-        shares["mass"] = ball_mass / design.mass
-    if has_thickness(scene):
-        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / limits.room(scene)
+    shares = _own_shares(design, scene, ball_mass)
     contact = limits.contact(scene, fastest)
     if contact is not None and not math.isnan(contact.hardness_ratio):
         shares["hardness"] = contact.hardness_ratio / design.hardness_ratio
     if contact is not None and design.yield_ratio is not None and not math.isnan(contact.yield_ratio):
         shares["first yield"] = contact.yield_ratio / design.yield_ratio
+    return shares
+
+
+def _own_shares(design: Design, scene: Scene, ball_mass: float | None) -> dict[str, float]:
+    """The same of what does not depend on the load; without a ball's mass of the thickness alone."""
+    shares, damper = {}, scene.damper
+    assert damper is not None
+    if damper.ball_density is None and ball_mass is not None:
+        shares["density"] = damper.density(ball_mass) / OSMIUM
+    if design.mass is not None and ball_mass is not None:
+        shares["mass"] = ball_mass / design.mass
+    if has_thickness(scene):
+        shares["thickness"] = (damper.cavity[0] + 2 * design.wall) / limits.room(scene)
     return shares
 
 
@@ -168,13 +189,42 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
             " key out, and limit ball_diameter and clearance to what fits"
         )
         raise source.wrong(problem, "[design] wall", design.wall)
-    tables = {name: getattr(design, table) for name, table in NAMES.items()}
-    axes = tuple(_axis(name, table) for name, table in tables.items() if table is not None)
+    axes = _axes(design)
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
     excitation.excitation_of(source)
     forced = excitation.with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(forced, stages or Stages(visible=False)), forced)
+
+
+def _axes(design: Design) -> tuple[Axis, ...]:
+    tables = {name: getattr(design, table) for name, table in NAMES.items()}
+    return tuple(_axis(name, table) for name, table in tables.items() if table is not None)
+
+
+def least_shares(source: SceneFile) -> dict[str, float]:
+    """How much every design of a scene uses up at least of what it says itself: of density, mass and thickness."""
+    scene, design, damper = source.scene, source.scene.design, source.scene.damper
+    if damper is None or design is None:
+        return {}
+    ends = np.array([0.0, 1.0])
+    free = {axis.name: axis.at(ends) if axis.spread is not None else list(axis.values) for axis in _axes(design)}
+    dampers = []
+    for end in (min, max):
+        least: dict[str, Any] = {
+            name: end(free.get(f"damper.{name}", [getattr(damper, name)])) for name in ("radius", "count")
+        }
+        if "damper.ball_material" in free:
+            densities = [KNOWN[str(name)].density for name in free["damper.ball_material"]]
+            least |= {"ball_density": end(densities), "mass": None, "mass_ratio": None}
+        if "damper.clearance" in free:
+            least["cavity"] = (2 * least["radius"] + end(free["damper.clearance"]),) * 2
+        dampers.append(damper.model_copy(update=least))
+    shares = [_own_shares(design, scene.model_copy(update={"damper": each}), each.balls) for each in dampers]
+    known = {name: min(each[name] for each in shares) for name in shares[0]}
+    if "damper.at[0]" in free:
+        known.pop("thickness", None)
+    return known
 
 
 def _axis(name: str, limits: tuple[Any, ...]) -> Axis:

@@ -23,7 +23,7 @@ from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Floats
 from workflows.studies.design import report
 from workflows.studies.design import space as spaces
-from workflows.studies.design.objectives import Evaluation
+from workflows.studies.design.objectives import BEYOND, Evaluation
 from workflows.studies.design.report import DesignResult, Grid
 from workflows.studies.design.space import Optimum, Space
 from workflows.studies.response import respond
@@ -228,6 +228,8 @@ def design(
     source = as_scene_file(scene)
     resources.check(source)
     clock = stages or Stages()
+    if spaces.exceeded(least := spaces.least_shares(source)) is not None:
+        raise _infeasible(source, Evaluation(0.0, -BEYOND, used=tuple(least.items())))
     space = spaces.design_space(source, clock)
     resumed = nullcontext() if partial_results is None else folder.resumable(_GOES_ON)
     with resumed:
@@ -242,12 +244,15 @@ def design(
         if not impossible:
             best = winner(space, optimum)
             response = respond(best, clock) if works and not space.goal.of_damping else None
+            optimum = optimum if response is None else report.confirmed(optimum, response)
     if partial_results is not None:
         partial_results.unlink()
     if impossible:
-        raise _infeasible(space, optimum.evaluation)
-    if not works:
-        return DesignResult(space, optimum, constraints, best, "", grid, None)
+        raise _infeasible(source, optimum.evaluation)
+    if optimum.is_refuted:
+        constraints = tuple(replace(each, gain=None) for each in constraints)
+    if not optimum.evaluation.works:
+        return DesignResult(space, optimum, constraints, best, "", grid, response)
     model = choose_model(best, Stages(visible=False))
     toml = provenance.as_toml(best.with_full_paths().scene, model.effects, model.theory) + "\n"
     return DesignResult(space, optimum, constraints, best, toml, grid, response)
@@ -257,15 +262,15 @@ _LIMITS = {"hardness": "hardness_ratio", "first yield": "yield_ratio", "mass": "
 """Limits, and the keys of [design] that set them."""
 
 
-def _infeasible(space: Space, nearest: Evaluation) -> BadInput:
+def _infeasible(source: SceneFile, nearest: Evaluation) -> BadInput:
     """Why no design satisfies the limits, from the closest one."""
-    file, (name, share) = space.source.name, max(nearest.used, key=lambda item: item[1], default=("", 0.0))
+    file, (name, share) = source.name, max(nearest.used, key=lambda item: item[1], default=("", 0.0))
     limit = name if share > 1 else ""
     problem = report.infeasible(limit, share, nearest)
     if limit not in _LIMITS:
         return BadInput(problem, file=file, key="[damper]" if limit == "density" else "[design]")
     key = _LIMITS[limit]
-    value = space.source.written.get("design", {}).get(key, getattr(space.design, key))
+    value = source.written.get("design", {}).get(key, getattr(source.scene.design, key))
     return BadInput(problem, file=file, key=f"[design] {key}", value=value)
 
 
