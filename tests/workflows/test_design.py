@@ -380,7 +380,9 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     (limit,) = limits(better)
     assert (limit.name, limit.gain) == ("ball_diameter", pytest.approx(better - 1))
     assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
-    assert "5 % further" not in " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
+    for each, active in ((optimum, True), (replace(optimum, search_value=9e-4), False)):
+        said = " ".join(report._said("sentences", space, each, constraints=(), has_thickness=bool))
+        assert ("No limit is active: beyond the ends of the ranges nothing is gained" in said) is active
 
 
 def test_the_cutoff_is_stated_at_its_speed(slow):
