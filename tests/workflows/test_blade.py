@@ -298,6 +298,7 @@ NO_ROOM = {
     "at an edge": ("[0.25, 0.0, 0.0]", "[0.25, 0.04, 0.005]", "cavity = .* of 5 x 5 x 4 mm .* only 2\\d % of it is"),
     "one ball": ('radius = "2 mm"\ncount = 20\ncavity = ["5 mm", "5 mm"]', 'radius = "30 mm"\ncavity = [0.07, 0.07]',
                  "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
+    "many cavities": ("count = 20", "count = 1650", "count: the cavities would take 165 cm³ of a blade of 160 cm³"),
     "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
 }  # fmt: skip
 

@@ -69,12 +69,21 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
 
 
 def _check_balls(source: SceneFile, operators: SolidOperators) -> None:
-    """Refuse balls that are heavier than the blade that carries them."""
+    """Refuse balls that are heavier than the blade that carries them, and cavities that are larger."""
     damper, blade = source.scene.damper, float(operators.masses.sum())
-    if damper is not None and damper.balls is not None and damper.balls >= blade:
-        balls = f"{damper.count} {'ball' if damper.count == 1 else 'balls'} of radius {1e3 * damper.radius:.6g} mm"
+    if damper is None:
+        return
+    space, many = blade / operators.blade.material.density, damper.count > 1
+    if damper.balls is not None and damper.balls >= blade:
+        balls = f"{damper.count} {'balls' if many else 'ball'} of radius {1e3 * damper.radius:.6g} mm"
         problem = f"{balls} would weigh {significant(damper.balls)} kg, and the blade weighs {significant(blade)} kg"
-        raise source.wrong(f"{problem}: expected less", f"[damper] {'radius' if damper.count == 1 else 'count'}")
+    elif many and damper.cut >= space:
+        problem = (
+            f"the cavities would take {significant(1e6 * damper.cut)} cm³ of a blade of {significant(1e6 * space)} cm³"
+        )
+    else:
+        return
+    raise source.wrong(f"{problem}: expected less", f"[damper] {'count' if many else 'radius'}")
 
 
 def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callable[[ModesAtSpeed], Floats] | None:
