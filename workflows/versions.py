@@ -3,7 +3,7 @@
 import platform
 from functools import cache
 
-_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "numba", "llvmlite")
+_PACKAGES = ("spindamp", "numpy", "scipy", "scikit-fem", "meshio", "meshlane", "numba", "llvmlite")
 
 
 @cache
