@@ -698,6 +698,10 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
         ": roughly up to 68 % less vibration at 3 N. At 50 N the root"
         " would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
     )
+    worse = replace(found, levels=(ForceLevel(9.0, 0.9, 1e-3, True), ForceLevel(30.0, 1.002, 1e-3, True)))
+    assert of_orders(replace(run, reductions=(worse,)))[0].endswith(
+        " At 30 N the balls do not reduce the amplitude. At 9 N the reduction is less than half of 68 %."
+    )
     leaning = replace(run, speeds=tuple(replace(point, lean=(0.1, 0.0)) for point in run.speeds))
     assert "the load holds the balls at rest; they move, first to a wall, from 0.8 N on" in of_orders(leaning)[0]
 

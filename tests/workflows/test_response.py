@@ -19,9 +19,10 @@ from workflows.io.files import write_study
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.scene.load import SHIPPED, as_scene_file
-from workflows.solve import engine_orders
+from workflows.solve import engine_orders, excitation
 from workflows.solve.excitation import with_forced_effects
 from workflows.solve.results import Mode, SpeedPoint
+from workflows.solve.structure import StructureSolver
 from workflows.studies import response as study
 from workflows.studies import response_report as report
 from workflows.studies.design import objectives
@@ -516,3 +517,38 @@ def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
         (passage,) = found.passages
         without = np.abs(passage.shaped(passage.states.without))[:, 0]
         assert passage.omega[without.argmax()] == pytest.approx(passage.crossing.omega, rel=1e-4)
+
+
+def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
+    """From rest to 40000 rpm f² bends over Ω²: by two speeds the orders meet the modes where twenty-one have them."""
+    plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"}
+    ball = {"radius": "2 mm", "cavity": ["4.05 mm", "4.05 mm"], "rolling_friction": "0.02 mm", "damping_ratio": 0.002}
+    scene = {
+        "plate": plate,
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"hub_radius": "150 mm", "modes": 4, "speeds": ["0 rpm", "40000 rpm"]},
+        "damper": {**ball, "count": 1, "ball_material": "steel", "restitution": 0.6, "friction": 0.2},
+        "excitation": {"orders": [2], "force": ["1 N", "10 N"]},
+    }
+    solver = StructureSolver(as_scene_file(scene), Stages())
+    few, many = solver.at().points, solver.at(np.linspace(0, 40000, 21) * math.pi / 30).points
+    (straight,), (fine,) = (engine_orders.of_points(points, (2,)) for points in (few, many))
+    assert straight.rpm < 0.97 * fine.rpm, "the chord is off by 4 %"
+    ((met, at),) = excitation.solved_crossings(solver, few, (2,))
+    assert met.rpm == pytest.approx(fine.rpm, rel=2e-4)
+    assert at.modes[0].frequency_hz == pytest.approx(2 * met.rpm / 60, rel=1e-5)
+    found = excitation.estimate(solver, solver.at().results(), at, met, solver.source.scene.excitation)
+    assert all(level.ratio > 0.999 for level in found.levels), "the ball rests"
+    assert not math.isfinite(found.range[0]), "a locked ball has no best level"
+
+
+def test_a_ball_that_fills_its_cavity_is_held():
+    """Without a clearance it has nowhere to roll to; with one of eight times its cut-off it has."""
+    source = as_scene_file(STRUCTURE)
+    solver = StructureSolver(source, Stages())
+    ((met, at),) = excitation.solved_crossings(solver, solver.at().points, (3,))
+    system = excitation.damper_at(solver, at, met, source.scene.excitation)
+    width = 2 * system.ball_radius
+    assert excitation.is_well_held(dataclasses.replace(system, cavity=(width, width)))
+    far = width + 8 * system.leaving_threshold / system.stuck_frequency**2
+    assert not excitation.is_well_held(dataclasses.replace(system, cavity=(far, far)))

@@ -362,7 +362,8 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
         deflection=limits.deflection_governs(results),
         overload=[each.level for each in reduction.levels if not each.endured],
         at_rest=[each.level for each in borne if each.level < reduction.moves_from],
-        less=[each.level for each in outside if 1 - each.ratio < most / 2],
+        useless=[each.level for each in outside if each.ratio >= 1],
+        less=[each.level for each in outside if 0 < 1 - each.ratio < most / 2],
         aside=[each for each in outside if 1 - each.ratio >= most / 2],
     )
 

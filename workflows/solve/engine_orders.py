@@ -107,7 +107,7 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     met = []
     for branch in sorted(names):
         track = _track(by_speed, branch)
-        rpm, hertz = (np.array(values) for values in zip(*((p.rpm, _hertz(p, k)) for p, k in track), strict=True))
+        rpm, hertz = (np.array(values) for values in zip(*((p.rpm, frequency_of(p, k)) for p, k in track), strict=True))
         for order in orders:
             apart = hertz**2 - (order * rpm / 60) ** 2
             pairs = ((track[k], track[k + 1]) for k in np.flatnonzero(apart[:-1] * apart[1:] <= 0))
@@ -136,7 +136,7 @@ def crossing_beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
     f² goes with Ω² as between the lowest and the highest of them.
     """
     track = _track(sorted(points, key=lambda point: point.omega), 0)
-    (a, f), (b, g) = ((point.rpm, _hertz(point, k)) for point, k in (track[0], track[-1]))
+    (a, f), (b, g) = ((point.rpm, frequency_of(point, k)) for point, k in (track[0], track[-1]))
     growth = 0.0 if a == b else 3600 * (g**2 - f**2) / (b**2 - a**2)
     square = (3600 * f**2 - growth * a**2) / (order**2 - growth) if order**2 > growth else -1.0
     return math.sqrt(square) if square > 0 else None
@@ -156,7 +156,7 @@ def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, 
 
 
 def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[SpeedPoint, int]) -> Crossing | None:
-    (a, f), (b, g) = ((point.rpm, _hertz(point, k)) for point, k in (low, high))
+    (a, f), (b, g) = ((point.rpm, frequency_of(point, k)) for point, k in (low, high))
     rpm = _meeting(order, (a, f), (b, g))
     if rpm is None:
         return None
@@ -175,7 +175,8 @@ def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[Sp
     )
 
 
-def _hertz(point: SpeedPoint, k: int) -> float:
+def frequency_of(point: SpeedPoint, k: int) -> float:
+    """Of a point's mode k, from 0, without the ball; of a structure that is given its own [Hz]."""
     if point.modes:
         return point.modes[k].frequency_hz
     if point.reduced is None:

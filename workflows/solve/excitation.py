@@ -7,7 +7,7 @@ endures; `spindamp response` follows the motion itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -199,10 +199,48 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     excitation, spec = state.source.scene.excitation, state.source.scene.damper
     if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
         return ()
-    met = engine_orders.of_points(state.points, excitation.orders)
     solver, results = state.solver.with_switches(with_forced_effects(state.source)), state.results(stages=stages)
-    at = solver.at(sorted({crossing.omega for crossing in met})).by_speed if met else {}
-    return tuple(estimate(solver, results, at[crossing.omega], crossing, excitation) for crossing in met)
+    met = solved_crossings(solver, state.points, excitation.orders)
+    return tuple(estimate(solver, results, at, crossing, excitation) for crossing, at in met)
+
+
+_MET, _TRIES = 1e-5, 8
+"""Relative distance of an order from the mode solved at a crossing up to which they meet; speeds tried at most."""
+
+
+def solved_crossings(
+    solver: StructureSolver, points: Sequence[SpeedPoint], orders: Iterable[int]
+) -> list[tuple[Crossing, SpeedPoint]]:
+    """Crossings between the speeds of some points, each with the structure there, where the mode is the order's.
+
+    Between speeds far apart f² is not straight in Ω²: a crossing moves along the chord's slope until they meet.
+    """
+    moved, at = engine_orders.of_points(points, orders), dict[float, SpeedPoint]()
+    for _ in range(_TRIES):
+        met = moved
+        if not (new := sorted({crossing.omega for crossing in met} - set(at))):
+            break
+        at |= solver.at(new).by_speed
+        moved = [_refined(crossing, at[crossing.omega], points) for crossing in met]
+    return [(crossing, at[crossing.omega]) for crossing in met]
+
+
+def _refined(crossing: Crossing, at: SpeedPoint, points: Sequence[SpeedPoint]) -> Crossing:
+    """Where the order meets the mode solved at its crossing, whose f² grows as between the speeds about it."""
+    hertz, order = crossed_hertz(at, crossing), crossing.order
+    if abs(hertz / crossing.frequency_hz - 1) <= _MET:
+        return crossing
+    growth = order * (order - crossing.turns) / 3600
+    square = crossing.rpm**2 + (hertz**2 - crossing.frequency_hz**2) / growth
+    low, high = min(point.rpm for point in points), max(point.rpm for point in points)
+    rpm = min(max(math.sqrt(max(square, 0.0)), low), high)
+    return replace(crossing, rpm=rpm, frequency_hz=order * rpm / 60)
+
+
+def crossed_hertz(at: SpeedPoint, crossing: Crossing) -> float:
+    """Frequency of the mode that is crossed, without the ball, at the speed of a point [Hz]."""
+    branch = branch_of((at,), crossing)
+    return engine_orders.frequency_of(at, next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0))
 
 
 def estimate(
@@ -243,10 +281,10 @@ HELD, HELD_IN_A_BOWL = 0.3, 1.0
 
 
 def is_well_held(system: damper.ParticleDamper) -> bool:
-    """Whether the load holds a ball well: one that swings freely in a bowl, or rolls far, has other motions as well."""
+    """Whether the load or the cavity holds a ball well: one that swings in a bowl or rolls far moves otherwise too."""
     gap, left = system.half_gap[0], abs(1 - system.tilt_share[0])
     threshold = system.leaving_threshold / system.stuck_frequency**2
-    return gap > 0 and threshold >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
+    return threshold >= (HELD if system.floor_radius is None else HELD_IN_A_BOWL) * gap * left
 
 
 @lru_cache(maxsize=16)
@@ -282,7 +320,8 @@ class _Balance:
         unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
         force, alone = force_at_cavity(system, unit), force_at_cavity(system, unit, ball=False)
         moves = float(damper.moves_from(system, [replace(unit, frequency=resting)])[0])
-        light, without = math.sqrt(system.stiffness[0] / system.modal_mass), crossing.order * crossing.omega
+        light = math.sqrt(system.stiffness[0] / system.modal_mass)
+        without = 2 * math.pi * crossed_hertz(point, crossing)
         return cls(free_vibration(system), force, alone, resting, light, without, moves)
 
     def amplitude(self, levels: Floats) -> Floats:
@@ -332,8 +371,9 @@ def _over_levels(balance: _Balance, limit: float, requested: Sequence[float]) ->
     scan = np.geomspace(low / balance.at_rest, high / per_level, _LEVELS)
     amplitude = balance.amplitude(scan)
     ratio, borne = amplitude / balance.bare / scan, amplitude <= limit
-    best = int(np.argmin(np.where(borne, ratio, math.inf)))
-    helps = np.flatnonzero(borne & (ratio <= min(half_way(float(ratio[best])), HELPS)))
+    moves = borne & ((scan >= balance.moves_from) | (amplitude < (1 - _STILL) * balance.at_rest * scan))
+    best = int(np.argmin(np.where(moves, ratio, math.inf)))
+    helps = np.flatnonzero(moves & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     if best in helps:
         known["range"] = neighbours(scan, helps, best)
     most = math.inf if borne.all() else neighbours(scan, np.flatnonzero(borne), 0)[1]

@@ -253,25 +253,24 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     source = excitation.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.over_speed_range(solver).results(stages=stages)
-    met = engine_orders.of_points(results.speeds, forcing.orders)
+    met = excitation.solved_crossings(solver, results.speeds, forcing.orders)
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
-    at = solver.at(sorted({crossing.omega for crossing in met})).by_speed
 
     def estimates(of: Excitation) -> list[VibrationReduction]:
         found = []
-        for crossing in met:
+        for crossing, at in met:
             with during(_where(crossing)):
-                found.append(excitation.estimate(solver, results, at[crossing.omega], crossing, of))
+                found.append(excitation.estimate(solver, results, at, crossing, of))
         return found
 
     reductions = estimates(forcing)
     followed = with_best_levels(forcing, reductions)
     reductions = reductions if followed.levels == forcing.levels else estimates(followed)
     passages, not_followed = [], []
-    for crossing, reduction in zip(met, reductions, strict=True):
+    for (crossing, at), reduction in zip(met, reductions, strict=True):
         with during(_where(crossing)):
-            passage = _passage(solver, at[crossing.omega], crossing, followed, reduction)
+            passage = _passage(solver, at, crossing, followed, reduction)
         if isinstance(passage, str):
             not_followed.append((crossing, passage))
         else:
