@@ -73,6 +73,21 @@ def peak(passage: Passage, force: int) -> tuple[int, int]:
     return int(speed), int(start)
 
 
+def shows(passage: Passage, speeds: Sequence[float]) -> bool:
+    """Whether the mode has a peak at the cavity without the ball, or may have one beyond the scene's speeds [rad/s].
+
+    Otherwise another mode moves the cavity more at an end of the band: its tail is no answer about this one.
+    """
+    omega, last = passage.omega, len(passage.omega) - 1
+    places = np.abs(passage.shaped(passage.states.without)).argmax(axis=0)
+    return all(0 < k < last or is_scene_end(float(omega[k]), speeds) for k in places)
+
+
+def is_scene_end(omega: float, speeds: Sequence[float]) -> bool:
+    """Whether a speed is the least or the greatest of a scene's [rad/s]."""
+    return any(math.isclose(omega, each, rel_tol=1e-9, abs_tol=1e-9) for each in (min(speeds), max(speeds)))
+
+
 @dataclass(frozen=True)
 class Row:
     """A crossing under one force, at the speed and from the start at which the mean amplitude is largest.
@@ -108,6 +123,11 @@ class Row:
     def ratio(self) -> float:
         """Mean amplitude with the ball over the one without."""
         return self.mean / self.without
+
+    @property
+    def ratio_error(self) -> float | None:
+        """Error of the ratio where the motion has not settled; None where the ratio is known."""
+        return self.error / self.without if self.regime == damper.Regime.UNSETTLED else None
 
     @property
     def difference(self) -> float | None:
@@ -189,16 +209,15 @@ def resonance_speeds(resonances: Sequence[float], width: float, ends: tuple[floa
     return omega
 
 
-def beside_peaks(omega: Floats, amplitude: Floats, ends: tuple[float, float]) -> Floats:
+def beside_peaks(omega: Floats, amplitude: Floats) -> Floats:
     """A further speed for each force, beside the one at which its amplitude is largest [rad/s].
 
     It lies where a parabola through 1 / A² is least, as about a linear resonance, or where that is known, midway to a
-    neighbour; beyond the speeds, within the ends, where the first or the last has the largest amplitude.
+    neighbour; never beyond the speeds, where another mode may rise.
 
     Args:
         omega: ascending (s,) [rad/s].
         amplitude: (s, f).
-        ends: between which all speeds lie [rad/s].
     """
     known = omega
     for curve in amplitude.T:
@@ -210,8 +229,6 @@ def beside_peaks(omega: Floats, amplitude: Floats, ends: tuple[float, float]) ->
             left, right = ((curve[k] / curve[each]) ** 2 - 1 for each in (k - 1, k + 1))
             curvature = (right / high - left / low) / (high - low)
             tries.insert(0, at + 0.5 * (low - left / (low * curvature)) if curvature > 0 else at)
-        elif k in (0, len(omega) - 1):
-            tries.insert(0, min(max(2 * at - (omega[-1] if k == 0 else omega[0]), ends[0]), ends[1]))
         gaps = np.diff(known)
         tries.append(known[np.argmax(gaps)] + 0.5 * gaps.max())
         apart = _APART * (above - below)
@@ -312,12 +329,11 @@ def _passage(
     if isinstance(system, str):
         return system
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
-    speeds = solver.source.scene.rotor.speeds
     omega = _speeds(solver, crossing, at)
     states = _steady_states(solver, crossing, forcing, omega, axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
-        more = beside_peaks(omega, largest, (min(speeds), max(speeds)))
+        more = beside_peaks(omega, largest)
         states = _merged(omega, states, more, _steady_states(solver, crossing, forcing, more, axis))
         omega = np.sort([*omega, *more])
     levels = np.tile(forcing.levels, len(omega))

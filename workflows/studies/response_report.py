@@ -10,16 +10,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from damper import Regime
 from fem.rotor import in_rpm
-from workflows.formatting import aligned, fixed, significant, whole
+from workflows.formatting import DASH, aligned, fixed, significant, whole
 from workflows.io import provenance
 from workflows.io.files import finite, global_attributes
 from workflows.report import figures, plots, remarks, templates, verdict
+from workflows.report.templates import in_percent
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response import NEAR_BEST, Passage, Response, Row, best_level, is_beyond, peak, rows
+from workflows.studies.response import (
+    NEAR_BEST,
+    Passage,
+    Response,
+    Row,
+    best_level,
+    is_beyond,
+    is_scene_end,
+    peak,
+    rows,
+    shows,
+)
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -158,13 +171,19 @@ def sentences(result: Response) -> list[str]:
     reductions = *(confirmed(result, passage) for passage in result.passages), *not_followed
     answer = verdict.of_orders(replace(result.results, reductions=reductions))
     answer += _added(result)
+    speeds = _speeds(result)
     for passage in result.passages:
-        speeds = [peak(passage, force)[0] for force in range(len(passage.forces))]
-        if 0 in speeds or len(passage.omega) - 1 in speeds:
-            answer.append(
-                f"{place(passage.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
-            )
+        largest = {peak(passage, force)[0] for force in range(len(passage.forces))} & {0, len(passage.omega) - 1}
+        if largest and shows(passage, speeds):
+            at_end = any(is_scene_end(float(passage.omega[k]), speeds) for k in largest)
+            where = "the scene's speeds" if at_end else "the speeds followed"
+            answer.append(f"{place(passage.crossing)}, at the end of {where}: the peak may lie outside them.")
     return answer
+
+
+def _speeds(result: Response) -> list[float]:
+    """All of the scene [rad/s]."""
+    return list(result.results.scene.rotor.speeds)
 
 
 def _added(result: Response) -> list[str]:
@@ -195,12 +214,17 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     frictionless = estimate.reason == Reason.SLIP and damper is not None and damper.friction == 0
     if frictionless or (estimate.reason and estimate.reason not in _OF_MOTION):
         return estimate
+    if not shows(passage, _speeds(result)):
+        return replace(estimate, reason=Reason.OTHER_MODE, detail=HIDDEN)
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
     best = min(borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
     useful = [each.endured and each.ratio <= enough for each in levels]
     followed = np.array([each.level for each in levels])
+    unknown = next(row.ratio_error for row in mine if row.force == best.level)
+    rough = [] if unknown is None else [f"± {in_percent(unknown)} percentage points: the motion has not settled"]
+    listed = f"the levels followed, {templates.listed(followed.tolist())} {result.excitation.unit}"
     around = neighbours(followed, np.flatnonzero(useful), levels.index(best)) if any(useful) else (math.nan, math.nan)
     return replace(
         estimate,
@@ -209,10 +233,14 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         range=around,
         moves_from=passage.least_force,
         levels=tuple(each for each in levels if each.level in result.requested_levels),
-        loose=False,
+        loose=bool(rough),
         reason=Reason.NONE,
-        detail=f"the levels followed, {templates.listed([each.level for each in levels])} {result.excitation.unit}",
+        detail=" ".join(rough if rough and any(useful) else [listed, *(f"({each})" for each in rough)]),
     )
+
+
+HIDDEN = "another mode moves the cavity more throughout, beside which this one does not show"
+"""Why the motion at a crossing says nothing of its mode."""
 
 
 def place(c: Crossing) -> str:
@@ -240,14 +268,25 @@ def text(result: Response) -> str:
 
 
 def best_rows(result: Response) -> list[Row]:
-    """Of each crossing the row with the largest reduction that the structure endures, where there is one."""
-    borne = [[row for row in rows(result, each) if not is_beyond(result, row)] for each in result.passages]
-    best = [min(each, key=lambda row: row.ratio) for each in borne if each]
-    return [row for row in best if row.ratio < 1]
+    """Of each crossing at which the headline calls the ball useful, the row it names, unless its ball is at rest."""
+    best = []
+    for passage in result.passages:
+        answer = confirmed(result, passage)
+        if not answer.reason and math.isfinite(answer.range[0]):
+            best += [row for row in rows(result, passage) if row.force == answer.level and row.regime != Regime.LOCKED]
+    return best
+
+
+def ratio_cell(result: Response, row: Row) -> str:
+    """The ratio of a row, with its error where the motion has not settled; a dash where it answers nothing."""
+    if confirmed(result, row.passage).reason:
+        return DASH
+    error = "" if row.ratio_error is None else f" ± {significant(row.ratio_error, 2)}"
+    return f"{significant(row.ratio, 4)}{error}"
 
 
 def _cells(result: Response, row: Row) -> tuple[str, ...]:
-    c = row.passage.crossing
+    c, ratio = row.passage.crossing, ratio_cell(result, row)
     return (
         str(c.order),
         f"{c.family} {c.branch + 1}",
@@ -255,11 +294,11 @@ def _cells(result: Response, row: Row) -> tuple[str, ...]:
         significant(row.force),
         significant(1e3 * row.without, 4),
         f"{significant(1e3 * row.mean, 4)}{remarks.BEYOND if is_beyond(result, row) else ''}",
-        significant(row.ratio, 4),
+        ratio,
         row.regime,
         significant(row.hits_per_cycle),
         significant(None if row.estimate is None else row.estimate.ratio, 4),
-        fixed(None if row.difference is None else 100 * row.difference, 1),
+        fixed(None if row.difference is None or ratio == DASH else 100 * row.difference, 1),
     )
 
 
@@ -368,6 +407,7 @@ def render(result: Response) -> str:
         damping=damping(result),
         air=AIR,
         is_beyond=partial(is_beyond, result),
+        ratio_cell=partial(ratio_cell, result),
         mark=remarks.BEYOND,
         marked=remarks.BEYOND_MEANS,
     )
