@@ -659,7 +659,7 @@ class SpeedPoint:
     """on the damper at this speed, from its own figures"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
-    sticks_out: Annotated[float, KEPT] = 0.0
+    sticks_out: Annotated[float, KEPT] = field(default=0.0, repr=False)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
 
