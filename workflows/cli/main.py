@@ -106,7 +106,7 @@ def _one_thread() -> None:
 
 def _collect_seldom() -> None:
     """Look for rubbish less often than Python does, and not while the process ends: a sixth of a run, for 8 MB."""
-    gc.set_threshold(100_000)
+    gc.set_threshold(300_000)
     atexit.register(gc.freeze)
 
 
