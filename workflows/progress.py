@@ -21,15 +21,15 @@ LOG = logging.getLogger("spindamp")
 """What is decided, and how long each stage takes; silent unless somebody listens (`spindamp -v`, `--log FILE`)."""
 
 
-SILENT, _SELDOM = 30.0, 60.0
-"""Seconds before the first line of progress where there is no terminal, and between two of a stage."""
+SILENT, _SELDOM, _OTHER = 30.0, 60.0, 10.0
+"""Seconds before the first line of progress where there is no terminal; between two of a stage, and of two stages."""
 
 
 class Stages:
     """Clock of a run. Progress goes to standard error: a bar on a terminal, elsewhere lines where they are asked for.
 
     `spent`: the times [s] of stages that were over before, and their total, which this clock goes on from. `lines`:
-    without a terminal a line at the start of each stage and one a minute, once the work has taken half a minute.
+    without a terminal a line of each stage that lasts and one a minute, once the work has taken half a minute.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Stages:
             self._progress.update(task, advance=1, detail=detail)
         now = time.perf_counter()
         stage, before = self._last
-        if not self._lines or now - self._began < SILENT or (name == stage and now - before < _SELDOM):
+        if not self._lines or now - self._began < SILENT or now - before < (_SELDOM if name == stage else _OTHER):
             return
         self._last = (name, now)
         print(f"spindamp: {name}{line and ': '}{line}", file=sys.stderr, flush=True)

@@ -155,7 +155,7 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(spindamp: Command, monk
 
 
 def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """None in the first half minute; then one for each stage and one a minute, with the time that remains."""
+    """None in the first half minute; then one for each stage that lasts and one a minute, with the time that remains."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "perf_counter", lambda: now[0])
     with Stages(visible=False, lines=True) as stages:
@@ -167,11 +167,15 @@ def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsy
                 step.advance("order 3")
         with stages("design") as step:
             step.advance("32 designs")
+        for name in ("modes", "reduction") * 20:
+            with stages(name):
+                now[0] += 1.0
     assert capsys.readouterr().err.splitlines() == [
         "spindamp: damper: order 3; 15 of 100 steps, 170 s remaining",
         "spindamp: damper: order 3; 45 of 100 steps, 110 s remaining",
         "spindamp: damper: order 3; 75 of 100 steps, 50 s remaining",
         "spindamp: design",
+        *(f"spindamp: {name}" for name in ("modes", "reduction", "modes")),
     ]
 
 
