@@ -17,7 +17,7 @@ from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import remarks
 from workflows.report import text as summary
-from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS
+from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, LEVEL_MEANS
 from workflows.report.templates import stretch
 from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
@@ -587,6 +587,9 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished: Path) -> 
     marked = [line for line in printed.splitlines() if BEYOND in line]
     assert len(marked) == 6
     assert BEYOND_MEANS in " ".join(printed.split())
+    assert LEVEL_MEANS in " ".join(printed.split()), "the scene keeps the floor level; the damping ratios do not"
+    assert LEVEL_MEANS not in " ".join(summary.text(results(friction="0.3"), None).split())
+    assert BEYOND_MEANS in summary.brief_html(found), "in a notebook"
     page = (finished / "report.html").read_text(encoding="utf-8")
     assert page.count(f"{BEYOND}</td>") == 5
     assert BEYOND_MEANS in page

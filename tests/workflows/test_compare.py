@@ -82,6 +82,11 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
         assert "9000" in text
         assert "*" in text
         assert remarks.AT_REST_MEANS in text
+    rows = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))["rows"]
+    assert (9000.0, "slow") in {(row["rpm"], row["run"]) for row in rows if row["cutoff_at_rest"]}
+    with (tmp_path / "out" / "compare.csv").open(encoding="utf-8", newline="") as table:
+        written = [row["cutoff_at_rest"] for row in csv.DictReader(table)]
+    assert written == [str(row["cutoff_at_rest"]) for row in rows]
 
 
 def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
@@ -116,6 +121,7 @@ def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):
         assert [mark != "" for mark in marks].count(True) == hollow
         assert len(marks) == sum(len(each.speeds) for each in found.results) + 2  # of the legend
         assert ("hollow: marked in the table" in files["report.html"]) == bool(hollow)
+        assert sum(row["no_verdict"] for row in report.document(found)["rows"]) == hollow
 
 
 def test_each_scene_is_read_once(spindamp, monkeypatch, structure):

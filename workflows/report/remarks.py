@@ -37,6 +37,7 @@ AT_REST, AT_REST_MEANS = (
     "* Of a ball at rest: it stays at rest up to this amplitude. Unmarked: the last amplitude of the ring-down at which"
     " its ball moved.",
 )
+LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene; the ball's damping includes its tilt."
 """Marks of numbers in tables, and what they stand for below."""
 
 
@@ -92,6 +93,12 @@ def cutoff_mark(results: Results, point: SpeedPoint) -> str:
 def cutoff_legend(results: Results) -> list[str]:
     """What the mark of cut-offs stands for, where a table has it."""
     return [AT_REST_MEANS] if any(cutoff_mark(results, point) for point in results.speeds) else []
+
+
+def level_legend(results: Results) -> list[str]:
+    """What a table says where its ring-downs keep the floor level, and its damping ratios do not."""
+    tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in results.speeds)
+    return [LEVEL_MEANS] if tilts and not limits.is_printed(results) else []
 
 
 def beyond_of(results: Results) -> str:

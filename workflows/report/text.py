@@ -35,8 +35,7 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
-    legend = [*remarks.cutoff_legend(results), *remarks.legend(results)] if results.scene.damper is not None else []
-    parts += [line for each in legend for line in _wrapped(each)]
+    parts += [line for each in _legend(results) for line in _wrapped(each)]
     if answer.details:
         parts += ["", *_wrapped(" ".join(answer.details))]
     if results.notes and out is None:
@@ -53,6 +52,12 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
         counted = f", {count} remark{'s' if count > 1 else ''}" if count else ""
         parts += ["", f"{seconds}{counted}; open {out / 'report.html'}"]
     return "\n".join(parts)
+
+
+def _legend(results: Results) -> list[str]:
+    """What the marks of the table stand for."""
+    kinds = (remarks.cutoff_legend, remarks.legend, remarks.level_legend)
+    return [each for kind in kinds for each in kind(results)] if results.scene.damper is not None else []
 
 
 def _wrapped(paragraph: str, mark: str = "") -> list[str]:
@@ -139,7 +144,7 @@ def brief_html(results: Results) -> str:
     table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
     return (
         f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
-        f"<table>{table}</table>{more}"
+        f"<table>{table}</table>{more}{''.join(f'<p>{escape(each)}</p>' for each in _legend(results))}"
     )
 
 

@@ -122,6 +122,9 @@ _QUANTITIES = {
 
 _HEADS = ("rpm", "run", *_QUANTITIES.values())
 
+_SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
+"""What marks of a damping ratio say, in files."""
+
 
 def _figures(results: Results, point: SpeedPoint | None) -> dict[str, Any]:
     """The figures of a run at a speed, None where it has none, and the marks of its cut-off and its damping."""
@@ -162,9 +165,11 @@ def text(comparison: Comparison) -> str:
 
 
 def _legend(comparison: Comparison) -> list[str]:
-    """What the marks in the table stand for."""
-    runs = [results for results in comparison.results if results.scene.damper is not None]
-    return list(dict.fromkeys(line for each in runs for line in (*remarks.cutoff_legend(each), *remarks.legend(each))))
+    """What the marks in the table stand for, and in which of the runs floors are level for a part of it."""
+    runs = [(name, each) for name, each in zip(comparison.names, comparison.results, strict=True) if each.scene.damper]
+    lines = [line for _, each in runs for line in (*remarks.cutoff_legend(each), *remarks.legend(each))]
+    level = {name: line for name, each in runs for line in remarks.level_legend(each)}
+    return [*dict.fromkeys(lines), *(f"{name}: {line}" for name, line in level.items())]
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
@@ -215,8 +220,15 @@ def document(comparison: Comparison) -> dict[str, Any]:
         "schema_version": 1,
         "runs": _runs(comparison),
         "differences": {key: list(values) for key, values in comparison.differences.items()},
-        "rows": [{name: value for name, value in row.items() if name != "marks"} for row in rows(comparison)],
+        "rows": [_record(row) for row in rows(comparison)],
     }
+
+
+def _record(row: dict[str, Any]) -> dict[str, Any]:
+    """A row with what its marks stand for."""
+    at_rest, mark = row["marks"]
+    said = {"cutoff_at_rest": bool(at_rest)} | dict(zip(_SAID, (mark == each for each in _SAID.values()), strict=True))
+    return {name: value for name, value in row.items() if name != "marks"} | said
 
 
 @plots.style()
@@ -257,7 +269,7 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
         air=[in_percent(ratio) for ratio in limits.AIR],
     )
     return {
-        "compare.csv": as_table(("rpm", "run", *_QUANTITIES), rows(comparison)),
+        "compare.csv": as_table(("rpm", "run", *_QUANTITIES, "cutoff_at_rest", *_SAID), map(_record, rows(comparison))),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }
