@@ -598,6 +598,12 @@ def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
     found = excitation.estimate(solver, solver.at().results(), met, at, resting, forcing)
     assert all(level.ratio > 0.999 for level in found.levels), "the ball rests"
     assert not math.isfinite(found.range[0]), "a locked ball has no best level"
+    pictured = engine_orders.crossings(solver.at().results())
+    (marked,) = (each for each in pictured if each.order == 2)
+    assert marked.rpm == straight.rpm
+    pictured = engine_orders.crossings(dataclasses.replace(solver.at().results(), reductions=(found,)))
+    (marked,) = (each for each in pictured if each.order == 2)
+    assert (marked.rpm, marked.frequency_hz) == (met.rpm, met.frequency_hz), "the picture shows what the headline says"
 
 
 @pytest.mark.parametrize(("hub", "mass_ratio"), [("0 mm", 0.06), ("250 mm", 0.01), ("250 mm", 0.06)])

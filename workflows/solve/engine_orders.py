@@ -96,9 +96,19 @@ class Crossing:
 
 
 def crossings(results: Results) -> list[Crossing]:
-    """Those of a run with the usual orders; a structure that is given has no modes, and none of them."""
-    known = any(point.modes for point in results.speeds)
-    return of_points(results.speeds, orders(results.scene)) if known else []
+    """Those of a run with the usual orders, where they were solved at the speed that estimates name.
+
+    A structure that is given has no modes, and none of them.
+    """
+    if not any(point.modes for point in results.speeds):
+        return []
+    met = []
+    for each in of_points(results.speeds, orders(results.scene)):
+        solved = [
+            known.rpm for known in results.reductions if (known.order, known.mode) == (each.order, each.branch + 1)
+        ]
+        met.append(each.moved(min(solved, key=lambda rpm: abs(rpm - each.rpm), default=each.rpm)))
+    return met
 
 
 def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Crossing]:
