@@ -300,6 +300,8 @@ NO_ROOM = {
                  "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
     "many cavities": ("count = 20", "count = 1650", "count: the cavities would take 165 cm³ of a blade of 160 cm³"),
     "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
+    "a ratio": ('ball_material = "steel"', "mass_ratio = 5",
+                "mass_ratio = 5.0: balls of this ratio would weigh 0.88. kg, and the blade weighs 0.709 kg"),
 }  # fmt: skip
 
 
