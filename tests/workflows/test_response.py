@@ -210,6 +210,7 @@ def test_document(known):
         assert {"hits_per_cycle", "power_in", "power_lost", "shortcut"} <= set(entry)
         assert set(entry["amplitude"]) == {"least", "mean", "rms", "greatest"}
         assert set(entry["shortcut"]) == {"amplitude", "ratio", "difference", "suffices"}
+        assert entry["shortcut_reason"] is None
         assert entry["power_lost"] == pytest.approx(entry["power_in"], rel=1e-2)
     assert found["headline"][0].startswith("At engine order 3 (4020 rpm, flap mode): up to 2")
     assert found["dampers"][0]["range"][0] < found["dampers"][0]["range"][1]
@@ -474,6 +475,7 @@ def test_motion_that_rolls_says_nothing_without_friction(known):
         for each in known.passages
     ]
     slides = dataclasses.replace(known, passages=tuple(slip))
+    assert {entry["shortcut_reason"] for entry in report.document(slides)["crossings"]} == {"slip"}
     assert "less vibration" in report.sentences(slides)[0]
     bare = dataclasses.replace(slides.results, scene=slides.results.scene.changed(damper={"friction": 0.0}))
     slides = dataclasses.replace(slides, results=bare)
