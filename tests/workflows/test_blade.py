@@ -16,7 +16,7 @@ from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.report import remarks
+from workflows.report import page, remarks, text
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, resources
@@ -401,6 +401,10 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
     said = remarks.other_mode(lag.results(stages=stages))
     assert f"Mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
     assert remarks.other_mode(bending.results(stages=stages)) is None
+    for way, name, head in (("[0, 1, 0]", "lag 1", "lag 1 Hz"), ("[0, 0, 1]", "first bending", "first Hz")):
+        found = pipeline.run(on_bricks(bricks, "friction = 0.3", f"friction = 0.3\ndirection = {way}"), stages)
+        assert text.rows(found)[0][2] == head
+        assert f"<th rowspan=2>{name} <small>Hz</small></th>" in page.render(found, page.draw(found))
 
 
 @pytest.fixture(scope="module")

@@ -65,7 +65,9 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
 def rows(results: Results) -> list[tuple[str, ...]]:
     """The table, its heads first: a row a speed."""
     if any(point.damper is not None for point in results.speeds):
-        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
+        is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
+        hertz = "first Hz" if is_first else f"{verdict.followed_mode(results)} Hz"
+        heads: tuple[str, ...] = ("rpm", "load g", hertz, "cut-off g", "/ load", "SDC %")
         heads += ("ball ζ %", "at mm", "hits")
         return [heads, *(_damped(results, point) for point in results.speeds)]
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)

@@ -241,6 +241,13 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f2_hz if point.modes else point.reduced.f1_hz
 
 
+def followed_mode(results: Results) -> str:
+    """What a legend calls the mode the damper follows; "mode followed" where that is another with the speed."""
+    names = engine_orders.labels(results.speeds)
+    every = {None if (k := p.followed) is None else names[p.modes[k].branch] for p in results.speeds}
+    return next((name for name in every if name is not None and len(every) == 1), "mode followed")
+
+
 def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
     """How useful the damper is over the loads, by stretches of them, and on what that rests; where it is locked."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
