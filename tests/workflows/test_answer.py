@@ -771,6 +771,19 @@ def test_friction_beyond_the_given_names_every_speed() -> None:
     )
 
 
+def test_friction_just_beyond_the_given_reads_otherwise() -> None:
+    """Both would read 0.3 or so in two digits; the ring-down's too."""
+    found = at(500, 3500)
+    for given, says in (
+        (needed(found, 0), lambda of: answer(of).verdict),
+        (found.speeds[0].damper.largest_rolling_demand, remarks.rolling),
+    ):
+        friction = float(f"{0.9998 * given:.5g}")
+        said = says(replace(found, scene=found.scene.changed(damper={"friction": friction})))
+        demand, has = re.search(r"of (?:up to )?([\d.]+)[ ,].*(?:scene has|more than the) ([\d.]+)", said).groups()
+        assert float(demand) > float(has) == friction
+
+
 def test_ring_downs_that_would_slip_are_all_named() -> None:
     found = at(400, 600, 3500)
     demands = [point.damper.largest_rolling_demand for point in found.speeds]
