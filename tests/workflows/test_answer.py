@@ -886,12 +886,14 @@ def test_a_ring_down_without_a_cut_off_shows_the_one_of_a_ball_at_rest() -> None
     found, loads = released(3, 3500, 10000), [(rpm * math.pi / 30) ** 2 * 0.2 / 9.80665 for rpm in (3500, 10000)]
     assert [point.damper.cutoff_g for point in found.speeds] == [None, None]
     for (g, ratio), load in zip(cells(found), loads, strict=True):
-        assert ratio == f"0.100{AT_REST}"
+        assert ratio == f"0.1{AT_REST}"
         assert float(g.removesuffix(AT_REST).replace("\u2009", "")) == pytest.approx(0.1 * load, rel=2e-3)
     assert AT_REST_MEANS in _joined(summary.text(found, None))
     whole = released("auto", 3500, 10000)
     assert not any(AT_REST in cell for row in cells(whole) for cell in row)
     assert AT_REST_MEANS not in _joined(summary.text(whole, None))
+    loose = replace(whole.speeds[0], damper=replace(whole.speeds[0].damper, cutoff_ratio=2.3e-4))
+    assert cells(replace(whole, speeds=(loose,)))[0][1] == "0.00023"
 
 
 def test_no_cut_off_without_a_load_or_in_a_filled_cavity() -> None:

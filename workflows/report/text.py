@@ -90,7 +90,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         amount(point.load_g),
         fixed(verdict.first_frequency(point), 2),
         amount(cutoff.g) + at_rest,
-        fixed(cutoff.ratio, 3) + at_rest,
+        significant(cutoff.ratio) + at_rest,
         share(remarks.lost_at_most(damping)),
         significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),
