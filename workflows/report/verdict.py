@@ -332,8 +332,10 @@ def of_orders(results: Results) -> list[str]:
 def _orders(results: Results) -> list[list[str]]:
     """The same, sentence by sentence."""
     excitation = results.scene.excitation
-    if excitation is None or results.scene.damper is None or not results.speeds or limits.is_printed(results):
+    if excitation is None or results.scene.damper is None or not results.speeds:
         return []
+    if limits.is_printed(results):
+        return [said("answer/printed_orders", results, orders=excitation.orders)]
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
