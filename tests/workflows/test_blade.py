@@ -22,6 +22,9 @@ from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
+from workflows.studies.design.report import verdict
+from workflows.studies.design.space import Optimum, design_space, evaluate_designs
+from workflows.studies.sweep.evaluate import PlateCache
 
 SCENE = """
 title = "fan"
@@ -318,6 +321,21 @@ def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
     text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
     for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
         assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+
+
+def test_a_design_is_refused_or_qualified_as_a_run_is_where_its_cavity_sticks_out(bricks):
+    """A box of 12 mm in 10 mm of metal, and one of 40 mm that is for the most part beside it."""
+    free = '[design]\nclearance = ["8 mm", "36 mm", "1 mm"]\namplitude = ["5 mm", "6 mm"]\n\n[accuracy]'
+    space = design_space(on_bricks(bricks, "[accuracy]", free).changed(damper={"count": 1}))
+    rows = (np.arange(3)[:, None] + 0.5) / 3
+    thick, large, fits = evaluate_designs(space, rows, PlateCache(), quick=True)
+    assert "[damper] cavity = " in large.why.text
+    assert re.search("the box of 40 x 40 x 4 mm .* only \\d+ % of it is in metal", large.why.text)
+    for each, sticks_out in ((thick, 1.0), (fits, 0.0)):
+        assert 1e3 * each.sticks_out == pytest.approx(sticks_out)
+        said = verdict(space, Optimum(rows[0], dataclasses.replace(each, why=None), 3))
+        qualified = "; this holds only if the cavity fits: it sticks out of the structure by up to 1 mm"
+        assert said.endswith(qualified) == (sticks_out > 0)
 
 
 def test_metal_is_missing_where_half_of_a_cavity_is_in_it_and_not_where_the_mesh_has_it_cut(bricks, tmp_path):
