@@ -697,8 +697,8 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
         " move from 0.8 N on. At 9 N the reduction is less than half of 68 %. At 1 N the reduction is 43 %."
     )
     assert of_orders(replace(run, reductions=(replace(found, loose=True),)))[0].endswith(
-        ": roughly up to 68 % less vibration at 3 N. At 50 N the root"
-        " would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
+        ": roughly up to 68 % less vibration at 3 N, at least half of that roughly between 1.7 and 7.7 N. At 50 N"
+        " the root would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
     )
     worse = replace(found, levels=(ForceLevel(9.0, 0.9, 1e-3, True), ForceLevel(30.0, 1.002, 1e-3, True)))
     assert of_orders(replace(run, reductions=(worse,)))[0].endswith(
