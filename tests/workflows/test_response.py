@@ -471,6 +471,20 @@ def test_a_floor_tuned_to_the_order():
     )
 
 
+def test_both_halves_of_a_peak_that_a_ball_splits_are_looked_at(monkeypatch):
+    """In a hollow floor near the order the ball leaves a third at 0.965 of the speed, where the band ended at 0.986."""
+    tuned = {"damper__floor_radius": "16.2 mm", "damper__cavity": ["10 mm", "10 mm"], "damper__mass_ratio": 0.006}
+    tuned |= {"damper__damping_ratio": 0.002, "structure__floor_tilt": "6.8 1/m", "excitation__force": "0.5 N"}
+    scene = as_scene_file(changed(STRUCTURE, damper__rolling_friction="1e-4 mm", **tuned))
+    (row,) = study.rows(respond(scene))
+    monkeypatch.setattr(study, "SPEEDS", 120)
+    monkeypatch.setattr(study, "_SHIFTS", 4.0)
+    (fine,) = study.rows(respond(scene))
+    assert fine.ratio == pytest.approx(0.33, rel=0.02)
+    assert row.ratio == pytest.approx(fine.ratio, rel=0.01)
+    assert row.rpm == pytest.approx(0.965 * row.passage.crossing.rpm, rel=1e-3)
+
+
 def test_motion_that_rolls_says_nothing_without_friction(known):
     """Where rolling requires more friction than is usual, the motion is the answer; where there is none, it is not."""
     slip = [

@@ -181,7 +181,8 @@ _RINGS = 5.0
 """Half the width of the band looked through, in damping ratios of the structure: the response falls to a tenth."""
 
 _SHIFTS = 1.5
-"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without."""
+"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without; or of
+its halves, where a ball that swings in a hollow floor splits it (Den Hartog: by half the root of the mass ratio)."""
 
 _NARROWEST = 2e-3
 """Least half width of the band."""
@@ -373,6 +374,8 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting
     reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
+    if reduced is not None and spec is not None and spec.floor_radius is not None:
+        shift = max(shift, 0.5 * math.sqrt(reduced.M1 / reduced.M2 - 1))  # a ball tuned to the order splits the peak
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
     per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
     count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
