@@ -59,6 +59,11 @@ def significant(value: float | None, digits: int = 3) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(RAISED)}".replace("-", "\u2212")
 
 
+def apart(value: float, other: float, digits: int = 2) -> int:
+    """Significant digits, at least so many, in which a number does not read like another that it is compared with."""
+    return next((n for n in range(digits, 17) if significant(value, n) != significant(other, n)), digits)
+
+
 def span(low: float, high: float, digits: int = 2) -> str:
     """A range, or one number where both ends read the same."""
     one, other = significant(low, digits), significant(high, digits)

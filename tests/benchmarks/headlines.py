@@ -68,7 +68,8 @@ _NUMBER = r"(\d[\d.]*)"
 _PLACE = re.compile(rf"At engine order (\d+) \({_NUMBER} rpm, [\w ]+ mode\): ")
 _LESS = re.compile(
     rf"up to {_NUMBER} % less vibration at {_NUMBER} [^ ,.]+"
-    rf"(?:, at least half of that (?:between|at all levels evaluated from) {_NUMBER} (?:and|to) {_NUMBER} )?"
+    rf"(?:, at least half of that (?:(?:roughly )?between|at all levels evaluated from)"
+    rf" {_NUMBER} (?:and|to) {_NUMBER} )?"
 )
 _AT_MOST = re.compile(rf"the balls? reduces? the amplitude by {_NUMBER} % at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")

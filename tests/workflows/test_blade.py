@@ -16,12 +16,15 @@ from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.report import remarks
+from workflows.report import page, remarks, text
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
+from workflows.studies.design.report import verdict
+from workflows.studies.design.space import Optimum, design_space, evaluate_designs
+from workflows.studies.sweep.evaluate import PlateCache
 
 SCENE = """
 title = "fan"
@@ -300,6 +303,8 @@ NO_ROOM = {
                  "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
     "many cavities": ("count = 20", "count = 1650", "count: the cavities would take 165 cm³ of a blade of 160 cm³"),
     "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
+    "a ratio": ('ball_material = "steel"', "mass_ratio = 5",
+                "mass_ratio = 5.0: balls of this ratio would weigh 0.88. kg, and the blade weighs 0.709 kg"),
 }  # fmt: skip
 
 
@@ -316,6 +321,21 @@ def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
     text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
     for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
         assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+
+
+def test_a_design_is_refused_or_qualified_as_a_run_is_where_its_cavity_sticks_out(bricks):
+    """A box of 12 mm in 10 mm of metal, and one of 40 mm that is for the most part beside it."""
+    free = '[design]\nclearance = ["8 mm", "36 mm", "1 mm"]\namplitude = ["5 mm", "6 mm"]\n\n[accuracy]'
+    space = design_space(on_bricks(bricks, "[accuracy]", free).changed(damper={"count": 1}))
+    rows = (np.arange(3)[:, None] + 0.5) / 3
+    thick, large, fits = evaluate_designs(space, rows, PlateCache(), quick=True)
+    assert "[damper] cavity = " in large.why.text
+    assert re.search("the box of 40 x 40 x 4 mm .* only \\d+ % of it is in metal", large.why.text)
+    for each, sticks_out in ((thick, 1.0), (fits, 0.0)):
+        assert 1e3 * each.sticks_out == pytest.approx(sticks_out)
+        said = verdict(space, Optimum(rows[0], dataclasses.replace(each, why=None), 3))
+        qualified = "; this holds only if the cavity fits: it sticks out of the structure by up to 1 mm"
+        assert said.endswith(qualified) == (sticks_out > 0)
 
 
 def test_metal_is_missing_where_half_of_a_cavity_is_in_it_and_not_where_the_mesh_has_it_cut(bricks, tmp_path):
@@ -399,6 +419,10 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
     said = remarks.other_mode(lag.results(stages=stages))
     assert f"Mode {number + 1} (lag, {significant(lag.points[0].modes[number].frequency_hz)} Hz" in said
     assert remarks.other_mode(bending.results(stages=stages)) is None
+    for way, name, head in (("[0, 1, 0]", "lag 1", "lag 1 Hz"), ("[0, 0, 1]", "first bending", "first Hz")):
+        found = pipeline.run(on_bricks(bricks, "friction = 0.3", f"friction = 0.3\ndirection = {way}"), stages)
+        assert text.rows(found)[0][2] == head
+        assert f"<th rowspan=2>{name} <small>Hz</small></th>" in page.render(found, page.draw(found))
 
 
 @pytest.fixture(scope="module")

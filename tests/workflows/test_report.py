@@ -80,7 +80,7 @@ def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
         mine = replace(point, damper=none, damping_curve=curve)
         results = replace(coarse, speeds=tuple(mine if each is point else each for each in coarse.speeds))
         printed = "\n".join(" ".join(row) for row in text.rows(results))
-        assert "0.000" in printed
+        assert "199.12 0 0 0 " in printed
         assert not _MINUS_NOTHING.findall(printed)
         out = save(results, tmp_path / "out")
         for path in out.glob("*.csv"):

@@ -99,6 +99,7 @@ def render(results: Results, drawings: Drawings) -> str:
         results=results,
         scene=results.scene,
         answer=verdict.answer(results),
+        followed=verdict.followed_mode(results),
         held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
         carrier=remarks.carrier(results),
         assumptions=remarks.assumptions(results),

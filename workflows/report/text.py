@@ -70,7 +70,9 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
 def rows(results: Results) -> list[tuple[str, ...]]:
     """The table, its heads first: a row a speed."""
     if any(point.damper is not None for point in results.speeds):
-        heads: tuple[str, ...] = ("rpm", "load g", "first Hz", "cut-off g", "/ load", "SDC %")
+        is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
+        hertz = "first Hz" if is_first else f"{verdict.followed_mode(results)} Hz"
+        heads: tuple[str, ...] = ("rpm", "load g", hertz, "cut-off g", "/ load", "SDC %")
         heads += ("ball ζ %", "at mm", "hits")
         return [heads, *(_damped(results, point) for point in results.speeds)]
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
@@ -93,7 +95,7 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         amount(point.load_g),
         fixed(verdict.first_frequency(point), 2),
         amount(cutoff.g) + at_rest,
-        fixed(cutoff.ratio, 3) + at_rest,
+        significant(cutoff.ratio) + at_rest,
         share(remarks.lost_at_most(damping)),
         significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
         significant(1e3 * figures.peak_amplitude if figures else None),

@@ -241,6 +241,13 @@ def first_frequency(point: SpeedPoint) -> float | None:
     return point.reduced.f2_hz if point.modes else point.reduced.f1_hz
 
 
+def followed_mode(results: Results) -> str:
+    """What a legend calls the mode the damper follows; "mode followed" where that is another with the speed."""
+    names = engine_orders.labels(results.speeds)
+    every = {None if (k := p.followed) is None else names[p.modes[k].branch] for p in results.speeds}
+    return next((name for name in every if name is not None and len(every) == 1), "mode followed")
+
+
 def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
     """How useful the damper is over the loads, by stretches of them, and on what that rests; where it is locked."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
@@ -325,8 +332,10 @@ def of_orders(results: Results) -> list[str]:
 def _orders(results: Results) -> list[list[str]]:
     """The same, sentence by sentence."""
     excitation = results.scene.excitation
-    if excitation is None or results.scene.damper is None or not results.speeds or limits.is_printed(results):
+    if excitation is None or results.scene.damper is None or not results.speeds:
         return []
+    if limits.is_printed(results):
+        return [said("answer/printed_orders", results, orders=excitation.orders)]
     every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})

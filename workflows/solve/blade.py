@@ -65,6 +65,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         coriolis=solved.coriolis_shifts,
         root_stress=root_stress(solved.operators),
         cut=_cavities(scene, seat, solved.operators.blade.material),
+        mass=float(solved.operators.masses.sum()),
     )
 
 

@@ -1,8 +1,10 @@
 """Where engine orders meet natural frequencies: for the pictures of a run, and for the forced response."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -88,11 +90,25 @@ class Crossing:
         """Speed [rad/s]."""
         return from_rpm(self.rpm)
 
+    def moved(self, rpm: float) -> Crossing:
+        """The same order and mode, at another speed [rev/min]."""
+        return replace(self, rpm=rpm, frequency_hz=self.order * rpm / 60)
+
 
 def crossings(results: Results) -> list[Crossing]:
-    """Those of a run with the usual orders; a structure that is given has no modes, and none of them."""
-    known = any(point.modes for point in results.speeds)
-    return of_points(results.speeds, orders(results.scene)) if known else []
+    """Those of a run with the usual orders, where they were solved at the speed that estimates name.
+
+    A structure that is given has no modes, and none of them.
+    """
+    if not any(point.modes for point in results.speeds):
+        return []
+    met = []
+    for each in of_points(results.speeds, orders(results.scene)):
+        solved = [
+            known.rpm for known in results.reductions if (known.order, known.mode) == (each.order, each.branch + 1)
+        ]
+        met.append(each.moved(min(solved, key=lambda rpm: abs(rpm - each.rpm), default=each.rpm)))
+    return met
 
 
 def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Crossing]:
@@ -114,6 +130,13 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
             found = (_between(order, names[branch], low, high) for low, high in pairs)
             met += [crossing for crossing in found if crossing is not None]
     return sorted(met, key=lambda crossing: crossing.order)
+
+
+def ends(points: Sequence[SpeedPoint], crossing: Crossing) -> tuple[tuple[SpeedPoint, int], tuple[SpeedPoint, int]]:
+    """The points that a crossing lies between, each with the number of its mode there, from 0."""
+    track = _track(sorted(points, key=lambda point: point.omega), crossing.branch)
+    above = next(k for k in range(1, len(track)) if track[k][0].rpm >= crossing.rpm or k == len(track) - 1)
+    return track[above - 1], track[above]
 
 
 def no_crossing(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, driven: bool = True) -> BadInput:

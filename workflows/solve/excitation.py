@@ -7,9 +7,9 @@ endures; `spindamp response` follows the motion itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ import damper
 from workflows.errors import read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import Excitation
+from workflows.scene.scene import Excitation, Scene
 from workflows.solve import coupling, engine_orders, limits
 from workflows.solve.damper import particle_damper
 from workflows.solve.engine_orders import Crossing
@@ -200,41 +200,35 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
         return ()
     solver, results = state.solver.with_switches(with_forced_effects(state.source)), state.results(stages=stages)
-    met = solved_crossings(solver, state.points, excitation.orders)
-    return tuple(estimate(solver, results, at, crossing, excitation) for crossing, at in met)
+    met = solved_crossings(solver, state.points, excitation)
+    return tuple(estimate(solver, results, *each, excitation) for each in met)
 
 
-_MET, _TRIES = 1e-5, 8
-"""Relative distance of an order from the mode solved at a crossing up to which they meet; speeds tried at most."""
+_MET, _CLOSED = 1e-5, 1e-9
+"""Relative distance of an order from a frequency solved at a speed up to which they meet; and relative width of a
+bracket of squared speeds that jumps over the order."""
 
 
 def solved_crossings(
-    solver: StructureSolver, points: Sequence[SpeedPoint], orders: Iterable[int]
-) -> list[tuple[Crossing, SpeedPoint]]:
-    """Crossings between the speeds of some points, each with the structure there, where the mode is the order's.
+    solver: StructureSolver, points: Sequence[SpeedPoint], excitation: Excitation
+) -> list[tuple[Crossing, SpeedPoint, SpeedPoint | None]]:
+    """Crossings between the speeds of some points, with the structure there, and where the ball at rest moves them to.
 
-    Between speeds far apart f² is not straight in Ω²: a crossing moves along the chord's slope until they meet.
+    The latter is the last of the points where the order meets the frequency beyond it, and None where another mode
+    moves the cavity more along x. An order that passes through the gap between two modes that veer meets neither.
     """
-    moved, at = engine_orders.of_points(points, orders), dict[float, SpeedPoint]()
-    for _ in range(_TRIES):
-        met = moved
-        if not (new := sorted({crossing.omega for crossing in met} - set(at))):
-            break
-        at |= solver.at(new).by_speed
-        moved = [_refined(crossing, at[crossing.omega], points) for crossing in met]
-    return [(crossing, at[crossing.omega]) for crossing in met]
-
-
-def _refined(crossing: Crossing, at: SpeedPoint, points: Sequence[SpeedPoint]) -> Crossing:
-    """Where the order meets the mode solved at its crossing, whose f² grows as between the speeds about it."""
-    hertz, order = crossed_hertz(at, crossing), crossing.order
-    if abs(hertz / crossing.frequency_hz - 1) <= _MET:
-        return crossing
-    growth = order * (order - crossing.turns) / 3600
-    square = crossing.rpm**2 + (hertz**2 - crossing.frequency_hz**2) / growth
-    low, high = min(point.rpm for point in points), max(point.rpm for point in points)
-    rpm = min(max(math.sqrt(max(square, 0.0)), low), high)
-    return replace(crossing, rpm=rpm, frequency_hz=order * rpm / 60)
+    estimated = engine_orders.of_points(points, excitation.orders)
+    between = [engine_orders.ends(points, crossing) for crossing in estimated]
+    modes = [partial(_nearest, crossing.order, ends) for crossing, ends in zip(estimated, between, strict=True)]
+    solved = _meetings(solver, estimated, modes, [(low, high) for (low, _), (high, _) in between])
+    met = [(crossing.moved(at.rpm), at) for crossing, at in zip(estimated, solved, strict=True) if at is not None]
+    leading = [(crossing, at) for crossing, at in met if modes_at_crossing(at, crossing)[2]]
+    slowest, fastest = (of(points, key=lambda point: point.omega) for of in (min, max))
+    hertz = partial(_resting_hertz, solver.source.scene)
+    sides = [(at, slowest if hertz(at) < crossing.frequency_hz else fastest) for crossing, at in leading]
+    moved = _meetings(solver, [crossing for crossing, _ in leading], [hertz] * len(leading), sides)
+    resting = {crossing: point for (crossing, _), point in zip(leading, moved, strict=True)}
+    return [(crossing, at, resting.get(crossing)) for crossing, at in met]
 
 
 def crossed_hertz(at: SpeedPoint, crossing: Crossing) -> float:
@@ -243,33 +237,93 @@ def crossed_hertz(at: SpeedPoint, crossing: Crossing) -> float:
     return engine_orders.frequency_of(at, next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0))
 
 
+def _nearest(order: int, ends: Sequence[tuple[SpeedPoint, int]], point: SpeedPoint) -> float:
+    """Frequency of the mode that an order meets between two points, each with the mode's number there [Hz]."""
+    known = {end.omega: [number] for end, number in ends}
+    numbers = sorted(number for _, number in ends)
+    between = known.get(point.omega, range(numbers[0], numbers[-1] + 1))
+    every = [engine_orders.frequency_of(point, number) for number in between]
+    return min(every, key=lambda hertz: abs(hertz - order * point.rpm / 60))
+
+
+def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
+    """Frequency with the ball at rest of the mode that moves the cavity most along x [Hz]."""
+    leader = coupling.leading_mode(point.cavity_modes, 0)
+    assert point.reduced is not None
+    if leader is None:
+        return point.reduced.f1_hz
+    ball = coupling.ball_mass(scene, point.reduced.M2)
+    return math.sqrt(leader.stiffness / (1 + ball * leader.shape[0] ** 2)) / (2 * math.pi)
+
+
+def _meetings(
+    solver: StructureSolver,
+    crossings: Sequence[Crossing],
+    hertz: Sequence[Callable[[SpeedPoint], float]],
+    ends: Sequence[tuple[SpeedPoint, SpeedPoint]],
+) -> list[SpeedPoint | None]:
+    """The structure where orders meet frequencies between two points each, or at the second where they do not.
+
+    By the Illinois rule in Omega², over which f² is nearly straight: what is left always has them on either side. None
+    where the frequency jumps over the order.
+    """
+
+    def side(k: int, point: SpeedPoint) -> tuple[float, float]:
+        return point.omega**2, hertz[k](point) ** 2 - (crossings[k].order * point.rpm / 60) ** 2
+
+    brackets = {k: (side(k, a), side(k, b)) for k, (a, b) in enumerate(ends)}
+    found = dict[int, SpeedPoint | None]()
+    while left := {k: bracket for k, bracket in brackets.items() if k not in found}:
+        last = {k for k, ((_, u), (_, v)) in left.items() if u * v > 0 or u == v}
+        squares = {k: b if k in last else (a * v - b * u) / (v - u) for k, ((a, u), (b, v)) in left.items()}
+        tries = {k: math.sqrt(square) for k, square in squares.items()}
+        at = solver.at(sorted(set(tries.values()))).by_speed
+        for k, ((a, u), (b, v)) in left.items():
+            point = at[tries[k]]
+            if k in last or abs(hertz[k](point) / (crossings[k].order * point.rpm / 60) - 1) <= _MET:
+                found[k] = point
+            elif abs(b - a) <= _CLOSED * b:
+                found[k] = None
+            else:
+                new = side(k, point)
+                brackets[k] = ((b, v) if new[1] * v < 0 else (a, u / 2), new)
+    return [found[k] for k in range(len(ends))]
+
+
 def estimate(
-    solver: StructureSolver, results: Results, at: SpeedPoint, crossing: Crossing, excitation: Excitation
+    solver: StructureSolver,
+    results: Results,
+    crossing: Crossing,
+    at: SpeedPoint,
+    resting: SpeedPoint | None,
+    excitation: Excitation,
 ) -> VibrationReduction:
     """What the ball does at a crossing, from free vibration.
 
     Args:
         solver: of the structure, with the effects of forced motion.
         results: the structure over the range of speeds.
-        at: the same at the crossing.
         crossing: of an order with a mode.
+        at: the structure there.
+        resting: the same where the ball at rest moves the crossing to; None: it is not known.
         excitation: its kind and levels.
     """
-    system = damper_at(solver, at, crossing, excitation)
+    bare = damper_at(solver, at, crossing, excitation)
+    system = bare if resting is None else damper_at(solver, resting, crossing.moved(resting.rpm), excitation)
     none = copy_fields(VibrationReduction, crossing, mode=crossing.branch + 1)
-    if isinstance(system, str):
-        return replace(none, reason=Reason.NOT_DRIVEN, detail=system)
+    if isinstance(bare, str) or isinstance(system, str):
+        return replace(none, reason=Reason.NOT_DRIVEN, detail=bare if isinstance(bare, str) else str(system))
     limit = endured(results, crossing)
     limit = math.inf if limit is None else limit
     reason = limits.inadmissible(results, at) or (Reason.WEIGHT if limits.weight_governs(at) else None)
-    if reason is None and not modes_at_crossing(at, crossing)[2]:
+    if reason is None and resting is None:
         reason = Reason.OTHER_MODE
     if reason is None and system.floor_radius is not None and not is_well_held(system):
         reason = Reason.SWINGS
     if reason is not None:
         return replace(none, reason=reason)
     with solver.stages("damper"):
-        balance = _Balance.of(system, at, crossing, excitation)
+        balance = _Balance.of(system, resting or at, bare, at, crossing, excitation)
         known, amplitude = _over_levels(balance, limit, excitation.levels)
     if math.isfinite(amplitude) and limits.slides(results, at, amplitude):
         return replace(none, reason=Reason.SLIP)
@@ -299,30 +353,38 @@ class _Balance:
 
     Attributes:
         free: free vibration with the ball.
-        force: at the cavity by a unit of the excitation [N]; alone: the same without the ball's part.
-        resting: frequency with the ball at rest; light: without its mass; without: without its pull too [rad/s].
+        force: at the cavity by a unit of the excitation [N].
+        resting: frequency with the ball at rest [rad/s].
+        bare: amplitude without the ball, by a unit of the excitation [m].
         moves_from: level up to which the ball stays at rest, along both axes.
     """
 
     free: damper.Backbone
     force: float
-    alone: float
     resting: float
-    light: float
-    without: float
+    bare: float
     moves_from: float
 
     @classmethod
     def of(
-        cls, system: damper.ParticleDamper, point: SpeedPoint, crossing: Crossing, excitation: Excitation
+        cls,
+        system: damper.ParticleDamper,
+        resting: SpeedPoint,
+        bare: damper.ParticleDamper,
+        at: SpeedPoint,
+        crossing: Crossing,
+        excitation: Excitation,
     ) -> _Balance:
-        """That of a damper at a crossing."""
-        unit, resting = harmonic_of(system, crossing, point, excitation, 1.0), system.stuck_frequency
-        force, alone = force_at_cavity(system, unit), force_at_cavity(system, unit, ball=False)
-        moves = float(damper.moves_from(system, [replace(unit, frequency=resting)])[0])
-        light = math.sqrt(system.stiffness[0] / system.modal_mass)
-        without = 2 * math.pi * crossed_hertz(point, crossing)
-        return cls(free_vibration(system), force, alone, resting, light, without, moves)
+        """That of a damper where the ball at rest moves a crossing to, beside the structure that is bare, at it."""
+        unit, alone = (
+            harmonic_of(each, crossing, point, excitation, 1.0) for each, point in ((system, resting), (bare, at))
+        )
+        free, frequency = free_vibration(system), system.stuck_frequency
+        moves = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
+        twice_zeta = free.dashpot / math.sqrt(system.stiffness[0] * system.modal_mass)
+        stiffness = bare.modal_mass * (2 * math.pi * crossed_hertz(at, crossing)) ** 2
+        without = force_at_cavity(bare, alone, ball=False) / (twice_zeta * stiffness)
+        return cls(free, force_at_cavity(system, unit), frequency, without, moves)
 
     def amplitude(self, levels: Floats) -> Floats:
         """The largest as the speed goes through the crossing, whatever the ball does [m]."""
@@ -332,11 +394,6 @@ class _Balance:
     def at_rest(self) -> float:
         """With the ball at rest, by a unit of the excitation [m]."""
         return self.force / (self.free.dashpot * self.resting)
-
-    @property
-    def bare(self) -> float:
-        """Without the ball, by a unit of the excitation [m]: at the same damping ratio the dashpot goes with omega."""
-        return self.alone / (self.free.dashpot * self.without) * (self.light / self.without)
 
 
 def half_way(ratio: float) -> float:

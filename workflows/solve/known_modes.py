@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -104,6 +105,7 @@ class SpaceStructure:
             not known.
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
         cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
+        mass: of all that the mesh has [kg]; inf: not known.
     """
 
     model: ModalModel
@@ -115,12 +117,13 @@ class SpaceStructure:
     coriolis: Callable[[float], Floats] | None = None
     root_stress: float | None = None
     cut: Callable[[ModesAtSpeed], Floats] | None = None
+    mass: float = math.inf
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
 
         Raises:
-            BadInput: no mode moves the damper's place along axis 1 of its cavity.
+            BadInput: no mode moves the damper's place along axis 1 of its cavity; balls heavier than the blade.
             Divergence: the ball's pull takes the stiffness of a mode.
         """
         return tuple(self._point(source, effects, omega) for omega in source.scene.rotor.speeds)
@@ -157,6 +160,10 @@ class SpaceStructure:
             )
         except NoMotion as error:
             raise source.wrong(str(error), "[damper] direction") from error
+        if (balls := float(reduced.M1 - reduced.M2)) >= self.mass:
+            weights = f"would weigh {significant(balls)} kg, and the blade weighs {significant(self.mass)} kg"
+            problem = f"balls of this ratio {weights}: expected less"
+            raise source.wrong(problem, "[damper] mass_ratio", damper.mass_ratio)
         lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
         return replace(

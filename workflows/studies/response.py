@@ -181,7 +181,8 @@ _RINGS = 5.0
 """Half the width of the band looked through, in damping ratios of the structure: the response falls to a tenth."""
 
 _SHIFTS = 1.5
-"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without."""
+"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without; or of
+its halves, where a ball that swings in a hollow floor splits it (Den Hartog: by half the root of the mass ratio)."""
 
 _NARROWEST = 2e-3
 """Least half width of the band."""
@@ -270,24 +271,24 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     source = excitation.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.over_speed_range(solver).results(stages=stages)
-    met = excitation.solved_crossings(solver, results.speeds, forcing.orders)
+    met = excitation.solved_crossings(solver, results.speeds, forcing)
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
 
     def estimates(of: Excitation) -> list[VibrationReduction]:
         found = []
-        for crossing, at in met:
-            with during(_where(crossing)):
-                found.append(excitation.estimate(solver, results, at, crossing, of))
+        for each in met:
+            with during(_where(each[0])):
+                found.append(excitation.estimate(solver, results, *each, of))
         return found
 
     reductions = estimates(forcing)
     followed = with_best_levels(forcing, reductions)
     reductions = reductions if followed.levels == forcing.levels else estimates(followed)
     passages, not_followed = [], []
-    for (crossing, at), reduction in zip(met, reductions, strict=True):
+    for (crossing, at, resting), reduction in zip(met, reductions, strict=True):
         with during(_where(crossing)):
-            passage = _passage(solver, at, crossing, followed, reduction)
+            passage = _passage(solver, at, resting or at, crossing, followed, reduction)
         if isinstance(passage, str):
             not_followed.append((crossing, passage))
         else:
@@ -322,14 +323,19 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
 
 
 def _passage(
-    solver: StructureSolver, at: SpeedPoint, crossing: Crossing, forcing: Excitation, reduction: VibrationReduction
+    solver: StructureSolver,
+    at: SpeedPoint,
+    resting: SpeedPoint,
+    crossing: Crossing,
+    forcing: Excitation,
+    reduction: VibrationReduction,
 ) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
-    omega = _speeds(solver, crossing, at)
+    omega = _speeds(solver, crossing, at, resting)
     states = _steady_states(solver, crossing, forcing, omega, axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
@@ -363,16 +369,17 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
     return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
 
 
-def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint) -> Floats:
+def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting: SpeedPoint) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
     reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
+    if reduced is not None and spec is not None and spec.floor_radius is not None:
+        shift = max(shift, 0.5 * math.sqrt(reduced.M1 / reduced.M2 - 1))  # a ball tuned to the order splits the peak
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
     per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
-    resting = crossing.omega - shift * per_speed
     count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
-    return resonance_speeds((resting, crossing.omega), zeta * per_speed, ends, count)
+    return resonance_speeds((resting.omega, crossing.omega), zeta * per_speed, ends, count)
 
 
 def _excited_dampers(

@@ -351,6 +351,7 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "power_in": finite(row.power_in),
         "power_lost": finite(row.power_lost),
         "shortcut": estimate,
+        "shortcut_reason": row.passage.reduction.reason or None,
     }
 
 

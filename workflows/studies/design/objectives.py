@@ -65,6 +65,7 @@ class Evaluation:
         mass: of all balls [kg].
         used: shares of the limits.
         endured: amplitude that the plate endures [m]; inf where it is not known.
+        sticks_out: how far a cavity does, out of a structure in space [m].
         falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
         why: why it is worth nothing; None where it is worth something.
     """
@@ -84,6 +85,7 @@ class Evaluation:
     grows: float = math.nan
     dent: float = 0.0
     endured: float = math.inf
+    sticks_out: float = 0.0
     falling: float = math.nan
 
     @property

@@ -291,7 +291,8 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    return evaluation and replace(evaluation, mass=mass, used=used, endured=endured)
+    sticks_out = fastest.point.sticks_out
+    return evaluation and replace(evaluation, mass=mass, used=used, endured=endured, sticks_out=sticks_out)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
