@@ -61,8 +61,8 @@ def in_a_range(slow, here):
 
 @pytest.fixture
 def few_speeds(monkeypatch):
-    """Responses that follow a third of the speeds, the crossing's among them."""
-    monkeypatch.setattr(response, "SPEEDS", 21)
+    """Responses that follow few of the speeds, the crossing's among them."""
+    monkeypatch.setattr(response, "SPEEDS", 9)
 
 
 def space_of(scene, **design):
