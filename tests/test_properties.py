@@ -19,8 +19,7 @@ T = TypeVar("T")
 ringdowns = settings(
     max_examples=150 if COMPILED else 5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
 )
-slowest = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-slow = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+slow = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
 
 class Drawn:
@@ -70,7 +69,7 @@ def test_event_times_and_peaks_are_in_order(scene: rings.Scene) -> None:
         assert (0.5 * damper.modal_mass * run.peak_velocities**2 <= run.energy.initial * (1 + 1e-9)).all()
 
 
-@slowest
+@slow
 @given(plate_scenes())
 def test_plates(drawn: tuple[plates.Scene, object]) -> None:
     """Frequencies real and ordered, or Divergence; independent of how many are asked for."""

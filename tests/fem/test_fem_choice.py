@@ -58,7 +58,7 @@ def test_keeps_its_promise(length, width, thickness, theory, tolerance):
     """True errors, against a finer mesh's limit, are within the tolerance and a factor of three of the estimates."""
     planform, build = built(length, width, thickness, theory)
     choice = choose_mesh(planform, build, (0.0, rpm(9000)), COUNT, tolerance)
-    promise_kept(choice, build, -(-3 * choice.size // 2), tolerance, order=4)
+    promise_kept(choice, build, -(-4 * choice.size // 3), tolerance, order=4)
 
 
 @cache
@@ -179,7 +179,7 @@ def test_coarse_bricks_of_a_thin_plate_are_not_believed():
     """One cell's width apart they differ by a tenth of their error: they converge slowly until they are fine."""
     planform = Rectangle(0.1, 0.1)
     build = builder(planform, 0.004, "solid", effects=AT_REST)
-    promise_kept(choose_mesh(planform, build, (0.0,), 3, 2e-2), build, 6, 2e-2)
+    promise_kept(choose_mesh(planform, build, (0.0,), 3, 2e-2), build, 5, 2e-2)
 
 
 def test_a_coarse_mesh_that_diverges_is_not_believed():
@@ -192,7 +192,7 @@ def test_a_coarse_mesh_that_diverges_is_not_believed():
     for speeds in ((0.0, 9500.0), (9500.0,)):
         choice = choose_mesh(planform, build, speeds, 2, 5e-2)
         np.testing.assert_allclose(choice.probes, speeds)
-        promise_kept(choice, build, 12, 5e-2)
+        promise_kept(choice, build, 8, 5e-2)
 
 
 def test_corners_that_point_inwards():

@@ -211,7 +211,7 @@ def test_a_plate_is_the_same_wherever_its_mesh_draws_it(theory, drawn_at):
 
 @cache
 def drawn(theory, x):
-    mesh = rectangle(0.2, 0.08, 6, 4).translated((x, 0.0))
+    mesh = rectangle(0.2, 0.08, 4, 2).translated((x, 0.0))
     plate = Plate(mesh, 0.004, STEEL, tip_mass=0.05, tip_at=(x + 0.2, 0.0))
     operators = assemble(plate, Rotor(0.1, 0.6), Effects(large_deflection=True), theory)
     felt = reduce_at(operators, rpm(8000), (x + 0.15, 0.01), ball_mass=0.002)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fem_cases import rpm
 from scipy.spatial.transform import Rotation
 
 from fem import Effects, Material, MeshError, equilibrium, linalg
@@ -27,10 +28,6 @@ STEEL = Material(2.1e11, 0.3, 7850.0)
 TITANIUM = Material(113.8e9, 0.342, 4430.0)
 INCONEL = Material(2e11, 0.29, 8220.0)
 AXIS, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
-
-
-def rpm(speed):
-    return speed * np.pi / 30.0
 
 
 def box(kind, n=(2, 2, 2), sides=(1.0, 0.8, 0.6), distorted=0.0):

@@ -46,21 +46,21 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_true_error_is_within_the_bound(case):
-    """At 50 random speeds, and no bound above 1e-6."""
+    """At 20 random speeds, and no bound above 1e-6."""
     plate, rotor, effects, top = CASES[case]
     operators = assemble(plate, rotor, effects)
-    speeds = np.sort(np.random.default_rng(3).uniform(0.0, top, 50))
+    speeds = np.sort(np.random.default_rng(3).uniform(0.0, top, 20))
     found = campbell(operators, speeds, 6)
     true = np.array([solve_modes(operators, omega, 6).frequencies_hz for omega in speeds])
     assert found.bounds.max() <= 1e-6
     assert (np.abs(found.frequencies_hz / true - 1.0) <= found.bounds).all()
 
 
-GRADED = np.geomspace(1e-3, 1.0, 400)
+GRADED = np.geomspace(1e-3, 1.0, 200)
 """Parts of the highest speed that leave no room for interpolation between most of them."""
 
 
-@pytest.mark.parametrize("spread", [np.linspace(0.0, 1.0, 400), GRADED, np.repeat(np.linspace(0.1, 1.0, 5), 80)])
+@pytest.mark.parametrize("spread", [np.linspace(0.0, 1.0, 200), GRADED, np.repeat(np.linspace(0.1, 1.0, 5), 40)])
 @pytest.mark.parametrize("case", ["Coriolis", "far beyond its own stiffness", "square"])
 def test_many_speeds_have_the_modes_of_each_by_itself(case, spread):
     """With Coriolis forces, where vectors are interpolated between speeds; through crossings and veerings."""
@@ -111,7 +111,7 @@ def test_sparse_and_dense_agree():
 
 def test_double_modes_are_found_whole():
     """A square-section beam has flap and lag at the same frequency; both must come, and no third."""
-    plate = Plate(rectangle(1.0, 0.02, 20, 1), 0.02, Material(2e11, 0.0, 7850.0))
+    plate = Plate(rectangle(1.0, 0.02, 12, 1), 0.02, Material(2e11, 0.0, 7850.0))
     operators = assemble(plate, Rotor(), Effects(), "solid")
     values = scipy.linalg.eigh(operators.stiffness.toarray(), operators.mass.toarray(), eigvals_only=True)[:6]
     found = solve_modes(operators, 0.0, 6).eigenvalues
@@ -178,13 +178,13 @@ def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
     mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
     plate = Plate(rectangle(0.2, 0.08, 6, 4).to_meshtri(), 0.004, STEEL, mass, (0.2, 0.0))
     operators = assemble(plate, Rotor(0.1, 0.5), Effects(), "kirchhoff/argyris")
-    speeds = np.linspace(0.0, 16.2, 21)
+    speeds = np.linspace(0.0, 16.2, 11)
     found = campbell(operators, speeds, 6)
     assert (found.bounds <= 1e-6).all()
     direct = np.array([solve_modes(operators, speed, 6).frequencies_hz for speed in speeds])
     assert (np.abs(found.frequencies_hz / direct - 1.0) <= found.bounds + 1e-10).all()
     assert len(found.parts) > 1
-    assert found.shapes(20).shape == (operators.mass.shape[0], 6)
+    assert found.shapes(10).shape == (operators.mass.shape[0], 6)
 
 
 def test_follow_crossing_and_veering():
@@ -212,9 +212,7 @@ def test_veering_is_flagged():
     assert not fine.veerings
 
 
-@pytest.mark.parametrize(
-    ("speeds", "coriolis"), [(6, False), (41, False), (201, False), (6, True), (41, True), (101, True)]
-)
+@pytest.mark.parametrize(("speeds", "coriolis"), [(6, False), (41, False), (201, False), (6, True), (61, True)])
 def test_sharp_veering_is_flagged(speeds, coriolis):
     """The second flap and the first lag come within 0.9 Hz under stagger and cross without one."""
     plate = Plate(rectangle(0.3, 0.03, 12, 2), 0.002, STEEL)

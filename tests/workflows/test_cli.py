@@ -84,7 +84,7 @@ def test_version(spindamp: Command) -> None:
 
 @pytest.mark.parametrize("command", ["run", "campbell", "ringdown"])
 def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    scene = write(changed(paper, rotor__speeds=["10000 rpm"]), tmp_path / "scene.toml")
+    scene = write(changed(paper, rotor__speeds=["10000 rpm"], accuracy__frequency=0.05), tmp_path / "scene.toml")
     outcome = spindamp(command, scene, "--json")
     assert outcome.status == 0
     assert outcome.err == ""
@@ -122,6 +122,7 @@ def test_divergence_is_no_answer(spindamp: Command, tmp_path: Path, paper: Scene
         "rotor__speeds": ["20000 rpm", "30000 rpm"],
         "rotor__stagger": "90 deg",
         "effects__stress_stiffening": False,
+        "accuracy__frequency": 0.05,
     }
     scene = write(changed(paper, **changes), tmp_path / "scene.toml")
     refused(spindamp("campbell", scene, "--out", "out"), "", "20000 rpm", status=3)
@@ -131,7 +132,7 @@ def test_divergence_is_no_answer(spindamp: Command, tmp_path: Path, paper: Scene
 def test_speeds_below_the_critical_one_have_answers(spindamp: Command, tmp_path: Path, paper: Scene) -> None:
     """Without prestress the plate in the plane of rotation diverges where the rotor turns as fast as it vibrates."""
     changes = {"rotor__speeds": ["30000 rpm", "0 rpm"], "rotor__stagger": "90 deg", "effects__stress_stiffening": False}
-    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    scene = write(changed(paper, **changes, accuracy__frequency=0.05), tmp_path / "scene.toml")
     found = json.loads(spindamp("campbell", scene, "--json").out)
     assert [point["rpm"] for point in found["speeds"]] == [0]
     (note,) = [note for note in found["notes"] if "diverges at 30000 rpm" in note]

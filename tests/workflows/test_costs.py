@@ -389,6 +389,7 @@ def test_speeds_are_compared_with_their_like() -> None:
 def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
+    plate["accuracy__frequency"] = 0.05
     scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
     rows = json.loads(spindamp("effects", scene, "--json").out)["rows"]
     (row,) = [row for row in rows if row["effect"] == "stress_stiffening"]
@@ -415,7 +416,7 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
 
 @pytest.mark.usefixtures("hasty")
 def test_what_needs_each_other_is_switched_together(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
-    plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1}
+    plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1, "accuracy__frequency": 0.05}
     both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
     for scene, effect, words in (

@@ -45,7 +45,9 @@ def test_the_papers_report_has_cutoffs_with_the_tilt_beside_it(document: dict[st
 
 def test_the_verdict_tilts_whatever_the_scene_does(paper: Scene) -> None:
     """What the ball takes at its best falls as measured once by another program, and the verdict is that."""
-    slow = changed(paper, rotor__speeds=["3500 rpm", "10000 rpm"], damper__damping_ratio=0.001)
+    slow = changed(
+        paper, rotor__speeds=["3500 rpm", "10000 rpm"], damper__damping_ratio=0.001, accuracy__frequency=0.01
+    )
     slow["release"] = {"displacement": ["20 mm", "0 mm"]}
     level, tilting = workflows.run(slow), workflows.run(changed(slow, effects__floor_tilt="auto"))
     for k, share in ((0, 0.339e-2), (1, 0.027e-2)):
@@ -272,6 +274,7 @@ def test_what_coriolis_forces_on_the_ball_would_add() -> None:
             "friction": 0.3,
             "rolling_friction": "0.01 mm",
         },
+        "accuracy": {"frequency": 0.01},
     }
     found = workflows.run(blade)
     (point,) = found.speeds

@@ -142,8 +142,7 @@ def test_words_in_figures_stand_out_of_the_page() -> None:
             assert (high + 0.05) / (low + 0.05) >= 4.5, name
 
 
-def test_no_word_of_a_figure_has_the_colour_of_a_line(finished: Path) -> None:
-    page = (finished / "report.html").read_text(encoding="utf-8")
+def test_no_word_of_a_figure_has_the_colour_of_a_line(page: str) -> None:
     pale = re.findall(r"(\.[\w-]+)\{[^}]*fill:var\(--line-", page)
     texts = re.findall(r'<text[^>]*(?:class="([\w-]+)"|style="([^"]*)")', page)
     assert len(texts) > 100
@@ -151,9 +150,8 @@ def test_no_word_of_a_figure_has_the_colour_of_a_line(finished: Path) -> None:
     assert not [style for _, style in texts if "var(--line-" in style]
 
 
-def test_engine_orders_are_answered_in_the_report(finished: Path, document: dict[str, Any], paper: Scene) -> None:
+def test_engine_orders_are_answered_in_the_report(page: str, document: dict[str, Any], paper: Scene) -> None:
     """Each crossing is where an order of the scene meets the first bending mode, and its row is that of the results."""
-    page = (finished / "report.html").read_text(encoding="utf-8")
     text = re.sub(r"(<[^>]+>|[ \n])+", " ", page[page.index("Under engine orders") :])
     assert "spindamp response" in text
     assert {each["order"] for each in document["reductions"]} <= set(paper["excitation"]["orders"])

@@ -375,6 +375,7 @@ def test_further_speeds_lie_beside_the_peaks(peak):
         assert amplitude(omega)[:, 0].max() > 0.99 / width
 
 
+@pytest.mark.usefixtures("few_speeds")
 def test_a_ball_that_is_held_makes_the_peak_no_smaller():
     """It adds 6 % of mass, which moves the peak by 149 half-widths and, at a force, makes it sqrt(1.06) as large."""
     heavy = changed(STRUCTURE, damper__mass_ratio=0.06, damper__count=1830, damper__rolling_friction="0.9 mm")
@@ -433,6 +434,7 @@ def blade(excitation, **damper):
         "damper": {**STRUCTURE["damper"], "mass_ratio": 0.005} | damper,
         "release": STRUCTURE["release"],
         "excitation": excitation,
+        "accuracy": {"frequency": 0.01},
     }
 
 
@@ -542,7 +544,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict(known):
 
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """20 N, all that is asked for, is too much for the root: what is said of less is held against motion, both ways."""
-    monkeypatch.setattr(study, "SPEEDS", 9)
+    monkeypatch.setattr(study, "SPEEDS", 5)
     found = respond(as_scene_file(blade({"orders": [3, 50], "force": "20 N"}, count=20, damping_ratio=0.001)))
     best, strong = study.rows(found)
     assert found.requested_levels == (strong.force,) == (20.0,)
@@ -570,7 +572,7 @@ def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
 
     The load holds the balls, so that no motion has to be followed.
     """
-    monkeypatch.setattr(study, "SPEEDS", 41)
+    monkeypatch.setattr(study, "SPEEDS", 21)
     scene = {
         "plate": {"length": "200 mm", "width": "70 mm", "thickness": "5 mm", "theory": "kirchhoff"},
         "material": {"name": "Ti-6Al-4V"},
@@ -587,6 +589,7 @@ def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
             "damping_ratio": 0.002,
         },
         "excitation": {"orders": [2], "force": "0.1 N"},
+        "accuracy": {"frequency": 0.01},
     }
     for modes in (True, False):
         found = respond(as_scene_file(scene | {"effects": {"structural_modes": modes}}))
@@ -605,6 +608,7 @@ def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
         "rotor": {"hub_radius": "150 mm", "modes": 4, "speeds": ["0 rpm", "40000 rpm"]},
         "damper": {**ball, "count": 1, "ball_material": "steel", "restitution": 0.6, "friction": 0.2},
         "excitation": {"orders": [2], "force": ["1 N", "10 N"]},
+        "accuracy": {"frequency": 0.01},
     }
     solver = StructureSolver(as_scene_file(scene), Stages())
     few, many = solver.at().points, solver.at(np.linspace(0, 40000, 21) * math.pi / 30).points

@@ -238,7 +238,7 @@ def frequencies(scene: Any, switches: fem.Effects) -> np.ndarray | None:
     """The six lowest with these effects; None where the plate diverges."""
     given, metal = scene.plate, scene.material
     material = fem.Material(metal.youngs_modulus, metal.poissons_ratio, metal.density)
-    body = fem.Plate(fem.Rectangle(given.length, given.width).mesh(4), given.thickness, material)
+    body = fem.Plate(fem.Rectangle(given.length, given.width).mesh(3), given.thickness, material)
     operators = fem.assemble(body, fem.Rotor(scene.rotor.hub_radius, scene.rotor.stagger), switches)
     try:
         return fem.solve_modes(operators, scene.rotor.speeds[0], 6).frequencies_hz

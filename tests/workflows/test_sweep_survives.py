@@ -297,7 +297,7 @@ def test_no_cluster(asked, tmp_path):
 def test_a_script_without_a_guard(tmp_path: Path) -> None:
     """Processes of this machine do not run the script again: no `if __name__ == "__main__"` is needed."""
     script = tmp_path / "study.py"
-    call = 'spindamp.sweep("structure", {"damper.friction": [0.1, 0.3]}, quick=True, workers=2)'
+    call = 'spindamp.sweep("structure", {"damper.friction": [0.1, 0.3]}, quick=True, workers=1)'
     script.write_text(f"import spindamp\nprint(dict({call}.sizes))\n", encoding="utf-8")
     done = python(script)
     assert (done.returncode, done.stdout) == (0, "{'damper.friction': 2, 'rotor.speeds': 1}\n"), done.stderr

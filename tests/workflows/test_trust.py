@@ -99,8 +99,16 @@ SKEWED = (23.46501, 128.0925, 197.8226, 350.461, 600.3559, 650.2569)
 of steel, swept by 45 degrees. 32 x 16 bricks have 0.02 % more."""
 
 
-@pytest.mark.parametrize("triangles", [False, True])
-@pytest.mark.parametrize(("theory", "accuracy"), [("mindlin", 1e-2), ("mindlin", 1e-3), ("kirchhoff", 1e-2)])
+@pytest.mark.parametrize(
+    ("theory", "accuracy", "triangles"),
+    [
+        ("mindlin", 1e-2, False),
+        ("mindlin", 1e-2, True),
+        ("mindlin", 1e-3, False),
+        ("kirchhoff", 1e-2, False),
+        ("kirchhoff", 1e-2, True),
+    ],
+)
 def test_a_swept_plate_is_within_its_estimate(theory: str, accuracy: float, triangles: bool, tmp_path: Path) -> None:
     """At the blunt corner of the root strains have no limit: what was said was up to three times too small."""
     x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, 0.2, 17), np.linspace(-0.05, 0.05, 9), indexing="ij"))
