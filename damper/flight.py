@@ -26,12 +26,11 @@ from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
-from damper.compiled import fused, kernel, part
+from damper.compiled import fused, part
 from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
-    from damper.model import Floats, Integers, Record
-    from damper.state import Equations
+    from damper.model import Floats, Record
 
 
 WIDTH = 8
@@ -214,64 +213,6 @@ else:
             return result
 
         return _EIGHT(types.float64), code
-
-
-@kernel
-def fill_flows(
-    of: Equations,
-    group: Integers,
-    axes: Integers,
-    spans: Floats,
-    g: int,
-    driven: int,
-    room: Floats,
-    flows: Floats,
-) -> None:
-    """Fill in the terms of a group's series in some pairs of regimes, its steps as long as `spans` tells.
-
-    The series are those of its coordinates, of the cavity's displacement along its axes, of the drive of a stuck ball
-    there and, where it is driven, of the wave and of what that puts in per velocity; `room` is to work in.
-    """
-    size, count = len(group), len(axes)
-    pressed, wave = 2 * size, room[size]
-    for n in range(len(spans)):
-        span = spans[n, g]
-        inverse, turn = 1.0 / span, of.frequency[n] * span
-        for pair in range(of.force.shape[1]):
-            terms = flows[n, g * of.force.shape[1] + pair]
-            for j in range(pressed + count + driven):
-                wave[0] = 1.0 if j == pressed + count else 0.0
-                wave[1] = -turn if j == pressed + count + 1 else 0.0
-                for m in range(size):
-                    room[m, 0], room[m, 1] = 1.0 if j == m else 0.0, 1.0 if j == size + m else 0.0
-                for k in range(TERMS):
-                    wave[k + 2] = -turn * turn * wave[k]
-                    for m in range(size):
-                        pull, drag = of.force[n, pair, group[m]] * wave[k], 0.0
-                        if k == 0 and pressed <= j < pressed + count:
-                            pull += of.resistance[n, pair, axes[j - pressed], group[m]]
-                        for h in range(size):
-                            pull -= of.stiffness[n, pair, group[m], group[h]] * room[h, k]
-                            drag += of.damping[n, pair, group[m], group[h]] * room[h, k + 1]
-                        room[m, k + 2] = (pull * span - drag) * span
-                for k in range(TERMS):
-                    power = 0.0
-                    for m in range(size):
-                        terms[m, j, k] = room[m, k]
-                        power += of.power[n, group[m]] * room[m, k]
-                    for i in range(count):
-                        axis, u, v, a = axes[i], 0.0, 0.0, 0.0
-                        drive = of.sway[n, axis] * wave[k]
-                        for m in range(size):
-                            shape = of.shape[n, axis, group[m]]
-                            u, v, a = u + shape * room[m, k], v + shape * room[m, k + 1], a + shape * room[m, k + 2]
-                            drive -= of.pull[n, axis, group[m]] * room[m, k]
-                        drive -= inverse * (of.excess[n, axis] * v + inverse * a)
-                        if k == 0 and j == pressed + i:  # what resists a stuck ball is nothing but a lateral pull
-                            drive -= 1.0
-                        terms[size + i, j, k], terms[size + count + i, j, k] = u, drive
-                    if driven:
-                        terms[size + 2 * count, j, k], terms[size + 2 * count + 1, j, k] = wave[k], power
 
 
 @fused

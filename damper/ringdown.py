@@ -104,13 +104,14 @@ def _followed(
     """Run to the end, or to so many events at most; whether it was done, and what was recorded."""
     from damper import engine
 
-    run, flow = flying.runs[0], flying.systems.flows[0]
-    clock, size = run["clock"], 1024 if keep_events else 0
+    run, size = flying.runs[0], 1024 if keep_events else 0
+    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.no_ramp()
     more = int(run["system"]["coordinates"]) if run["system"]["cavity"].any() else 0
     tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, more)))
-    engine.release(run, flow, tables)
     while True:
-        done = engine.run(run, flow, tables, min(_BUDGET, most - int(clock["events"]))) == engine.DONE
+        pause = min(_BUDGET + int(clock["events"]), most)
+        engine.run_block((0, 1), flying.runs, flying.systems.flows, tables, ramp, pause, status)
+        done = bool(status[0] == engine.DONE)
         if done or clock["events"] >= most:
             break
         peaks, used = _roomier(tables.peaks, int(clock["peaks"])), int(clock["rows"]) + 2
