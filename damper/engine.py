@@ -2,7 +2,7 @@
 
 `run_block` follows ring-downs, also such as are led through the amplitudes (`Ramp`); `advance` is one turn of the loop,
 which `damper.steady_motion` shares. Beside it stand the velocity maxima by which cycles are told apart (`watch`,
-`close`), when a run ends (`end_cycle`), and the motion between the events of a table (`sample_flights`).
+`close`), and when a run ends (`end_cycle`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from damper.compiled import fused, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
-from damper.flight import derivatives, expand, spend, spin_after, travel
+from damper.flight import derivatives, expand, spend, travel
 from damper.impacts import let_go, read, resolve
 from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
 
@@ -461,63 +461,3 @@ def _rest(it: Record, now: float) -> None:
     if it.clock.rest == np.inf:
         settle_down(it.clock)
         it.clock.end = max(it.clock.end, now)
-
-
-@kernel
-def sample_flights(it: Record, flow: Floats, tables: Tables, times: Floats, out: Floats, regimes: Integers) -> None:
-    """Fill `out`, shape (5, n, 2), with u, v, s, w and spin at n ascending times, and the regimes, shape (n, 2)."""
-    system, motion, rows = it.system, it.motion, tables.rows
-    for g in range(system.groups):
-        row = -1
-        for k in range(len(times)):
-            while row + 1 < len(rows) and rows[row + 1].time <= times[k]:
-                row += 1
-                if system.group[rows[row].axis] == g:
-                    _resume(g, row, it, flow, tables)
-            while (times[k] - motion.start[g]) > system.span[g]:
-                travel(g, 1.0, it)
-                motion.start[g] += system.span[g]
-                expand(g, it, flow)
-            x = (times[k] - motion.start[g]) / system.span[g]
-            for i in range(system.first[g], system.last[g]):
-                _place(i, x, it, out[:, k, i])
-                _spin(times[k], it.axes[i], it.ball, out[:, k, i])
-                regimes[k, i] = it.axes[i].regime
-
-
-@part
-def _resume(g: int, row: int, it: Record, flow: Floats, tables: Tables) -> None:
-    """Put a group into its state after an event."""
-    event = tables.rows[row]
-    axis = it.axes[event.axis]
-    axis.regime, axis.direction, axis.spin, axis.start = event.regime, event.direction, event.spin, event.time
-    axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
-    low, motion = it.system.low[g], it.motion
-    if tables.states.shape[2] == 0:
-        motion.z[low], motion.z[low + 1], motion.rate[low], motion.rate[low + 1] = event.u, event.s, event.v, event.w
-    else:
-        for m in range(low, it.system.high[g]):
-            motion.z[m], motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
-    it.motion.start[g] = event.time
-    expand(g, it, flow)
-
-
-@part
-def _place(i: int, x: float, it: Record, out: Floats) -> None:
-    """Displacement, velocity, relative position and velocity along an axis x steps on."""
-    system, g = it.system, it.system.group[i]
-    c, span = it.motion.series[g], system.span[g]
-    cavity = c[system.cavity[i]]
-    gain, rate, _, _ = derivatives(cavity, x)
-    out[0], out[1] = cavity[0] + gain, rate / span
-    out[2], out[3] = it.motion.z[system.place[i]], 0.0
-    if it.axes[i].regime != STUCK:
-        gain, rate, _, _ = derivatives(c[system.lane[i]], x)
-        out[2], out[3] = out[2] + gain, rate / span
-
-
-@part
-def _spin(time: float, axis: Record, ball: Record, out: Floats) -> None:
-    out[4] = out[3] if axis.regime == ROLLING else 0.0
-    if axis.regime == SLIPPING or (axis.regime == STUCK and axis.spin != 0.0):
-        out[4] = spin_after(axis, ball, time - axis.start)

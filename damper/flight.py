@@ -27,7 +27,7 @@ from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
 from damper.compiled import fused, part
-from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
+from damper.state import INVERSE, ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
     from damper.model import Floats, Record
@@ -289,8 +289,6 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
     store(c, 16, three)
 
 
-INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
-"""Of factorials: what a derivative becomes as a coefficient."""
 _FROM = np.array([np.arange(WIDTH) >= k for k in range(7)], float)
 """Row k leaves out a series' terms before the k-th."""
 

@@ -7,6 +7,7 @@ fill.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
@@ -214,6 +215,9 @@ class Equations(NamedTuple):
 
 TERMS = 24
 """Of a series, in rows of eight."""
+
+INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
+"""Of factorials: what a derivative becomes as a coefficient."""
 
 STEP = 1.5
 """Radians of the fastest motion in a step: 1.5**24 / 24! is below rounding, and so it is for second derivatives."""
