@@ -267,7 +267,7 @@ SYSTEM = record(
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
 
 MOTION = lines(
-    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.equations` says in which order
     ("guard", "f8", TERMS),  # a guard's series
     ("scaled", "f8", TERMS),  # the terms of a series
     ("z", "f8", _N),
