@@ -185,10 +185,11 @@ class _Run:
         from damper.state import nothing_kept
 
         f = flights(self.damper, rows, p, self.harmonic, amplitudes)
-        initial, status, tables = f.energy(rows), np.zeros(len(p), np.int64), nothing_kept()
+        initial, status = f.energy(rows), np.full(len(p), engine.BEGINS)
+        tables, ramp = nothing_kept(), engine.no_ramp()
 
         def work(block: tuple[int, int]) -> None:
-            engine.run_block(block, f.runs, f.systems.flows, tables, self.most, status)
+            engine.run_block(block, f.runs, f.systems.flows, tables, ramp, self.most, status)
 
         in_blocks(work, len(status), self.threads, progress)
         p[:] = f.state()

@@ -383,12 +383,12 @@ def _ramped(
     least: float = 0.0,
     alike: ParticleDamper | None = None,
 ) -> Floats:
-    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.amplitude_sweep.Ramp`.
+    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.engine.Ramp`.
 
     `ball`: its places and velocities along x; `least` as an amplitude [m]; `alike`: a damper in another cavity, whose
     equations of motion are the same and known.
     """
-    from damper import amplitude_sweep
+    from damper import engine
 
     sweeps = len(amplitude)
     start = np.zeros((sweeps, 5, 2))
@@ -398,12 +398,12 @@ def _ramped(
     energy = np.full((sweeps, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
-    ramp = amplitude_sweep.Ramp(_EVENTS * cycles, factor, float(below), energy)
+    ramp, status = engine.Ramp(factor, float(below), energy), np.full(sweeps, engine.BEGINS)
     known = alike or damper
     f = flights(known, np.repeat(known.parameters, sweeps), p, amplitudes=_in_one_mode(damper, amplitude))
 
     def work(block: tuple[int, int]) -> None:
-        amplitude_sweep.run_ramps(block, f.runs, f.systems.flows, tables, ramp)
+        engine.run_block(block, f.runs, f.systems.flows, tables, ramp, _EVENTS * cycles, status)
 
     threads = threads or os.cpu_count() or 1
     in_blocks(work, sweeps, threads, block_size=sweeps if threads == 1 else math.ceil(sweeps / (4 * threads)))

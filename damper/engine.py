@@ -1,20 +1,20 @@
 """The event loop: find the next event, fly to it, resolve it, record it.
 
-`run` follows one ring-down, `run_block` many; `advance` is one turn of the loop, which `damper.steady_motion` shares.
-Beside it stand the velocity maxima by which cycles are told apart (`watch`, `close`), when a run ends (`end_cycle`),
-and the motion between the events of a table (`sample_flights`).
+`run_block` follows ring-downs, also such as are led through the amplitudes (`Ramp`); `advance` is one turn of the loop,
+which `damper.steady_motion` shares. Beside it stand the velocity maxima by which cycles are told apart (`watch`,
+`close`), and when a run ends (`end_cycle`).
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from damper.compiled import fused, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
-from damper.flight import derivatives, expand, spend, spin_after, travel
+from damper.flight import derivatives, expand, spend, travel
 from damper.impacts import let_go, read, resolve
 from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
 
@@ -173,8 +173,8 @@ def write_peak(it: Record, tables: Tables) -> bool:
     return True
 
 
-DONE, PAUSED, FULL = 0, 1, 2
-"""Why the loop returns: the end is reached, the budget of events is spent, or a table is full."""
+DONE, PAUSED, FULL, BEGINS = 0, 1, 2, 3
+"""How a run stands: it is at its end, has had as many events as may be, needs a longer table, is yet to be released."""
 
 DIED_OUT = 1e-6
 """Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
@@ -234,8 +234,8 @@ def settle_down(clock: Record) -> None:
     clock.end = min(clock.end, clock.time + clock.tail)
 
 
-@kernel
-def release(it: Record, flow: Floats, tables: Tables) -> None:
+@part
+def _release(it: Record, flow: Floats, tables: Tables) -> None:
     """Let go at time 0 from the state in `it.motion`."""
     let_go(it, flow)
     for i in range(2):
@@ -256,11 +256,10 @@ def restart(g: int, time: float, it: Record, flow: Floats) -> None:
     seek(g, it)
 
 
-@kernel
-def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
-    """Go on until the end, for `budget` events, or until a table is full; call again to continue."""
+@part
+def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
+    """Go on until the end, for `most` events since the release, or until a table is full."""
     clock, motion = it.clock, it.motion
-    stop = clock.events + budget
     while True:
         g = earliest(it)
         time = min(motion.next[g], clock.end)
@@ -273,7 +272,7 @@ def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
             resume(it.cycle, clock.last_motion)
             clock.time = time
             return DONE
-        if motion.kind[g] != NOTHING and clock.events >= stop:
+        if motion.kind[g] != NOTHING and clock.events >= most:
             return PAUSED
         if motion.kind[g] != NOTHING and full(it, tables):
             return FULL
@@ -281,15 +280,106 @@ def run(it: Record, flow: Floats, tables: Tables, budget: int) -> int:
         _rest(it, time)
 
 
+class Ramp(NamedTuple):
+    """How ring-downs are led through the amplitudes, and what they show.
+
+    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
+    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
+    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
+    it, and those losses by the books. A row stays as it is from where it falls below `least` or there are as many
+    events as may be.
+    """
+
+    factor: float
+    least: float
+    energies: Floats
+
+
+def no_ramp() -> Ramp:
+    """Of ring-downs that are left to themselves."""
+    return Ramp(1.0, 0.0, np.zeros((0, 0, 4)))
+
+
 @kernel
 def run_block(
-    block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, budget: int, status: Integers
+    block: tuple[int, int], runs: Records, flows: Floats, tables: Tables, ramp: Ramp, most: int, status: Integers
 ) -> None:
-    """Run the ring-downs from `block[0]` to before `block[1]` to their ends, one after the other, without tables."""
+    """Run the ring-downs from `block[0]` to before `block[1]`, one after the other; call again to continue.
+
+    `status`: of each, how it stands; with `most` events since its release one is paused.
+    """
     for k in range(block[0], block[1]):
         it, flow = runs[k], flows[runs[k].system.flow]
-        release(it, flow, tables)
-        status[k] = run(it, flow, tables, budget)
+        if status[k] == BEGINS:
+            _release(it, flow, tables)
+        if len(ramp.energies) == 0:
+            status[k] = _run(it, flow, tables, most)
+            continue
+        energies = ramp.energies[k]
+        it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
+        for n in range(len(energies)):
+            it.clock.end = (n + 1) * it.cycle.period
+            if n > 0:
+                _scale(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it, flow)
+            _open(it.books)
+            before, swing = stored(it), _of_the_structure(it)
+            if swing < ramp.least:
+                break
+            status[k] = _run(it, flow, tables, most)
+            if status[k] != DONE:
+                break
+            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
+            energies[n, 2], energies[n, 3] = before, lost(it.books)
+
+
+@part
+def _open(books: Record) -> None:
+    """Begin the books anew: what is lost at small amplitudes would drown in what was lost at large ones."""
+    books.structure = books.rolling = books.impact = books.slip = 0.0
+
+
+@part
+def _scale(scale: float, it: Record, flow: Floats) -> None:
+    """Change the structure's motion, and leave the ball's in its cavity."""
+    for m in range(it.system.coordinates):
+        if m != it.system.place[0] and m != it.system.place[1]:
+            it.motion.z[m] *= scale
+            it.motion.rate[m] *= scale
+    for g in range(it.system.groups):
+        if it.motion.next[g] < np.inf:  # nothing moves else
+            restart(g, it.clock.time, it, flow)
+
+
+@part
+def _of_the_structure(it: Record) -> float:
+    """Energy of the structure, the ball counted as stuck to it [J]."""
+    system, motion, twice = it.system, it.motion, 0.0
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
+            if m != system.place[0] and m != system.place[1] and n != system.place[0] and n != system.place[1]:
+                twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
+                twice += motion.z[m] * system.spring[m, n] * motion.z[n]
+    return 0.5 * twice
+
+
+@part
+def lost(books: Record) -> float:
+    """Energy lost so far [J]."""
+    return float(books.structure + books.rolling + books.impact + books.slip)
+
+
+@part
+def stored(it: Record) -> float:
+    """Energy of structure and ball [J]."""
+    system, motion = it.system, it.motion
+    twice = it.ball.spin_mass * (it.axes[0].spin ** 2 + it.axes[1].spin ** 2)
+    for i in range(2):
+        twice -= 2.0 * it.ball.mass * system.lateral[i] * motion.z[system.place[i]]
+    for m in range(system.coordinates):
+        for n in range(system.coordinates):
+            twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
+            twice += motion.z[m] * system.spring[m, n] * motion.z[n]
+    return float(0.5 * twice)
 
 
 @part
@@ -371,63 +461,3 @@ def _rest(it: Record, now: float) -> None:
     if it.clock.rest == np.inf:
         settle_down(it.clock)
         it.clock.end = max(it.clock.end, now)
-
-
-@kernel
-def sample_flights(it: Record, flow: Floats, tables: Tables, times: Floats, out: Floats, regimes: Integers) -> None:
-    """Fill `out`, shape (5, n, 2), with u, v, s, w and spin at n ascending times, and the regimes, shape (n, 2)."""
-    system, motion, rows = it.system, it.motion, tables.rows
-    for g in range(system.groups):
-        row = -1
-        for k in range(len(times)):
-            while row + 1 < len(rows) and rows[row + 1].time <= times[k]:
-                row += 1
-                if system.group[rows[row].axis] == g:
-                    _resume(g, row, it, flow, tables)
-            while (times[k] - motion.start[g]) > system.span[g]:
-                travel(g, 1.0, it)
-                motion.start[g] += system.span[g]
-                expand(g, it, flow)
-            x = (times[k] - motion.start[g]) / system.span[g]
-            for i in range(system.first[g], system.last[g]):
-                _place(i, x, it, out[:, k, i])
-                _spin(times[k], it.axes[i], it.ball, out[:, k, i])
-                regimes[k, i] = it.axes[i].regime
-
-
-@part
-def _resume(g: int, row: int, it: Record, flow: Floats, tables: Tables) -> None:
-    """Put a group into its state after an event."""
-    event = tables.rows[row]
-    axis = it.axes[event.axis]
-    axis.regime, axis.direction, axis.spin, axis.start = event.regime, event.direction, event.spin, event.time
-    axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
-    low, motion = it.system.low[g], it.motion
-    if tables.states.shape[2] == 0:
-        motion.z[low], motion.z[low + 1], motion.rate[low], motion.rate[low + 1] = event.u, event.s, event.v, event.w
-    else:
-        for m in range(low, it.system.high[g]):
-            motion.z[m], motion.rate[m] = tables.states[row, 0, m], tables.states[row, 1, m]
-    it.motion.start[g] = event.time
-    expand(g, it, flow)
-
-
-@part
-def _place(i: int, x: float, it: Record, out: Floats) -> None:
-    """Displacement, velocity, relative position and velocity along an axis x steps on."""
-    system, g = it.system, it.system.group[i]
-    c, span = it.motion.series[g], system.span[g]
-    cavity = c[system.cavity[i]]
-    gain, rate, _, _ = derivatives(cavity, x)
-    out[0], out[1] = cavity[0] + gain, rate / span
-    out[2], out[3] = it.motion.z[system.place[i]], 0.0
-    if it.axes[i].regime != STUCK:
-        gain, rate, _, _ = derivatives(c[system.lane[i]], x)
-        out[2], out[3] = out[2] + gain, rate / span
-
-
-@part
-def _spin(time: float, axis: Record, ball: Record, out: Floats) -> None:
-    out[4] = out[3] if axis.regime == ROLLING else 0.0
-    if axis.regime == SLIPPING or (axis.regime == STUCK and axis.spin != 0.0):
-        out[4] = spin_after(axis, ball, time - axis.start)

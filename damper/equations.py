@@ -291,19 +291,53 @@ def flows_of(equations: Equations, members: list[list[int]], spans: Floats) -> F
 
     Flow 3 (x) + (y) belongs to a pair of regimes where all coordinates are one group, else flow 3 g + (regime).
     """
-    from damper.flight import fill_flows
-
-    n, driven = len(spans), 2 * bool((equations.frequency > 0.0).any())
-    pairs, along = equations.stiffness.shape[1], [[0, 1]] if len(members) == 1 else [[0], [1]]
-    series, sources = (
-        max(k * len(z) + each * len(axes) + driven for z, axes in zip(members, along, strict=True))
-        for k, each in ((1, 2), (2, 1))
-    )
-    flows = zeros((n, len(members) * pairs, series, sources, TERMS))
-    room = np.zeros((max(map(len, members)) + 1, TERMS + 2))
-    for g, (group, axes) in enumerate(zip(members, along, strict=True)):
-        fill_flows(equations, np.array(group), np.array(axes), spans, g, driven, room, flows)
+    along = [[0, 1]] if len(members) == 1 else [[0], [1]]
+    groups = [_terms(equations, *each, spans[:, g]) for g, each in enumerate(zip(members, along, strict=True))]
+    series, sources = np.max([each.shape[2:4] for each in groups], axis=0)
+    n, pairs = groups[0].shape[:2]
+    flows = zeros((n, len(groups) * pairs, series, sources, TERMS))
+    for g, terms in enumerate(groups):
+        flows[:, g * pairs : (g + 1) * pairs, : terms.shape[2], : terms.shape[3]] = terms
     return flows
+
+
+def _terms(of: Equations, group: list[int], axes: list[int], span: Floats) -> Floats:
+    """Terms of a group's series in each pair of regimes, its steps so long, shape (n, pairs, series, sources, TERMS).
+
+    The series are those of its coordinates, of the cavity's displacement along its axes, of the drive of a stuck ball
+    there and, where it is driven, of the wave and of what that puts in per velocity. The sources are the coordinates,
+    their rates, what resists along the axes, and the wave's cosine and sine at the start.
+    """
+    (n, pairs), size, count = of.force.shape[:2], len(group), len(axes)
+    driven, pressed = bool((of.frequency > 0.0).any()), 2 * size
+    rows, step = size + driven, span[:, None, None, None]
+    law = np.zeros((n, pairs, rows, 2 * rows))  # the next derivative of coordinates and wave from the last two
+    law[..., :size, :size] = -of.stiffness[..., group, :][..., group] * step**2
+    law[..., :size, rows : rows + size] = -of.damping[..., group, :][..., group] * step
+    z = np.zeros((n, pairs, (TERMS + 2) * rows, pressed + count + 2 * driven))
+    for m in range(size):
+        z[..., m, m] = z[..., rows + m, size + m] = 1.0
+    if driven:
+        turn = (of.frequency * span)[:, None]
+        law[..., :size, size], law[..., size, size] = of.force[..., group] * step[..., 0] ** 2, -(turn**2)
+        z[..., size, pressed + count], z[..., rows + size, pressed + count + 1] = 1.0, -turn
+    for first in range(0, TERMS * rows, rows):
+        z[..., first + 2 * rows : first + 3 * rows, :] = law @ z[..., first : first + 2 * rows, :]
+        if first == 0:
+            resistance = of.resistance[..., axes, :][..., group].swapaxes(2, 3)
+            z[..., 2 * rows : 2 * rows + size, pressed : pressed + count] += resistance * step**2
+    every = z.reshape(n, pairs, TERMS + 2, rows, -1)
+    moving, wave = every[..., :size, :], every[:, :, :TERMS, size:]
+    shape, pull = (each[:, None, None, axes, :][..., group] for each in (of.shape, of.pull))
+    excess = of.excess[:, None, None, axes, None]
+    u, inverse = shape @ moving, 1.0 / step[..., None]
+    drive = -(pull @ moving)[:, :, :TERMS] - inverse * (excess * u[:, :, 1:-1] + inverse * u[:, :, 2:])
+    drive[:, :, 0, range(count), range(pressed, pressed + count)] -= 1.0  # a stuck ball feels no more than a pull
+    series = [moving[:, :, :TERMS], u[:, :, :TERMS], drive]
+    if driven:
+        drive += of.sway[:, None, None, axes, None] * wave
+        series += [wave, of.power[:, None, None, None, group] @ moving[:, :, :TERMS]]
+    return np.moveaxis(np.concatenate(series, axis=3), 2, 4)
 
 
 class Systems(NamedTuple):

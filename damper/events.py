@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import fused, part
-from damper.flight import INVERSE, derivatives, gather, regimes, sizes
-from damper.state import GRIP, HIT, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
+from damper.flight import derivatives, gather, regimes, sizes
+from damper.state import GRIP, HIT, INVERSE, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
 if TYPE_CHECKING:
     from damper.model import Floats, Record

@@ -2,7 +2,7 @@
 
 Flights are taken in steps, on which every coordinate is a power series, kept as its first `damper.state.TERMS`
 derivatives at the start, a step being the unit of time. `expand` makes the series of a group from its state, `travel`
-moves the group on and books the work of dashpots and forces by Lobatto's rule, `spend` what the floor takes. Series are
+moves the group on and books the work of dashpots and forces by Gauss' rule, `spend` what the floor takes. Series are
 computed eight numbers at a time (`load`, `store`, `fill`, `times`, `add_times`, `total`): vectors for the compiler,
 arrays in plain Python.
 
@@ -26,12 +26,11 @@ from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
-from damper.compiled import fused, kernel, part
-from damper.state import ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
+from damper.compiled import fused, part
+from damper.state import INVERSE, ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
-    from damper.model import Floats, Integers, Record
-    from damper.state import Equations
+    from damper.model import Floats, Record
 
 
 WIDTH = 8
@@ -216,64 +215,6 @@ else:
         return _EIGHT(types.float64), code
 
 
-@kernel
-def fill_flows(
-    of: Equations,
-    group: Integers,
-    axes: Integers,
-    spans: Floats,
-    g: int,
-    driven: int,
-    room: Floats,
-    flows: Floats,
-) -> None:
-    """Fill in the terms of a group's series in some pairs of regimes, its steps as long as `spans` tells.
-
-    The series are those of its coordinates, of the cavity's displacement along its axes, of the drive of a stuck ball
-    there and, where it is driven, of the wave and of what that puts in per velocity; `room` is to work in.
-    """
-    size, count = len(group), len(axes)
-    pressed, wave = 2 * size, room[size]
-    for n in range(len(spans)):
-        span = spans[n, g]
-        inverse, turn = 1.0 / span, of.frequency[n] * span
-        for pair in range(of.force.shape[1]):
-            terms = flows[n, g * of.force.shape[1] + pair]
-            for j in range(pressed + count + driven):
-                wave[0] = 1.0 if j == pressed + count else 0.0
-                wave[1] = -turn if j == pressed + count + 1 else 0.0
-                for m in range(size):
-                    room[m, 0], room[m, 1] = 1.0 if j == m else 0.0, 1.0 if j == size + m else 0.0
-                for k in range(TERMS):
-                    wave[k + 2] = -turn * turn * wave[k]
-                    for m in range(size):
-                        pull, drag = of.force[n, pair, group[m]] * wave[k], 0.0
-                        if k == 0 and pressed <= j < pressed + count:
-                            pull += of.resistance[n, pair, axes[j - pressed], group[m]]
-                        for h in range(size):
-                            pull -= of.stiffness[n, pair, group[m], group[h]] * room[h, k]
-                            drag += of.damping[n, pair, group[m], group[h]] * room[h, k + 1]
-                        room[m, k + 2] = (pull * span - drag) * span
-                for k in range(TERMS):
-                    power = 0.0
-                    for m in range(size):
-                        terms[m, j, k] = room[m, k]
-                        power += of.power[n, group[m]] * room[m, k]
-                    for i in range(count):
-                        axis, u, v, a = axes[i], 0.0, 0.0, 0.0
-                        drive = of.sway[n, axis] * wave[k]
-                        for m in range(size):
-                            shape = of.shape[n, axis, group[m]]
-                            u, v, a = u + shape * room[m, k], v + shape * room[m, k + 1], a + shape * room[m, k + 2]
-                            drive -= of.pull[n, axis, group[m]] * room[m, k]
-                        drive -= inverse * (of.excess[n, axis] * v + inverse * a)
-                        if k == 0 and j == pressed + i:  # what resists a stuck ball is nothing but a lateral pull
-                            drive -= 1.0
-                        terms[size + i, j, k], terms[size + count + i, j, k] = u, drive
-                    if driven:
-                        terms[size + 2 * count, j, k], terms[size + 2 * count + 1, j, k] = wave[k], power
-
-
 @fused
 def expand(g: int, it: Record, flow: Floats) -> None:
     """The series of a group from its state on."""
@@ -348,8 +289,6 @@ def _combine(c: Floats, terms: Floats, source: Floats, sources: int) -> None:
     store(c, 16, three)
 
 
-INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
-"""Of factorials: what a derivative becomes as a coefficient."""
 _FROM = np.array([np.arange(WIDTH) >= k for k in range(7)], float)
 """Row k leaves out a series' terms before the k-th."""
 
@@ -388,33 +327,11 @@ def sizes(c: Floats, order: int, first: int, x: float) -> float:
     return total(add_times(terms, positive(tail(c, order)), high))
 
 
-_POINTS = 8
-
-
-def lobatto() -> tuple[Floats, Floats]:
-    """Points and weights of Lobatto's rule on [0, 1].
-
-    Points inside are roots of the Jacobi polynomial of weight 1 - x², which are the eigenvalues of a symmetric matrix
-    (G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221) and so float64 whatever the version of numpy.
-    """
-    k = np.arange(1, _POINTS - 2)
-    inside = np.linalg.eigvalsh(np.diag(np.sqrt(k * (k + 2) / ((2 * k + 1) * (2 * k + 3))), -1), UPLO="L")
-    points = np.array([-1.0, *(0.5 * (inside - inside[::-1])), 1.0])
-    weights = 2.0 / (_POINTS * (_POINTS - 1) * legendre.legval(points, np.eye(_POINTS)[-1]) ** 2)
-    return 0.5 * (1.0 + points), 0.5 * weights
-
-
-_PLACES, _SHARES = lobatto()
+_PLACES, _SHARES = (0.5 * each for each in legendre.leggauss(WIDTH))
 _ORDER = np.arange(TERMS)[:, None]
-
-_SLOPES = _ORDER * _PLACES ** np.maximum(_ORDER - 1, 0)
-_SLOPES[:, 0] = _ORDER[:, 0] > 0
-"""Of a series' terms: what it gains, then its slopes at all points but the first, where it has its second term."""
-
-_VALUES = _PLACES**_ORDER
-
-_POINT_WEIGHTS = _SHARES * (np.arange(_POINTS) > 0)
-_FIRST = float(_SHARES[0])
+_VALUES = (0.5 + _PLACES) ** _ORDER
+"""Of a series' terms: its values at the points of Gauss' rule."""
+_SLOPES = _ORDER * (0.5 + _PLACES) ** np.maximum(_ORDER - 1, 0)
 
 
 @fused
@@ -427,29 +344,25 @@ def travel(g: int, x: float, it: Record) -> None:
         for m in range(low, high):
             motion.gain[m], motion.bend[m] = 0.0, c[m - low, 2]
         return
-    time, squares, first = x * system.span[g], fill(0.0), 0.0
+    squares = fill(0.0)
     for m in range(low, high):
         series, dashpot = c[m - low], dashpots[m]
+        motion.gain[m], rate, bend, _ = derivatives(series, x)
+        motion.z[m] += motion.gain[m]
+        motion.rate[m] = rate / system.span[g]
         if dashpot == 0.0:
-            motion.gain[m], rate, motion.bend[m], _ = derivatives(series, x)
-            motion.z[m] += motion.gain[m]
-            motion.rate[m] = rate / system.span[g]
-            continue
-        _terms(series, x, scaled)
-        at = _at_points(scaled, _SLOPES)
-        squares, first = add_times(squares, times(at, at), fill(dashpot)), first + dashpot * scaled[1] * scaled[1]
-        store(scaled, 0, at)
-        motion.gain[m] = scaled[0]
-        motion.z[m] += scaled[0]
-        motion.rate[m] = scaled[WIDTH - 1] / time
-    it.books.structure += (total(times(squares, load(_POINT_WEIGHTS, 0))) + _FIRST * first) / time
+            motion.bend[m] = bend
+        else:
+            _terms(series, x, scaled)
+            at = _at_points(scaled, _SLOPES)
+            squares = add_times(squares, times(at, at), fill(dashpot))
+    it.books.structure += total(times(squares, load(_SHARES, 0))) / (x * system.span[g])
     if system.frequency > 0.0:
         wave = high - low + 2 * (system.last[g] - system.first[g])
         _terms(c[wave], x, scaled)
         harmonic = _at_points(scaled, _VALUES)
         _terms(c[wave + 1], x, scaled)
-        power = times(_at_points(scaled, _SLOPES), load(_POINT_WEIGHTS, 0))
-        it.books.work += total(times(power, harmonic)) + _FIRST * scaled[1] * c[wave, 0]
+        it.books.work += total(times(times(_at_points(scaled, _SLOPES), harmonic), load(_SHARES, 0)))
 
 
 @fused

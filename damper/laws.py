@@ -375,7 +375,7 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
 
     Args:
         damper: what was swept.
-        energies: see `damper.amplitude_sweep.Ramp`; the last is `NOT_REACHED` for a cycle that was not reached.
+        energies: see `damper.engine.Ramp`; the last is `NOT_REACHED` for a cycle that was not reached.
         excursion: see `Extremes`.
 
     Raises:

@@ -212,17 +212,6 @@ class RingDown(Counts[int]):
     states: Floats | None = None
     modal_energies: Floats | None = None
 
-    @property
-    def peak_phases(self) -> Floats | None:
-        """Phase of the harmonic at the velocity maxima, from -pi/2 to pi/2, shape (n + 1,) [rad]; None without one.
-
-        By so much the velocity, or its opposite, lags behind the force; `peak_velocities` is the envelope.
-        """
-        if self.harmonic is None:
-            return None
-        phases: Floats = self.harmonic.frequency * self.peak_times + self.harmonic.phase
-        return (phases + 0.5 * math.pi) % math.pi - 0.5 * math.pi
-
 
 def outcome_of(done: bool, fixed_cycles: bool, clock: np.void) -> Outcome:
     """Why a run ended that was done, or capped; `fixed_cycles` for a number of cycles or not."""

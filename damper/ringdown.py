@@ -12,7 +12,7 @@ import numpy.typing as npt
 from damper import laws, self_check
 from damper.model import number, pair, resting_place, whole
 from damper.motion import COUPLED, EnergyBooks, Outcome, RingDown, flights, kinds, outcome_of, prepare
-from damper.state import BOOKS, COUNTED, EVENT, Tables
+from damper.state import BOOKS, COUNTED, EVENT, INVERSE, ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,13 +104,14 @@ def _followed(
     """Run to the end, or to so many events at most; whether it was done, and what was recorded."""
     from damper import engine
 
-    run, flow = flying.runs[0], flying.systems.flows[0]
-    clock, size = run["clock"], 1024 if keep_events else 0
+    run, size = flying.runs[0], 1024 if keep_events else 0
+    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.no_ramp()
     more = int(run["system"]["coordinates"]) if run["system"]["cavity"].any() else 0
     tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, more)))
-    engine.release(run, flow, tables)
     while True:
-        done = engine.run(run, flow, tables, min(_BUDGET, most - int(clock["events"]))) == engine.DONE
+        pause = min(_BUDGET + int(clock["events"]), most)
+        engine.run_block((0, 1), flying.runs, flying.systems.flows, tables, ramp, pause, status)
+        done = bool(status[0] == engine.DONE)
         if done or clock["events"] >= most:
             break
         peaks, used = _roomier(tables.peaks, int(clock["peaks"])), int(clock["rows"]) + 2
@@ -219,15 +220,67 @@ def sample(ringdown: RingDown, times: npt.ArrayLike) -> History:
         raise ValueError(f"times must have shape (n,), got {time.shape}")
     if time.size and not (time.min() >= 0 and time.max() <= ringdown.duration * (1 + 1e-12)):
         raise ValueError(f"times must lie between 0 and the ring-down's end, {ringdown.duration:g} s")
-    from damper.engine import sample_flights
-
     damper = ringdown.damper
     one = prepare(damper.parameters, np.zeros((1, 5, 2)), 1.0, 1.0)
     of = flights(damper, damper.parameters, one, ringdown.harmonic)
-    order = np.argsort(time, kind="stable")
     out, regime = np.empty((5, time.size, 2)), np.empty((time.size, 2), np.int64)
-    tables = Tables(np.zeros((0, 2)), ringdown.rows, ringdown.states)
-    sample_flights(of.runs[0], of.systems.flows[0], tables, time[order], out, regime)
-    back = np.argsort(order)
-    out = out[:, back]
-    return History(time, out[0], out[1], out[2], out[3], out[4], regime[back])
+    for g in range(of.runs["system"]["groups"][0]):
+        _sample_group(g, ringdown.rows, ringdown.states, of, time, out, regime)
+    return History(time, out[0], out[1], out[2], out[3], out[4], regime)
+
+
+def _sample_group(
+    g: int, rows: Records, states: Floats, of: Flights, times: Floats, out: Floats, regimes: Integers
+) -> None:
+    """Fill in u, v, s, w and spin, shape (5, n, 2), and the regimes, shape (n, 2), along the axes of a group."""
+    system, ball, terms = of.runs["system"][0], of.runs["ball"][0], of.systems.flows[0]
+    axes, here = np.arange(system["first"][g], system["last"][g]), slice(system["low"][g], system["high"][g])
+    span = system["span"][g]
+    mine = np.flatnonzero(np.isin(rows["axis"], axes))
+    seen, which = np.unique(np.searchsorted(rows["time"][mine], times, side="right") - 1, return_inverse=True)
+    last = [np.maximum.accumulate(np.where(rows["axis"][mine] == i, mine, mine[0]))[seen] for i in axes]
+    own = rows[np.stack(last, axis=1)]  # the last event along each axis, shape (events, axes)
+    rolls, slips, start = own["regime"] == ROLLING, own["regime"] == SLIPPING, rows["time"][mine[seen]]
+    flow = 3 * own["regime"][:, 0] + own["regime"][:, 1] if len(axes) == 2 else 3 * g + own["regime"][:, 0]
+    resisting = own["direction"] * (rolls * ball["threshold"] + slips * ball["grip"]) - system["lateral"][axes]
+    if states.shape[2]:
+        z, rate = states[mine[seen], 0, here], states[mine[seen], 1, here]
+    else:
+        z, rate = (np.stack([own[first][:, 0], own[second][:, 0]], axis=1) for first, second in ("us", "vw"))
+    count, frequency = z.shape[1], system["frequency"]
+    terms = terms[:, :, : 2 * count + len(axes) + 2 * (frequency > 0)]
+    steps = np.maximum(np.ceil((times - start[which]) / span).astype(int) - 1, 0)
+    most, begin = np.zeros(len(seen), int), np.empty(len(times))
+    np.maximum.at(most, which, steps)
+    source = np.empty((len(times), terms.shape[2]))
+    values, slopes = terms @ INVERSE, terms[..., 1:] @ INVERSE[:-1]  # after a step
+    for done in range(steps.max(initial=-1) + 1):
+        angle = frequency * start[:, None] + system["phase"]
+        wave = [np.cos(angle), np.sin(angle)] if frequency > 0 else []
+        begins = np.concatenate([z, rate * span, resisting, *wave], axis=1)
+        now, on = np.flatnonzero(steps == done), np.flatnonzero(most > done)
+        source[now], begin[now] = begins[which[now]], start[which[now]]
+        z[on], rate[on] = (
+            np.einsum("ej,ecj->ec", begins[on], after[flow[on], :count]) / unit
+            for after, unit in ((values, 1.0), (slopes, span))
+        )
+        start[on] += span
+    powers = ((times - begin) / span)[:, None] ** np.arange(TERMS) * INVERSE
+    for each in np.unique(flow):
+        k = np.flatnonzero(flow[which] == each)
+        series = np.tensordot(source[k], terms[each], (1, 1))
+        value = np.einsum("kct,kt->kc", series, powers[k])
+        slope = np.einsum("kct,kt->kc", series[..., 1:], powers[k, :-1]) / span
+        for n, i in enumerate(axes):
+            cavity, lane, place = system["cavity"][i], system["lane"][i], system["place"][i] - here.start
+            event = own[which[k], n]
+            stuck, past = event["regime"] == STUCK, times[k] - event["time"]
+            relative = np.where(stuck, source[k, place], value[:, lane]), np.where(stuck, 0.0, slope[:, lane])
+            spin, loss = event["spin"], SPIN_UP * ball["grip"] * past
+            spin = np.where(
+                stuck,
+                np.copysign(np.maximum(np.abs(spin) - loss, 0.0), spin),
+                np.where(event["regime"] == ROLLING, relative[1], spin + event["direction"] * loss),
+            )
+            out[:, k, i] = value[:, cavity], slope[:, cavity], *relative, spin
+            regimes[k, i] = event["regime"]

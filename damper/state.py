@@ -7,6 +7,7 @@ fill.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
@@ -215,6 +216,9 @@ class Equations(NamedTuple):
 TERMS = 24
 """Of a series, in rows of eight."""
 
+INVERSE = np.array([1.0 / math.factorial(k) for k in range(TERMS)])
+"""Of factorials: what a derivative becomes as a coefficient."""
+
 STEP = 1.5
 """Radians of the fastest motion in a step: 1.5**24 / 24! is below rounding, and so it is for second derivatives."""
 
@@ -263,7 +267,7 @@ SYSTEM = record(
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
 
 MOTION = lines(
-    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.flight.fill_flows` says in which order
+    ("series", "f8", (2, _N + 6, TERMS)),  # of each group; `damper.equations` says in which order
     ("guard", "f8", TERMS),  # a guard's series
     ("scaled", "f8", TERMS),  # the terms of a series
     ("z", "f8", _N),

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.compiled import kernel, part
-from damper.engine import advance, arrive, earliest, restart
+from damper.engine import advance, arrive, earliest, lost, restart, stored
 from damper.events import largest_drive, narrowed
 from damper.flight import derivatives
 from damper.impacts import let_go
@@ -108,26 +108,6 @@ def close_tally(tally: Record, it: Record) -> None:
     """From what was there at the beginning to what was gained."""
     tally.work, tally.lost = it.run.books.work - tally.work, lost(it.run.books) - tally.lost
     tally.stored = stored(it.run) - tally.stored
-
-
-@part
-def lost(books: Record) -> float:
-    """Energy lost so far [J]."""
-    return float(books.structure + books.rolling + books.impact + books.slip)
-
-
-@part
-def stored(it: Record) -> float:
-    """Energy of structure and ball [J]."""
-    system, motion = it.system, it.motion
-    twice = it.ball.spin_mass * (it.axes[0].spin ** 2 + it.axes[1].spin ** 2)
-    for i in range(2):
-        twice -= 2.0 * it.ball.mass * system.lateral[i] * motion.z[system.place[i]]
-    for m in range(system.coordinates):
-        for n in range(system.coordinates):
-            twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
-            twice += motion.z[m] * system.spring[m, n] * motion.z[n]
-    return float(0.5 * twice)
 
 
 @part

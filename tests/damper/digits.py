@@ -37,7 +37,7 @@ def sweeps(name: str, samples: int) -> dict[str, float]:
 
 
 def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[tuple[float, float]]:
-    """Amplitude and decrement of each cycle of a sweep down, as `damper.amplitude_sweep` describes it."""
+    """Amplitude and decrement of each cycle of a sweep down, as `damper.engine.Ramp` describes it."""
     cycles = SETTLING + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))
     each = ramp(sweep.damper, first, place, 4 ** (-1 / sweep.stay), samples)
     reached = itertools.takewhile(lambda cycle: cycle[0] >= sweep.low, itertools.islice(each, cycles))

@@ -1,13 +1,11 @@
-"""The terms of flights against the matrix exponential; eight numbers at a time against arrays."""
-
-import math
+"""Eight numbers at a time against arrays; the work of a force against the energy."""
 
 import numpy as np
 import pytest
 
-from damper import flight
+from damper import Harmonic, flight, ringdown
 from damper.compiled import kernel
-from damper.flight import lobatto
+from tests.damper.scenes import simple
 
 
 @kernel
@@ -25,20 +23,10 @@ def test_eight_numbers() -> None:
     assert not np.concatenate([out[:2], out[10:]]).any()
 
 
-def test_lobattos_rule() -> None:
-    """Real numbers on every version of numpy, symmetric, with the ends, and exact up to the degree 2 n - 3."""
-    places, weights = lobatto()
-    n = len(places)
-    assert places.dtype == weights.dtype == np.float64
-    assert places.shape == weights.shape == (n,)
-    assert (places[0], places[-1]) == (0.0, 1.0)
-    assert (np.diff(places) > 0.0).all()
-    assert places + places[::-1] == pytest.approx(1.0, rel=1e-15)
-    assert weights == pytest.approx(weights[::-1], rel=1e-15)
-    assert weights[0] == pytest.approx(1.0 / (n * (n - 1)), rel=1e-15)
-    for degree in range(2 * n - 2):
-        assert weights @ places**degree == pytest.approx(1.0 / (degree + 1), rel=1e-15)
-    # The next one is missed by what theory says: Abramowitz & Stegun, 25.4.32, on [0, 1].
-    factorial = math.factorial
-    missed = n * (n - 1) ** 3 * factorial(n - 2) ** 4 / ((2 * n - 1) * factorial(2 * n - 2) ** 2)
-    assert weights @ places ** (2 * n - 2) - 1.0 / (2 * n - 1) == pytest.approx(missed, rel=1e-5)
+@pytest.mark.parametrize("detuning", [0.97, 1.03])
+def test_work_of_a_force_that_gives_and_takes(detuning: float) -> None:
+    """Near resonance many times the energy goes to and fro: what the rule of integration misses adds up."""
+    damper = simple(restitution=0.0, cavity=(2.2, 2.2))
+    force = Harmonic(detuning * damper.stuck_frequency, (0.03, 0.0))
+    energy = ringdown(damper, (0.3, 0.0), 600, harmonic=force).energy
+    assert abs(energy.residual) <= 5e-14 * (energy.initial + max(energy.work, 0.0))
