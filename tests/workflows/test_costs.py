@@ -16,6 +16,7 @@ from damper import Formulation, damping_curve, ringdown, stepped_ringdown
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
+from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene import load
 from workflows.solve import damper as damper_stage
@@ -232,6 +233,16 @@ def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkey
     assert [ladder["stage"] for ladder in found["ladders"]] == ["damper"]
     assert ET.fromstring((folder / "accuracy.svg").read_text()).tag.endswith("svg")
     assert "var(" not in (folder / "accuracy.svg").read_text()
+
+
+FAN = Path(__file__).parents[2] / "meshes" / "fan_blade.toml"
+"""A solid blade with a damper."""
+
+
+def test_nothing_to_compare_on_a_solid_blade_alone() -> None:
+    alone = load.load(str(FAN)).changed(damper=None, release=None)
+    with pytest.raises(BadInput, match=r"\[damper\]: the table is missing: nothing to compare, since the blade's mesh"):
+        study(alone, QUIET)
 
 
 def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Setting:

@@ -406,9 +406,12 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
-        BadInput: see :class:`workflows.solve.structure.StructureSolver`.
+        BadInput: see :class:`workflows.solve.structure.StructureSolver`; or the scene has neither plate nor damper.
         NoAnswer: see there; or the scene has nothing whose accuracy costs anything.
     """
+    if source.scene.plate is None and source.scene.damper is None:
+        given = "the blade's mesh is" if source.scene.blade is not None else "its modes are"
+        raise source.wrong(f"the table is missing: nothing to compare, since {given} given", "[damper]")
     stages = stages or Stages()
     studies: list[ConvergenceStudy] = []
     chosen: dict[str, Choice] = {}
