@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+import workflows
 from damper import Formulation, damping_curve, ringdown, stepped_ringdown
+from fem.solid import sweep
+from meshes import make
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
@@ -462,6 +465,25 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     assert drawn.count("no plate in the scene") == len(OF_THE_PLATE)
     assert "on: [effects] ball_slip = true: the printed equations have no slip" in drawn
     assert "accuracy, 0.001" in drawn
+
+
+@pytest.mark.usefixtures("hasty")
+def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one way in which solid blades are solved otherwise; either run is a run, with nothing kept from the other."""
+    make.write_inp(tmp_path / "fan.inp", make.solid(make.FAN, (12, 6, 1)), "fan")
+    few = {"damper": None, "blade__mesh": str(tmp_path / "fan.inp"), "rotor__speeds": ["9000 rpm"], "rotor__modes": 2}
+    source = load.as_scene_file(changed(tomllib.loads(FAN.read_text(encoding="utf-8")), **few))
+    solved = []
+    plain = sweep.SolvedBlade.__init__
+    monkeypatch.setattr(sweep.SolvedBlade, "__init__", lambda *given: (solved.append(given), plain(*given))[1])
+    rows = {row.effect: row for row in effect_study(source, QUIET).rows}
+    assert len(solved) == 2
+    assert rows["rotary_inertia"].failed == "solid blades are solved one way alone"
+    runs = [workflows.run(source.changed(effects={"large_deflection": on})) for on in (True, False)]
+    (with_it, without) = ([mode.frequency_hz for mode in run.speeds[0].modes] for run in runs)
+    expected = [a / b - 1 for a, b in zip(with_it, without, strict=True)]
+    assert list(rows["large_deflection"].changes.values()) == pytest.approx(expected, rel=1e-6)
+    assert max(map(abs, expected)) > 1e-3
 
 
 def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,7 @@ from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
-from workflows.solve import structure
+from workflows.solve import blade, structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
@@ -195,8 +195,10 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
     effects = {name: effect.on for name, effect in choice.effects.items()}
     size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
 
-    def run(clearance: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
+    def run(clearance: float = 1.0, anew: bool = False, **switches: bool) -> tuple[SpeedPoint, ...]:
         """The scene, its effects as decided but those switched, on the mesh of its own run; a factor of clearance."""
+        if anew:
+            blade.forget()
         tables: dict[str, Any] = {"effects": effects | switches}
         if source.scene.damper is not None and clearance != 1.0:
             ball, cavity = 2 * source.scene.damper.radius, source.scene.damper.cavity
@@ -240,13 +242,14 @@ def _change_of(
 ) -> EffectChange:
     """The row of an effect, filled in by a run with it the other way."""
     belongs_to, on = EFFECTS[row.effect].of, row.on
-    if belongs_to == "plate" and source.scene.blade is not None:
+    solid = belongs_to == "plate" and source.scene.blade is not None
+    if solid and row.effect != "large_deflection":
         return replace(row, failed="solid blades are solved one way alone")
-    if getattr(source.scene, belongs_to) is None:
+    if not solid and getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
     switches, together = _switches(row.effect, effects)
     try:
-        time, *medians = compared(partial(run, **switches), run)
+        time, *medians = compared(partial(run, anew=solid, **switches), partial(run, anew=solid))
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
