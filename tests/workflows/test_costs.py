@@ -236,6 +236,11 @@ def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkey
     assert [ladder["stage"] for ladder in found["ladders"]] == ["damper"]
     assert ET.fromstring((folder / "accuracy.svg").read_text()).tag.endswith("svg")
     assert "var(" not in (folder / "accuracy.svg").read_text()
+    page = (folder / "report.html").read_text()
+    left_out = "Only the damper is compared: no plate, no speeds and no whole pipeline, since the structure is given."
+    assert all(left_out in said for said in (outcome.out, page, found["left_out"]))
+    assert "pipeline’s first" not in page
+    assert "estimate: what rounding misplaces, true: against solve_ivp" in outcome.out
 
 
 FAN = Path(__file__).parents[2] / "meshes" / "fan_blade.toml"
