@@ -22,6 +22,7 @@ from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene import load
+from workflows.scene.load import SceneFile
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
@@ -489,6 +490,28 @@ def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.M
     expected = [a / b - 1 for a, b in zip(with_it, without, strict=True)]
     assert list(rows["large_deflection"].changes.values()) == pytest.approx(expected, rel=1e-6)
     assert max(map(abs, expected)) > 1e-3
+
+
+@pytest.fixture
+def tilting() -> SceneFile:
+    """A known structure whose floor tilts, let go by as much as sets the ball rolling."""
+    release = {"displacement": None, "cycles": 50}
+    return load.load("structure").changed(structure={"floor_tilt": (8.0, 0.0)}, release=release)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
+    """An automatic release is larger the more the floor tilts: without the tilt it is kept as large."""
+    (row,) = [row for row in effect_study(tilting, QUIET).rows if row.effect == "floor_tilt"]
+    own = workflows.run(tilting).speeds[0].damper
+    assert own is not None
+    level = tilting.changed(effects={"floor_tilt": False})
+    smaller = workflows.run(level).speeds[0].damper
+    other = workflows.run(level.changed(release={"displacement": own.release})).speeds[0].damper
+    assert smaller is not None
+    assert other is not None
+    assert smaller.release[0] < 0.5 * own.release[0] == 0.5 * other.release[0]
+    assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
 
 
 def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve import blade, structure
 from workflows.solve.model_choice import choose_model
-from workflows.solve.results import Mode, SpeedPoint
+from workflows.solve.results import Mode, Pair, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
 
 _NAMED = 3
@@ -195,6 +195,8 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
     effects = {name: effect.on for name, effect in choice.effects.items()}
     size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
 
+    releases: dict[float, Pair] = {}  # of the scene's own run, since an automatic one would differ with an effect
+
     def run(clearance: float = 1.0, anew: bool = False, **switches: bool) -> tuple[SpeedPoint, ...]:
         """The scene, its effects as decided but those switched, on the mesh of its own run; a factor of clearance."""
         if anew:
@@ -203,12 +205,18 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         if source.scene.damper is not None and clearance != 1.0:
             ball, cavity = 2 * source.scene.damper.radius, source.scene.damper.cavity
             tables["damper"] = {"cavity": tuple(ball + clearance * (side - ball) for side in cavity)}
-        scene = source.changed(**tables)
-        return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
+        state = pipeline.structure(source.changed(**tables), quiet, shapes=False, size=size)
+        points: list[SpeedPoint] = []
+        for point in state.points:  # one by one, since each has a release of its own
+            known = point.rpm in releases
+            let_go = state.source.changed(release={"displacement": releases[point.rpm]}) if known else state.source
+            points += pipeline.damped(replace(state, source=let_go, points=(point,)), quiet).points
+        return tuple(points)
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
         own = run()
+        releases |= {point.rpm: point.damper.release for point in own if point.damper is not None}
         scatter = _scatter(own, [run(clearance=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
         step.advance("as the scene has it")
         rows = []
