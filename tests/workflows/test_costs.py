@@ -405,6 +405,15 @@ def test_speeds_are_compared_with_their_like() -> None:
     assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
 
 
+def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
+    """Which is named; where no speed has one all are looked at."""
+    own = point(0, ("flap", 200.0)), point(1000, ("flap", 110.0)), point(2000, ("flap", 105.0))
+    other = tuple(point(rpm, ("flap", 100.0)) for rpm in (0, 1000, 2000))
+    for judged, change, rpm in (((1000, 2000), 0.1, 1000), ((2000,), 0.05, 2000), ((), 1.0, 0)):
+        found = changes(own, other, own_has_it=True, judged=judged)
+        assert (found.relative, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
+
+
 @pytest.mark.usefixtures("hasty")
 def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
@@ -512,6 +521,23 @@ def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
     assert other is not None
     assert smaller.release[0] < 0.5 * own.release[0] == 0.5 * other.release[0]
     assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
+
+
+@pytest.mark.usefixtures("hasty")
+def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile) -> None:
+    """At 50 rpm the ball weighs more than its load."""
+    speeds = tuple(rpm * np.pi / 30 for rpm in (50, 10000))
+    switches = effect_study(tilting.changed(rotor={"speeds": speeds}), QUIET)
+    (row,) = [row for row in switches.rows if row.effect == "floor_tilt"]
+    assert row.largest is not None
+    assert {round(rpm) for rpm in row.rpm.values()} == {10000}
+    said = f"{row.largest[0]} at 10000 rpm"
+    assert said in effects_report.text(switches)
+    written = effects_report.files(switches)
+    page, table = (str(written[name]) for name in ("report.html", "effects.csv"))
+    assert said.replace("_", " ") in page
+    assert f"{row.largest[0]}_rpm" in table
+    assert "% at 10000 rpm" in str(written["effects.svg"])
 
 
 def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:

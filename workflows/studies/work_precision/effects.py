@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias
@@ -17,7 +17,7 @@ from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
-from workflows.solve import blade, structure
+from workflows.solve import blade, limits, structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Mode, Pair, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
@@ -32,30 +32,40 @@ class Changes:
 
     Attributes:
         relative: by quantity; None where no speed has a value on both sides.
+        rpm: the speed of each that is known.
         remarks: quantities that are there on one side only, speeds at which the plate diverges on one side only.
     """
 
     relative: dict[str, float | None]
+    rpm: dict[str, float]
     remarks: tuple[str, ...]
 
 
-def changes(own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool) -> Changes:
-    """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run."""
+def changes(
+    own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool, judged: Collection[float] = ()
+) -> Changes:
+    """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run.
+
+    Speeds [rev/min] other than those judged are left out, unless there is none of these.
+    """
     mine, others = ({point.rpm: point for point in points} for points in (own, other))
     pairs: dict[str, list[_Pair]] = defaultdict(list)
-    for rpm in (rpm for rpm in mine if rpm in others):
+    common = [rpm for rpm in mine if rpm in others]
+    for rpm in [rpm for rpm in common if rpm in judged] or common:
         for name, values in _values(mine[rpm], others[rpm]).items():
             with_it, without = values if own_has_it else values[::-1]
             pairs[name].append((rpm, with_it, without))
-    relative = {}
+    relative: dict[str, float | None] = dict.fromkeys(pairs)
+    at = {}
     for name, both in pairs.items():
-        known = [change for _, *values in both if (change := _change(*values)) is not None]
-        relative[name] = max(known, key=abs, default=None)
+        known = [(change, rpm) for rpm, *values in both if (change := _change(*values)) is not None]
+        if known:
+            relative[name], at[name] = max(known, key=lambda each: abs(each[0]))
     missing = set(others) - set(mine), set(mine) - set(others)
     diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
-    remarks = [f"{side} it the plate diverges {_at(at)}" for side, at in diverging.items() if at]
+    remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
     remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
-    return Changes(relative, tuple(remarks))
+    return Changes(relative, at, tuple(remarks))
 
 
 _Pair: TypeAlias = tuple[float, float | None, float | None]
@@ -120,8 +130,8 @@ class EffectChange:
     Attributes:
         effect, called_for, why: its name, whether the scene calls for it, and why (not).
         on: whether it is simulated, as the scene and the rules have it.
-        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds, None
-            where no speed has a value both with and without it.
+        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds with a
+            verdict, None where no speed has a value both with and without it; rpm: the speed of each.
         scatter: by how much each of these quantities changes as the clearance changes by a billionth, where motion is
             chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
@@ -134,6 +144,7 @@ class EffectChange:
     why: str
     on: bool
     changes: dict[str, float | None] = field(default_factory=dict)
+    rpm: dict[str, float] = field(default_factory=dict)
     scatter: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     time_s: float | None = None
@@ -197,7 +208,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
 
     releases: dict[float, Pair] = {}  # of the scene's own run, since an automatic one would differ with an effect
 
-    def run(clearance: float = 1.0, anew: bool = False, **switches: bool) -> tuple[SpeedPoint, ...]:
+    def run(clearance: float = 1.0, anew: bool = False, **switches: bool) -> structure.StructureState:
         """The scene, its effects as decided but those switched, on the mesh of its own run; a factor of clearance."""
         if anew:
             blade.forget()
@@ -211,18 +222,20 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             known = point.rpm in releases
             let_go = state.source.changed(release={"displacement": releases[point.rpm]}) if known else state.source
             points += pipeline.damped(replace(state, source=let_go, points=(point,)), quiet).points
-        return tuple(points)
+        return replace(state, points=tuple(points))
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
-        own = run()
+        state = run()
+        own, judged = state.points, _judged(state)
         releases |= {point.rpm: point.damper.release for point in own if point.damper is not None}
-        scatter = _scatter(own, [run(clearance=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
+        perturbed = [run(clearance=1 + k * _PERTURBED).points for k in (-1, 1, 2)] if source.scene.damper else []
+        scatter = _scatter(own, perturbed, judged)
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
             row = EffectChange(name, *called[name][:2], on, scatter=scatter)
-            rows.append(_change_of(source, row, effects, own, run))
+            rows.append(_change_of(source, row, effects, own, judged, run))
             step.advance(name)
     return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
@@ -231,11 +244,19 @@ _PERTURBED, _WITHIN = 1e-9, 2.0
 """Relative change of the clearance that measures the scatter, and how many times the scatter an effect exceeds."""
 
 
-def _scatter(own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]]) -> dict[str, float]:
-    """The largest change of each quantity of the ball by a change that is none, at all speeds."""
+def _judged(state: structure.StructureState) -> set[float]:
+    """The speeds [rev/min] at which the damper has a verdict."""
+    speeds = limits.with_verdicts(state.with_pictures().results()).speeds
+    return {point.rpm for point in speeds if point.verdict is not None and point.verdict.rank >= 0}
+
+
+def _scatter(
+    own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]], judged: set[float]
+) -> dict[str, float]:
+    """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""
     scatter: dict[str, float] = {}
     for each in perturbed:
-        for name, change in changes(own, each, own_has_it=True).relative.items():
+        for name, change in changes(own, each, own_has_it=True, judged=judged).relative.items():
             if change is not None and not name.startswith("frequency"):
                 scatter[name] = max(scatter.get(name, 0.0), abs(change))
     return scatter
@@ -246,7 +267,8 @@ def _change_of(
     row: EffectChange,
     effects: dict[str, bool],
     own: tuple[SpeedPoint, ...],
-    run: Callable[..., tuple[SpeedPoint, ...]],
+    judged: set[float],
+    run: Callable[..., structure.StructureState],
 ) -> EffectChange:
     """The row of an effect, filled in by a run with it the other way."""
     belongs_to, on = EFFECTS[row.effect].of, row.on
@@ -261,11 +283,12 @@ def _change_of(
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
-    changed = changes(own, time.value, own_has_it=on)
+    changed = changes(own, time.value.points, own_has_it=on, judged=judged)
     extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
     return replace(
         row,
         changes=changed.relative,
+        rpm=changed.rpm,
         remarks=together + changed.remarks,
         time_s=extra,
         time_spread_s=ends,
@@ -325,7 +348,8 @@ def draw(switches: EffectStudy) -> str:
             left.plot([abs(change)], [place], "o", color=colour, ms=4)
             # Heights of their own, since lines of one text come out ragged in a browser.
             labels += [(place + 0.2, name)]
-            labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {formatting.significant(100 * change, 2)} %")]
+            size = f"{formatting.significant(100 * change, 2)} % {_at([row.rpm[quantity]])}"
+            labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {size}")]
         else:
             labels.append((place, name))
             reason = _unseen(row, least)
@@ -369,9 +393,11 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
+    speeds = (f"{name}_rpm" for name in quantities)
     scatter = dict.fromkeys(f"{name}_scatter" for row in switches.rows for name in row.scatter)
-    columns = ("effect", "on", "called_for", *times, *quantities, *scatter, "remarks", "failed")
+    columns = ("effect", "on", "called_for", *times, *quantities, *speeds, *scatter, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
+    constant |= {"largest": _largest, "whole": whole}
     return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
@@ -381,16 +407,23 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
 
 def text(switches: EffectStudy) -> str:
     """The effects as a table; what has no place in it is below its row."""
-    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
+    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<38} {'time, ms':>24}  why"]
     for row in switches.rows:
-        top = row.largest
-        quantity, size = ("", formatting.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
+        size, quantity = _largest(row)
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
-        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {_spent(row):>24}  {row.why}")
+        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<38} {_spent(row):>24}  {row.why}")
         lines += [f"{'':<20} {remark}" for remark in (*row.remarks, *_scattered(row))]
         if row.failed is not None and row.failed != row.why:
             lines.append(f"{'':<20} no numbers: {row.failed}")
     return "\n".join(lines)
+
+
+def _largest(row: EffectChange) -> tuple[str, str]:
+    """The largest change of a row, and of what and at which speed it is."""
+    if row.largest is None:
+        return formatting.DASH, ""
+    quantity, change = row.largest
+    return f"{formatting.significant(100 * change, 3)} %", f"{quantity} {_at([row.rpm[quantity]])}"
 
 
 def _scattered(row: EffectChange) -> list[str]:
@@ -412,5 +445,6 @@ def _spent(row: EffectChange) -> str:
 def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
+    speeds = {f"{name}_rpm": value for name, value in row.rpm.items()}
     scatter = {f"{name}_scatter": value for name, value in row.scatter.items()}
-    return vars(row) | times | row.changes | scatter | {"remarks": "; ".join(row.remarks)}
+    return vars(row) | times | row.changes | speeds | scatter | {"remarks": "; ".join(row.remarks)}
