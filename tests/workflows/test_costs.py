@@ -509,6 +509,22 @@ def tilting() -> SceneFile:
 
 
 @pytest.mark.usefixtures("hasty")
+def test_the_damping_ratio_is_that_of_a_run(tilting: SceneFile) -> None:
+    """A verdict counts the tilt either way; without it there is a curve of falling vibration, held against its like."""
+    rows = {row.effect: row for row in effect_study(tilting, QUIET).rows}
+    on, off = (workflows.run(tilting.changed(effects={"floor_tilt": tilt})).speeds[0] for tilt in (True, False))
+    assert on.damping_curve is not None
+    assert off.damping_curve is not None
+    assert off.level is not None
+    assert rows["floor_tilt"].changes["ball_damping_ratio"] == on.damping_curve.peak / off.damping_curve.peak - 1 == 0
+    falling = on.damping_curve.from_above.peak / off.level.peak - 1
+    assert rows["floor_tilt"].changes["falling_damping_ratio"] == pytest.approx(falling, rel=1e-9)
+    assert falling < -0.5
+    assert any("is the verdict's, with the tilt either way" in remark for remark in rows["floor_tilt"].remarks)
+    assert not any("falling_damping_ratio" in row.changes for name, row in rows.items() if name != "floor_tilt")
+
+
+@pytest.mark.usefixtures("hasty")
 def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
     """An automatic release is larger the more the floor tilts: without the tilt it is kept as large."""
     (row,) = [row for row in effect_study(tilting, QUIET).rows if row.effect == "floor_tilt"]

@@ -19,7 +19,7 @@ from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
 from workflows.solve import blade, limits, structure
 from workflows.solve.model_choice import choose_model
-from workflows.solve.results import Mode, Pair, SpeedPoint
+from workflows.solve.results import Figures, Mode, Pair, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
 
 _NAMED = 3
@@ -65,6 +65,10 @@ def changes(
     diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
     remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
     remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
+    if _FALLING in pairs:
+        remarks.append(
+            f"ball_damping_ratio is the verdict's, with the tilt either way; {_FALLING} is without it if off"
+        )
     return Changes(relative, at, tuple(remarks))
 
 
@@ -88,11 +92,21 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
             values[name] = getattr(own.damper, name), getattr(other.damper, name)
-        figures = [point.level or point.damping_curve for point in (own, other)]
-        here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
-        values["ball_damping_ratio"] = here, there
+        values["ball_damping_ratio"] = _peak(own.damping_curve), _peak(other.damping_curve)
+        if (own.level is None) != (other.level is None):
+            falling = [
+                point.level or (point.damping_curve and point.damping_curve.from_above) for point in (own, other)
+            ]
+            values[_FALLING] = _peak(falling[0]), _peak(falling[1])
         values["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
     return values
+
+
+_FALLING = "falling_damping_ratio"
+
+
+def _peak(figures: Figures | None) -> float | None:
+    return None if figures is None or not figures.peak > 0 else figures.peak
 
 
 def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | None]:
