@@ -595,14 +595,39 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
     scene = changed(scene, damper__count=5, damper__mass_ratio=None, **free)
     rows = {row.effect: row for row in effect_study(load.as_scene_file(scene), QUIET).rows}
-    scatter = rows["ball_slip"].scatter
+    scatter = rows["floor_tilt"].scatter  # of the scene's own state, as there is no tilt
     assert scatter["peak_sdc"] > 1e-3, "a billionth of the cavity moves it by thousandths"
     assert scatter["ball_damping_ratio"] < 1e-6
     for change, beyond in ((1.9 * scatter["peak_sdc"], False), (2.1 * scatter["peak_sdc"], True)):
-        row = replace(rows["ball_slip"], changes={"peak_sdc": -change, "ball_damping_ratio": 1e-5})
+        row = replace(rows["floor_tilt"], changes={"peak_sdc": -change, "ball_damping_ratio": 1e-5}, error={})
         assert row.largest == (("peak_sdc", -change) if beyond else ("ball_damping_ratio", 1e-5))
         said = effects_report.text(EffectStudy("", 1e-3, (row,)))
         assert ("within the scatter of chaotic motion: peak_sdc" in said) is not beyond
+
+
+def test_either_side_may_scatter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball that rolls without resistance bounces at random, which the scene's own state does not."""
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
+    assert rows["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
+    assert rows["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
+
+
+def test_a_change_within_the_error_of_its_sides_is_none() -> None:
+    """The damping ratio of either run has an error of its own, which may be half of it."""
+    own = workflows.run("structure").speeds[0]
+    curve = own.damping_curve
+    assert curve is not None
+    for factor, error, beyond in ((0.7, 0.43, False), (0.6, 0.43, True), (0.7, 0.3, True)):
+        other = replace(own, damping_curve=replace(curve, peak=factor * curve.peak, error=error))
+        for has_it in (True, False):
+            found = changes((own,), (other,), own_has_it=has_it)
+            row = EffectChange("ball_slip", True, "", True, found.relative, found.rpm, found.error)
+            # The two values reach each other, whichever of them is the reference.
+            assert (curve.peak * (1 - curve.error) > factor * curve.peak * (1 + error)) is beyond
+            assert row.largest == (("ball_damping_ratio", found.relative["ball_damping_ratio"]) if beyond else None)
+            said = effects_report.text(EffectStudy("", 1e-3, (row,)))
+            assert ("within the error that run estimates: ball_damping_ratio" in said) is not beyond
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:

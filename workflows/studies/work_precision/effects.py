@@ -32,12 +32,13 @@ class Changes:
 
     Attributes:
         relative: by quantity; None where no speed has a value on both sides.
-        rpm: the speed of each that is known.
+        rpm, error: the speed of each that is known, and by how much its two values may err, as far as they say.
         remarks: quantities that are there on one side only, speeds at which the plate diverges on one side only.
     """
 
     relative: dict[str, float | None]
     rpm: dict[str, float]
+    error: dict[str, float]
     remarks: tuple[str, ...]
 
 
@@ -56,20 +57,23 @@ def changes(
             with_it, without = values if own_has_it else values[::-1]
             pairs[name].append((rpm, with_it, without))
     relative: dict[str, float | None] = dict.fromkeys(pairs)
-    at = {}
+    at, error = {}, {}
     for name, both in pairs.items():
         known = [(change, rpm) for rpm, *values in both if (change := _change(*values)) is not None]
-        if known:
-            relative[name], at[name] = max(known, key=lambda each: abs(each[0]))
+        sides = {rpm: (mine[rpm], others[rpm])[:: 1 if own_has_it else -1] for _, rpm in known}
+        found = [(change, rpm, _error(name, change, *sides[rpm])) for change, rpm in known]
+        if found:  # one beyond its error goes before a larger one that is not
+            most = max(found, key=lambda each: (abs(each[0]) > each[2], abs(each[0])))
+            relative[name], at[name], error[name] = most
     missing = set(others) - set(mine), set(mine) - set(others)
     diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
     remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
     remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
     if _FALLING in pairs:
         remarks.append(
-            f"ball_damping_ratio is the verdict's, with the tilt either way; {_FALLING} is without it if off"
+            f"ball_damping_ratio is the verdict's, with the tilt either way; {_FALLING} is with the tilt and without it"
         )
-    return Changes(relative, at, tuple(remarks))
+    return Changes(relative, at, error, tuple(remarks))
 
 
 _Pair: TypeAlias = tuple[float, float | None, float | None]
@@ -81,6 +85,13 @@ def _change(with_it: float | None, without: float | None) -> float | None:
     if with_it is None or without is None:
         return None
     return 0.0 if with_it == without else None if without == 0 else (with_it - without) / without
+
+
+def _error(name: str, change: float, with_it: SpeedPoint, without: SpeedPoint) -> float:
+    """By how much a relative change of a damping ratio may err, as both runs estimate theirs; 0 of other quantities."""
+    if not name.endswith("damping_ratio") or with_it.damping_curve is None or without.damping_curve is None:
+        return 0.0
+    return with_it.damping_curve.error * (1.0 + change) + without.damping_curve.error
 
 
 def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None, float | None]]:
@@ -146,8 +157,9 @@ class EffectChange:
         on: whether it is simulated, as the scene and the rules have it.
         changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds with a
             verdict, None where no speed has a value both with and without it; rpm: the speed of each.
-        scatter: by how much each of these quantities changes as the clearance changes by a billionth, where motion is
-            chaotic; a change that is no larger is none of the effect's.
+        error: by how much the changes of damping ratios may err, as `run` estimates those of both sides.
+        scatter: by how much each of these quantities changes as the clearance changes by a billionth, with or without
+            the effect, where motion is chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
         time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
         failed: why there is no change to show.
@@ -159,6 +171,7 @@ class EffectChange:
     on: bool
     changes: dict[str, float | None] = field(default_factory=dict)
     rpm: dict[str, float] = field(default_factory=dict)
+    error: dict[str, float] = field(default_factory=dict)
     scatter: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     time_s: float | None = None
@@ -168,13 +181,16 @@ class EffectChange:
 
     @property
     def largest(self) -> tuple[str, float] | None:
-        """The quantity that changes most beyond its scatter, and by how much."""
-        known = [(name, each) for name, each in self.changes.items() if each is not None and not self.scatters(name)]
+        """The quantity that changes most beyond its scatter and its error, and by how much."""
+        known = [(name, each) for name, each in self.changes.items() if each is not None and not self.within(name)]
         return max(known, key=lambda item: abs(item[1]), default=None)
 
-    def scatters(self, quantity: str) -> bool:
-        """Whether a quantity changes by no more than it scatters."""
-        return abs(self.changes[quantity] or 0.0) <= _WITHIN * self.scatter.get(quantity, 0.0)
+    def within(self, quantity: str) -> str | None:
+        """Within what a quantity's change is none of the effect's; None where it is beyond all of that."""
+        size = abs(self.changes[quantity] or 0.0)
+        if size <= _WITHIN * self.scatter.get(quantity, 0.0):
+            return "the scatter of chaotic motion"
+        return "the error that run estimates" if size <= self.error.get(quantity, 0.0) else None
 
     @property
     def within_noise(self) -> bool | None:
@@ -243,8 +259,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         state = run()
         own, judged = state.points, _judged(state)
         releases |= {point.rpm: point.damper.release for point in own if point.damper is not None}
-        perturbed = [run(clearance=1 + k * _PERTURBED).points for k in (-1, 1, 2)] if source.scene.damper else []
-        scatter = _scatter(own, perturbed, judged)
+        scatter = _scatter(own, run, judged) if source.scene.damper else {}
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
@@ -265,12 +280,12 @@ def _judged(state: structure.StructureState) -> set[float]:
 
 
 def _scatter(
-    own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]], judged: set[float]
+    points: tuple[SpeedPoint, ...], run: Callable[..., structure.StructureState], judged: set[float]
 ) -> dict[str, float]:
     """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""
     scatter: dict[str, float] = {}
-    for each in perturbed:
-        for name, change in changes(own, each, own_has_it=True, judged=judged).relative.items():
+    for each in (run(clearance=1 + k * _PERTURBED).points for k in (-1, 1, 2)):
+        for name, change in changes(points, each, own_has_it=True, judged=judged).relative.items():
             if change is not None and not name.startswith("frequency"):
                 scatter[name] = max(scatter.get(name, 0.0), abs(change))
     return scatter
@@ -299,10 +314,13 @@ def _change_of(
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
     changed = changes(own, time.value.points, own_has_it=on, judged=judged)
     extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
+    row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
+    if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
+        theirs = _scatter(time.value.points, partial(run, **switches), judged)
+        both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
+        row = replace(row, scatter=both)
     return replace(
         row,
-        changes=changed.relative,
-        rpm=changed.rpm,
         remarks=together + changed.remarks,
         time_s=extra,
         time_spread_s=ends,
@@ -397,8 +415,8 @@ def _unseen(row: EffectChange, least: float) -> str:
         return row.failed
     top = row.largest
     none = "none" if top is None or abs(top[1]) <= _ROUNDING else f"none above {formatting.significant(100 * least)} %"
-    if any(change and row.scatters(name) for name, change in row.changes.items()):
-        none += " beyond the scatter of chaotic motion"
+    if _scattered(row):
+        none += " beyond scatter and error"
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
 
 
@@ -407,9 +425,8 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
-    speeds = (f"{name}_rpm" for name in quantities)
-    scatter = dict.fromkeys(f"{name}_scatter" for row in switches.rows for name in row.scatter)
-    columns = ("effect", "on", "called_for", *times, *quantities, *speeds, *scatter, "remarks", "failed")
+    more = dict.fromkeys(name for row in switches.rows for name in _more(row))
+    columns = ("effect", "on", "called_for", *times, *quantities, *more, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
     constant |= {"largest": _largest, "whole": whole}
     return {
@@ -441,10 +458,12 @@ def _largest(row: EffectChange) -> tuple[str, str]:
 
 
 def _scattered(row: EffectChange) -> list[str]:
-    """Quantities whose change is no more than the scatter of chaotic motion."""
-    names = [name for name, change in row.changes.items() if change and row.scatters(name)]
-    each = [f"{name} {formatting.significant(100 * (row.changes[name] or 0.0), 2)} %" for name in names]
-    return [f"within the scatter of chaotic motion: {', '.join(each)}"] if each else []
+    """Quantities whose change is no more than the scatter of chaotic motion, or their own error."""
+    each: dict[str, list[str]] = defaultdict(list)
+    for name, change in row.changes.items():
+        if change and (bound := row.within(name)):
+            each[bound].append(f"{name} {formatting.significant(100 * change, 2)} %")
+    return [f"within {bound}: {', '.join(names)}" for bound, names in each.items()]
 
 
 def _spent(row: EffectChange) -> str:
@@ -459,6 +478,10 @@ def _spent(row: EffectChange) -> str:
 def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
-    speeds = {f"{name}_rpm": value for name, value in row.rpm.items()}
-    scatter = {f"{name}_scatter": value for name, value in row.scatter.items()}
-    return vars(row) | times | row.changes | speeds | scatter | {"remarks": "; ".join(row.remarks)}
+    return vars(row) | times | row.changes | _more(row) | {"remarks": "; ".join(row.remarks)}
+
+
+def _more(row: EffectChange) -> dict[str, float]:
+    """What is known of the changes, by quantity."""
+    tables = {"rpm": row.rpm, "error": row.error, "scatter": row.scatter}
+    return {f"{name}_{what}": value for what, table in tables.items() for name, value in table.items()}
