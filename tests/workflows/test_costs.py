@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -628,6 +629,23 @@ def test_a_change_within_the_error_of_its_sides_is_none() -> None:
             assert row.largest == (("ball_damping_ratio", found.relative["ball_damping_ratio"]) if beyond else None)
             said = effects_report.text(EffectStudy("", 1e-3, (row,)))
             assert ("within the error that run estimates: ball_damping_ratio" in said) is not beyond
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        ({"failed": "no plate in the scene"}, "no numbers"),
+        ({"changes": {"frequency_1": 0.0, "frequency_2": -2e-12 / 3}}, "none"),
+        ({"changes": {"peak_sdc": 0.1, "impacts": 0.0}, "scatter": {"peak_sdc": 0.06}}, "within scatter"),
+        ({"changes": {"ball_damping_ratio": 0.1}, "error": {"ball_damping_ratio": 0.4}}, "within error"),
+        ({"changes": {"cutoff_g": None, "impacts": 0.0}}, "on one side"),
+    ],
+)
+def test_a_row_without_a_largest_change_says_why(found: dict[str, Any], words: str) -> None:
+    rpm = dict.fromkeys(found.get("changes", {}), 1000.0)
+    switches = EffectStudy("", 1e-3, (EffectChange("coriolis", False, "slow", False, rpm=rpm, **found),))
+    assert re.split(r"\s{2,}", effects_report.text(switches).splitlines()[1])[3] == words
+    assert f'<td class="number">{words}<div' in str(effects_report.files(switches)["report.html"])
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -183,7 +183,7 @@ class EffectChange:
     def largest(self) -> tuple[str, float] | None:
         """The quantity that changes most beyond its scatter and its error, and by how much."""
         known = [(name, each) for name, each in self.changes.items() if each is not None and not self.within(name)]
-        return max(known, key=lambda item: abs(item[1]), default=None)
+        return max((item for item in known if abs(item[1]) > _ROUNDING), key=lambda item: abs(item[1]), default=None)
 
     def within(self, quantity: str) -> str | None:
         """Within what a quantity's change is none of the effect's; None where it is beyond all of that."""
@@ -413,8 +413,7 @@ def _unseen(row: EffectChange, least: float) -> str:
     """Why an effect has no bar."""
     if row.failed is not None:
         return row.failed
-    top = row.largest
-    none = "none" if top is None or abs(top[1]) <= _ROUNDING else f"none above {formatting.significant(100 * least)} %"
+    none = "none" if row.largest is None else f"none above {formatting.significant(100 * least)} %"
     if _scattered(row):
         none += " beyond scatter and error"
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
@@ -450,18 +449,22 @@ def text(switches: EffectStudy) -> str:
 
 
 def _largest(row: EffectChange) -> tuple[str, str]:
-    """The largest change of a row, and of what and at which speed it is."""
-    if row.largest is None:
-        return formatting.DASH, ""
-    quantity, change = row.largest
-    return f"{formatting.significant(100 * change, 3)} %", f"{quantity} {_at([row.rpm[quantity]])}"
+    """The largest change of a row, and of what and at which speed it is; or why there is none."""
+    if row.largest is not None:
+        quantity, change = row.largest
+        return f"{formatting.significant(100 * change, 3)} %", f"{quantity} {_at([row.rpm[quantity]])}"
+    if row.failed is not None or not row.changes:
+        return "no numbers", ""
+    if lost := _scattered(row):
+        return "within scatter" if "scatter" in lost[0] else "within error", ""
+    return ("on one side" if None in row.changes.values() else "none"), ""
 
 
 def _scattered(row: EffectChange) -> list[str]:
     """Quantities whose change is no more than the scatter of chaotic motion, or their own error."""
     each: dict[str, list[str]] = defaultdict(list)
     for name, change in row.changes.items():
-        if change and (bound := row.within(name)):
+        if change and abs(change) > _ROUNDING and (bound := row.within(name)):
             each[bound].append(f"{name} {formatting.significant(100 * change, 2)} %")
     return [f"within {bound}: {', '.join(names)}" for bound, names in each.items()]
 
