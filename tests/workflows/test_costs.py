@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -12,12 +13,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+import workflows
 from damper import Formulation, damping_curve, ringdown, stepped_ringdown
+from fem.solid import sweep
+from meshes import make
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
+from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene import load
+from workflows.scene.load import SceneFile
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.studies.sweep.evaluate import QUICK
@@ -232,6 +238,21 @@ def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkey
     assert [ladder["stage"] for ladder in found["ladders"]] == ["damper"]
     assert ET.fromstring((folder / "accuracy.svg").read_text()).tag.endswith("svg")
     assert "var(" not in (folder / "accuracy.svg").read_text()
+    page = (folder / "report.html").read_text()
+    left_out = "Only the damper is compared: no plate, no speeds and no whole pipeline, since the structure is given."
+    assert all(left_out in said for said in (outcome.out, page, found["left_out"]))
+    assert "pipeline’s first" not in page
+    assert "estimate: what rounding misplaces, true: against solve_ivp" in outcome.out
+
+
+FAN = Path(__file__).parents[2] / "meshes" / "fan_blade.toml"
+"""A solid blade with a damper."""
+
+
+def test_nothing_to_compare_on_a_solid_blade_alone() -> None:
+    alone = load.load(str(FAN)).changed(damper=None, release=None)
+    with pytest.raises(BadInput, match=r"\[damper\]: the table is missing: nothing to compare, since the blade's mesh"):
+        study(alone, QUIET)
 
 
 def judged(method: str, time_s: float, error: float, uncertainty: float = 0.0) -> Setting:
@@ -385,6 +406,15 @@ def test_speeds_are_compared_with_their_like() -> None:
     assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
 
 
+def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
+    """Which is named; where no speed has one all are looked at."""
+    own = point(0, ("flap", 200.0)), point(1000, ("flap", 110.0)), point(2000, ("flap", 105.0))
+    other = tuple(point(rpm, ("flap", 100.0)) for rpm in (0, 1000, 2000))
+    for judged, change, rpm in (((1000, 2000), 0.1, 1000), ((2000,), 0.05, 2000), ((), 1.0, 0)):
+        found = changes(own, other, own_has_it=True, judged=judged)
+        assert (found.relative, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
+
+
 @pytest.mark.usefixtures("hasty")
 def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
@@ -454,6 +484,80 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     assert "accuracy, 0.001" in drawn
 
 
+@pytest.mark.usefixtures("hasty")
+def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one way in which solid blades are solved otherwise; either run is a run, with nothing kept from the other."""
+    make.write_inp(tmp_path / "fan.inp", make.solid(make.FAN, (12, 6, 1)), "fan")
+    few = {"damper": None, "blade__mesh": str(tmp_path / "fan.inp"), "rotor__speeds": ["9000 rpm"], "rotor__modes": 2}
+    source = load.as_scene_file(changed(tomllib.loads(FAN.read_text(encoding="utf-8")), **few))
+    solved = []
+    plain = sweep.SolvedBlade.__init__
+    monkeypatch.setattr(sweep.SolvedBlade, "__init__", lambda *given: (solved.append(given), plain(*given))[1])
+    rows = {row.effect: row for row in effect_study(source, QUIET).rows}
+    assert len(solved) == 2
+    assert rows["rotary_inertia"].failed == "solid blades are solved one way alone"
+    runs = [workflows.run(source.changed(effects={"large_deflection": on})) for on in (True, False)]
+    (with_it, without) = ([mode.frequency_hz for mode in run.speeds[0].modes] for run in runs)
+    expected = [a / b - 1 for a, b in zip(with_it, without, strict=True)]
+    assert list(rows["large_deflection"].changes.values()) == pytest.approx(expected, rel=1e-6)
+    assert max(map(abs, expected)) > 1e-3
+
+
+@pytest.fixture
+def tilting() -> SceneFile:
+    """A known structure whose floor tilts, let go by as much as sets the ball rolling."""
+    release = {"displacement": None, "cycles": 50}
+    return load.load("structure").changed(structure={"floor_tilt": (8.0, 0.0)}, release=release)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_the_damping_ratio_is_that_of_a_run(tilting: SceneFile) -> None:
+    """A verdict counts the tilt either way; without it there is a curve of falling vibration, held against its like."""
+    rows = {row.effect: row for row in effect_study(tilting, QUIET).rows}
+    on, off = (workflows.run(tilting.changed(effects={"floor_tilt": tilt})).speeds[0] for tilt in (True, False))
+    assert on.damping_curve is not None
+    assert off.damping_curve is not None
+    assert off.level is not None
+    assert rows["floor_tilt"].changes["ball_damping_ratio"] == on.damping_curve.peak / off.damping_curve.peak - 1 == 0
+    falling = on.damping_curve.from_above.peak / off.level.peak - 1
+    assert rows["floor_tilt"].changes["falling_damping_ratio"] == pytest.approx(falling, rel=1e-9)
+    assert falling < -0.5
+    assert any("is the verdict's, with the tilt either way" in remark for remark in rows["floor_tilt"].remarks)
+    assert not any("falling_damping_ratio" in row.changes for name, row in rows.items() if name != "floor_tilt")
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
+    """An automatic release is larger the more the floor tilts: without the tilt it is kept as large."""
+    (row,) = [row for row in effect_study(tilting, QUIET).rows if row.effect == "floor_tilt"]
+    own = workflows.run(tilting).speeds[0].damper
+    assert own is not None
+    level = tilting.changed(effects={"floor_tilt": False})
+    smaller = workflows.run(level).speeds[0].damper
+    other = workflows.run(level.changed(release={"displacement": own.release})).speeds[0].damper
+    assert smaller is not None
+    assert other is not None
+    assert smaller.release[0] < 0.5 * own.release[0] == 0.5 * other.release[0]
+    assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
+
+
+@pytest.mark.usefixtures("hasty")
+def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile) -> None:
+    """At 50 rpm the ball weighs more than its load."""
+    speeds = tuple(rpm * np.pi / 30 for rpm in (50, 10000))
+    switches = effect_study(tilting.changed(rotor={"speeds": speeds}), QUIET)
+    (row,) = [row for row in switches.rows if row.effect == "floor_tilt"]
+    assert row.largest is not None
+    assert {round(rpm) for rpm in row.rpm.values()} == {10000}
+    said = f"{row.largest[0]} at 10000 rpm"
+    assert said in effects_report.text(switches)
+    written = effects_report.files(switches)
+    page, table = (str(written[name]) for name in ("report.html", "effects.csv"))
+    assert said.replace("_", " ") in page
+    assert f"{row.largest[0]}_rpm" in table
+    assert "% at 10000 rpm" in str(written["effects.svg"])
+
+
 def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine that slows down slows both: the difference of pairs is true where that of medians is not."""
     clock, calls = [0.0], []
@@ -493,14 +597,56 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
     scene = changed(scene, damper__count=5, damper__mass_ratio=None, **free)
     rows = {row.effect: row for row in effect_study(load.as_scene_file(scene), QUIET).rows}
-    scatter = rows["ball_slip"].scatter
+    scatter = rows["floor_tilt"].scatter  # of the scene's own state, as there is no tilt
     assert scatter["peak_sdc"] > 1e-3, "a billionth of the cavity moves it by thousandths"
     assert scatter["ball_damping_ratio"] < 1e-6
     for change, beyond in ((1.9 * scatter["peak_sdc"], False), (2.1 * scatter["peak_sdc"], True)):
-        row = replace(rows["ball_slip"], changes={"peak_sdc": -change, "ball_damping_ratio": 1e-5})
+        row = replace(rows["floor_tilt"], changes={"peak_sdc": -change, "ball_damping_ratio": 1e-5}, error={})
         assert row.largest == (("peak_sdc", -change) if beyond else ("ball_damping_ratio", 1e-5))
         said = effects_report.text(EffectStudy("", 1e-3, (row,)))
         assert ("within the scatter of chaotic motion: peak_sdc" in said) is not beyond
+
+
+def test_either_side_may_scatter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball that rolls without resistance bounces at random, which the scene's own state does not."""
+    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
+    assert rows["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
+    assert rows["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
+
+
+def test_a_change_within_the_error_of_its_sides_is_none() -> None:
+    """The damping ratio of either run has an error of its own, which may be half of it."""
+    own = workflows.run("structure").speeds[0]
+    curve = own.damping_curve
+    assert curve is not None
+    for factor, error, beyond in ((0.7, 0.43, False), (0.6, 0.43, True), (0.7, 0.3, True)):
+        other = replace(own, damping_curve=replace(curve, peak=factor * curve.peak, error=error))
+        for has_it in (True, False):
+            found = changes((own,), (other,), own_has_it=has_it)
+            row = EffectChange("ball_slip", True, "", True, found.relative, found.rpm, found.error)
+            # The two values reach each other, whichever of them is the reference.
+            assert (curve.peak * (1 - curve.error) > factor * curve.peak * (1 + error)) is beyond
+            assert row.largest == (("ball_damping_ratio", found.relative["ball_damping_ratio"]) if beyond else None)
+            said = effects_report.text(EffectStudy("", 1e-3, (row,)))
+            assert ("within the error that run estimates: ball_damping_ratio" in said) is not beyond
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        ({"failed": "no plate in the scene"}, "no numbers"),
+        ({"changes": {"frequency_1": 0.0, "frequency_2": -2e-12 / 3}}, "none"),
+        ({"changes": {"peak_sdc": 0.1, "impacts": 0.0}, "scatter": {"peak_sdc": 0.06}}, "within scatter"),
+        ({"changes": {"ball_damping_ratio": 0.1}, "error": {"ball_damping_ratio": 0.4}}, "within error"),
+        ({"changes": {"cutoff_g": None, "impacts": 0.0}}, "on one side"),
+    ],
+)
+def test_a_row_without_a_largest_change_says_why(found: dict[str, Any], words: str) -> None:
+    rpm = dict.fromkeys(found.get("changes", {}), 1000.0)
+    switches = EffectStudy("", 1e-3, (EffectChange("coriolis", False, "slow", False, rpm=rpm, **found),))
+    assert re.split(r"\s{2,}", effects_report.text(switches).splitlines()[1])[3] == words
+    assert f'<td class="number">{words}<div' in str(effects_report.files(switches)["report.html"])
 
 
 def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -183,6 +183,12 @@ def _solved(request: Request) -> SolvedBlade:
     return SolvedBlade(operators, speeds, scene.rotor.modes, max(scene.budget.basis, _FINEST))
 
 
+def forget() -> None:
+    """Let blades be solved anew, which is what a run takes."""
+    _deflection.cache_clear()
+    _solved.cache_clear()
+
+
 _FINEST = 2e-4
 """Least relative error of frequencies between solved speeds that is asked for."""
 

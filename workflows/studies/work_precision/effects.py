@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias
@@ -17,9 +17,9 @@ from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.templates import from_template
 from workflows.scene.load import SceneFile
-from workflows.solve import structure
+from workflows.solve import blade, limits, structure
 from workflows.solve.model_choice import choose_model
-from workflows.solve.results import Mode, SpeedPoint
+from workflows.solve.results import Figures, Mode, Pair, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
 
 _NAMED = 3
@@ -32,30 +32,48 @@ class Changes:
 
     Attributes:
         relative: by quantity; None where no speed has a value on both sides.
+        rpm, error: the speed of each that is known, and by how much its two values may err, as far as they say.
         remarks: quantities that are there on one side only, speeds at which the plate diverges on one side only.
     """
 
     relative: dict[str, float | None]
+    rpm: dict[str, float]
+    error: dict[str, float]
     remarks: tuple[str, ...]
 
 
-def changes(own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool) -> Changes:
-    """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run."""
+def changes(
+    own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool, judged: Collection[float] = ()
+) -> Changes:
+    """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run.
+
+    Speeds [rev/min] other than those judged are left out, unless there is none of these.
+    """
     mine, others = ({point.rpm: point for point in points} for points in (own, other))
     pairs: dict[str, list[_Pair]] = defaultdict(list)
-    for rpm in (rpm for rpm in mine if rpm in others):
+    common = [rpm for rpm in mine if rpm in others]
+    for rpm in [rpm for rpm in common if rpm in judged] or common:
         for name, values in _values(mine[rpm], others[rpm]).items():
             with_it, without = values if own_has_it else values[::-1]
             pairs[name].append((rpm, with_it, without))
-    relative = {}
+    relative: dict[str, float | None] = dict.fromkeys(pairs)
+    at, error = {}, {}
     for name, both in pairs.items():
-        known = [change for _, *values in both if (change := _change(*values)) is not None]
-        relative[name] = max(known, key=abs, default=None)
+        known = [(change, rpm) for rpm, *values in both if (change := _change(*values)) is not None]
+        sides = {rpm: (mine[rpm], others[rpm])[:: 1 if own_has_it else -1] for _, rpm in known}
+        found = [(change, rpm, _error(name, change, *sides[rpm])) for change, rpm in known]
+        if found:  # one beyond its error goes before a larger one that is not
+            most = max(found, key=lambda each: (abs(each[0]) > each[2], abs(each[0])))
+            relative[name], at[name], error[name] = most
     missing = set(others) - set(mine), set(mine) - set(others)
     diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
-    remarks = [f"{side} it the plate diverges {_at(at)}" for side, at in diverging.items() if at]
+    remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
     remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
-    return Changes(relative, tuple(remarks))
+    if _FALLING in pairs:
+        remarks.append(
+            f"ball_damping_ratio is the verdict's, with the tilt either way; {_FALLING} is with the tilt and without it"
+        )
+    return Changes(relative, at, error, tuple(remarks))
 
 
 _Pair: TypeAlias = tuple[float, float | None, float | None]
@@ -69,6 +87,13 @@ def _change(with_it: float | None, without: float | None) -> float | None:
     return 0.0 if with_it == without else None if without == 0 else (with_it - without) / without
 
 
+def _error(name: str, change: float, with_it: SpeedPoint, without: SpeedPoint) -> float:
+    """By how much a relative change of a damping ratio may err, as both runs estimate theirs; 0 of other quantities."""
+    if not name.endswith("damping_ratio") or with_it.damping_curve is None or without.damping_curve is None:
+        return 0.0
+    return with_it.damping_curve.error * (1.0 + change) + without.damping_curve.error
+
+
 def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None, float | None]]:
     """Headline quantities of two runs at one speed."""
     partners = _partners(own.modes, other.modes)
@@ -78,11 +103,21 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
             values[name] = getattr(own.damper, name), getattr(other.damper, name)
-        figures = [point.level or point.damping_curve for point in (own, other)]
-        here, there = (None if known is None or not known.peak > 0 else known.peak for known in figures)
-        values["ball_damping_ratio"] = here, there
+        values["ball_damping_ratio"] = _peak(own.damping_curve), _peak(other.damping_curve)
+        if (own.level is None) != (other.level is None):
+            falling = [
+                point.level or (point.damping_curve and point.damping_curve.from_above) for point in (own, other)
+            ]
+            values[_FALLING] = _peak(falling[0]), _peak(falling[1])
         values["ball_share"] = own.damper.energy.ball_share, other.damper.energy.ball_share
     return values
+
+
+_FALLING = "falling_damping_ratio"
+
+
+def _peak(figures: Figures | None) -> float | None:
+    return None if figures is None or not figures.peak > 0 else figures.peak
 
 
 def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | None]:
@@ -120,10 +155,11 @@ class EffectChange:
     Attributes:
         effect, called_for, why: its name, whether the scene calls for it, and why (not).
         on: whether it is simulated, as the scene and the rules have it.
-        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds, None
-            where no speed has a value both with and without it.
-        scatter: by how much each of these quantities changes as the clearance changes by a billionth, where motion is
-            chaotic; a change that is no larger is none of the effect's.
+        changes: what it does to each headline quantity, (with - without) / without; the largest over the speeds with a
+            verdict, None where no speed has a value both with and without it; rpm: the speed of each.
+        error: by how much the changes of damping ratios may err, as `run` estimates those of both sides.
+        scatter: by how much each of these quantities changes as the clearance changes by a billionth, with or without
+            the effect, where motion is chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
         time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
         failed: why there is no change to show.
@@ -134,6 +170,8 @@ class EffectChange:
     why: str
     on: bool
     changes: dict[str, float | None] = field(default_factory=dict)
+    rpm: dict[str, float] = field(default_factory=dict)
+    error: dict[str, float] = field(default_factory=dict)
     scatter: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     time_s: float | None = None
@@ -143,13 +181,16 @@ class EffectChange:
 
     @property
     def largest(self) -> tuple[str, float] | None:
-        """The quantity that changes most beyond its scatter, and by how much."""
-        known = [(name, each) for name, each in self.changes.items() if each is not None and not self.scatters(name)]
-        return max(known, key=lambda item: abs(item[1]), default=None)
+        """The quantity that changes most beyond its scatter and its error, and by how much."""
+        known = [(name, each) for name, each in self.changes.items() if each is not None and not self.within(name)]
+        return max((item for item in known if abs(item[1]) > _ROUNDING), key=lambda item: abs(item[1]), default=None)
 
-    def scatters(self, quantity: str) -> bool:
-        """Whether a quantity changes by no more than it scatters."""
-        return abs(self.changes[quantity] or 0.0) <= _WITHIN * self.scatter.get(quantity, 0.0)
+    def within(self, quantity: str) -> str | None:
+        """Within what a quantity's change is none of the effect's; None where it is beyond all of that."""
+        size = abs(self.changes[quantity] or 0.0)
+        if size <= _WITHIN * self.scatter.get(quantity, 0.0):
+            return "the scatter of chaotic motion"
+        return "the error that run estimates" if size <= self.error.get(quantity, 0.0) else None
 
     @property
     def within_noise(self) -> bool | None:
@@ -195,24 +236,35 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
     effects = {name: effect.on for name, effect in choice.effects.items()}
     size = None if choice.form is None else structure.discretise(source, choice, quiet).choice.size
 
-    def run(clearance: float = 1.0, **switches: bool) -> tuple[SpeedPoint, ...]:
+    releases: dict[float, Pair] = {}  # of the scene's own run, since an automatic one would differ with an effect
+
+    def run(clearance: float = 1.0, anew: bool = False, **switches: bool) -> structure.StructureState:
         """The scene, its effects as decided but those switched, on the mesh of its own run; a factor of clearance."""
+        if anew:
+            blade.forget()
         tables: dict[str, Any] = {"effects": effects | switches}
         if source.scene.damper is not None and clearance != 1.0:
             ball, cavity = 2 * source.scene.damper.radius, source.scene.damper.cavity
             tables["damper"] = {"cavity": tuple(ball + clearance * (side - ball) for side in cavity)}
-        scene = source.changed(**tables)
-        return pipeline.damped(pipeline.structure(scene, quiet, shapes=False, size=size), quiet).points
+        state = pipeline.structure(source.changed(**tables), quiet, shapes=False, size=size)
+        points: list[SpeedPoint] = []
+        for point in state.points:  # one by one, since each has a release of its own
+            known = point.rpm in releases
+            let_go = state.source.changed(release={"displacement": releases[point.rpm]}) if known else state.source
+            points += pipeline.damped(replace(state, source=let_go, points=(point,)), quiet).points
+        return replace(state, points=tuple(points))
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
-        own = run()
-        scatter = _scatter(own, [run(clearance=1 + k * _PERTURBED) for k in (-1, 1, 2)] if source.scene.damper else [])
+        state = run()
+        own, judged = state.points, _judged(state)
+        releases |= {point.rpm: point.damper.release for point in own if point.damper is not None}
+        scatter = _scatter(own, run, judged) if source.scene.damper else {}
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
             row = EffectChange(name, *called[name][:2], on, scatter=scatter)
-            rows.append(_change_of(source, row, effects, own, run))
+            rows.append(_change_of(source, row, effects, own, judged, run))
             step.advance(name)
     return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
@@ -221,11 +273,19 @@ _PERTURBED, _WITHIN = 1e-9, 2.0
 """Relative change of the clearance that measures the scatter, and how many times the scatter an effect exceeds."""
 
 
-def _scatter(own: tuple[SpeedPoint, ...], perturbed: list[tuple[SpeedPoint, ...]]) -> dict[str, float]:
-    """The largest change of each quantity of the ball by a change that is none, at all speeds."""
+def _judged(state: structure.StructureState) -> set[float]:
+    """The speeds [rev/min] at which the damper has a verdict."""
+    speeds = limits.with_verdicts(state.with_pictures().results()).speeds
+    return {point.rpm for point in speeds if point.verdict is not None and point.verdict.rank >= 0}
+
+
+def _scatter(
+    points: tuple[SpeedPoint, ...], run: Callable[..., structure.StructureState], judged: set[float]
+) -> dict[str, float]:
+    """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""
     scatter: dict[str, float] = {}
-    for each in perturbed:
-        for name, change in changes(own, each, own_has_it=True).relative.items():
+    for each in (run(clearance=1 + k * _PERTURBED).points for k in (-1, 1, 2)):
+        for name, change in changes(points, each, own_has_it=True, judged=judged).relative.items():
             if change is not None and not name.startswith("frequency"):
                 scatter[name] = max(scatter.get(name, 0.0), abs(change))
     return scatter
@@ -236,25 +296,31 @@ def _change_of(
     row: EffectChange,
     effects: dict[str, bool],
     own: tuple[SpeedPoint, ...],
-    run: Callable[..., tuple[SpeedPoint, ...]],
+    judged: set[float],
+    run: Callable[..., structure.StructureState],
 ) -> EffectChange:
     """The row of an effect, filled in by a run with it the other way."""
     belongs_to, on = EFFECTS[row.effect].of, row.on
-    if belongs_to == "plate" and source.scene.blade is not None:
+    solid = belongs_to == "plate" and source.scene.blade is not None
+    if solid and row.effect != "large_deflection":
         return replace(row, failed="solid blades are solved one way alone")
-    if getattr(source.scene, belongs_to) is None:
+    if not solid and getattr(source.scene, belongs_to) is None:
         return replace(row, failed=f"no {belongs_to} in the scene")
     switches, together = _switches(row.effect, effects)
     try:
-        time, *medians = compared(partial(run, **switches), run)
+        time, *medians = compared(partial(run, anew=solid, **switches), partial(run, anew=solid))
     except (SpindampError, ValueError) as error:
         reason = str(error).removeprefix(f"{source.name}: ")
         return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
-    changed = changes(own, time.value, own_has_it=on)
+    changed = changes(own, time.value.points, own_has_it=on, judged=judged)
     extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
+    row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
+    if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
+        theirs = _scatter(time.value.points, partial(run, **switches), judged)
+        both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
+        row = replace(row, scatter=both)
     return replace(
         row,
-        changes=changed.relative,
         remarks=together + changed.remarks,
         time_s=extra,
         time_spread_s=ends,
@@ -314,7 +380,8 @@ def draw(switches: EffectStudy) -> str:
             left.plot([abs(change)], [place], "o", color=colour, ms=4)
             # Heights of their own, since lines of one text come out ragged in a browser.
             labels += [(place + 0.2, name)]
-            labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {formatting.significant(100 * change, 2)} %")]
+            size = f"{formatting.significant(100 * change, 2)} % {_at([row.rpm[quantity]])}"
+            labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {size}")]
         else:
             labels.append((place, name))
             reason = _unseen(row, least)
@@ -346,10 +413,9 @@ def _unseen(row: EffectChange, least: float) -> str:
     """Why an effect has no bar."""
     if row.failed is not None:
         return row.failed
-    top = row.largest
-    none = "none" if top is None or abs(top[1]) <= _ROUNDING else f"none above {formatting.significant(100 * least)} %"
-    if any(change and row.scatters(name) for name, change in row.changes.items()):
-        none += " beyond the scatter of chaotic motion"
+    none = "none" if row.largest is None else f"none above {formatting.significant(100 * least)} %"
+    if _scattered(row):
+        none += " beyond scatter and error"
     return "; ".join((f"{none} in numbers" if row.remarks else none, *row.remarks))
 
 
@@ -358,9 +424,10 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     figure = draw(switches)
     times = ("time_s", "time_least_s", "time_most_s", "within_noise", "time_share")
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
-    scatter = dict.fromkeys(f"{name}_scatter" for row in switches.rows for name in row.scatter)
-    columns = ("effect", "on", "called_for", *times, *quantities, *scatter, "remarks", "failed")
+    more = dict.fromkeys(name for row in switches.rows for name in _more(row))
+    columns = ("effect", "on", "called_for", *times, *quantities, *more, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
+    constant |= {"largest": _largest, "whole": whole}
     return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
@@ -370,23 +437,36 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
 
 def text(switches: EffectStudy) -> str:
     """The effects as a table; what has no place in it is below its row."""
-    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<16} {'time, ms':>24}  why"]
+    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<38} {'time, ms':>24}  why"]
     for row in switches.rows:
-        top = row.largest
-        quantity, size = ("", formatting.DASH) if top is None else (top[0], f"{100 * top[1]:.3g} %")
+        size, quantity = _largest(row)
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
-        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<16} {_spent(row):>24}  {row.why}")
+        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<38} {_spent(row):>24}  {row.why}")
         lines += [f"{'':<20} {remark}" for remark in (*row.remarks, *_scattered(row))]
         if row.failed is not None and row.failed != row.why:
             lines.append(f"{'':<20} no numbers: {row.failed}")
     return "\n".join(lines)
 
 
+def _largest(row: EffectChange) -> tuple[str, str]:
+    """The largest change of a row, and of what and at which speed it is; or why there is none."""
+    if row.largest is not None:
+        quantity, change = row.largest
+        return f"{formatting.significant(100 * change, 3)} %", f"{quantity} {_at([row.rpm[quantity]])}"
+    if row.failed is not None or not row.changes:
+        return "no numbers", ""
+    if lost := _scattered(row):
+        return "within scatter" if "scatter" in lost[0] else "within error", ""
+    return ("on one side" if None in row.changes.values() else "none"), ""
+
+
 def _scattered(row: EffectChange) -> list[str]:
-    """Quantities whose change is no more than the scatter of chaotic motion."""
-    names = [name for name, change in row.changes.items() if change and row.scatters(name)]
-    each = [f"{name} {formatting.significant(100 * (row.changes[name] or 0.0), 2)} %" for name in names]
-    return [f"within the scatter of chaotic motion: {', '.join(each)}"] if each else []
+    """Quantities whose change is no more than the scatter of chaotic motion, or their own error."""
+    each: dict[str, list[str]] = defaultdict(list)
+    for name, change in row.changes.items():
+        if change and abs(change) > _ROUNDING and (bound := row.within(name)):
+            each[bound].append(f"{name} {formatting.significant(100 * change, 2)} %")
+    return [f"within {bound}: {', '.join(names)}" for bound, names in each.items()]
 
 
 def _spent(row: EffectChange) -> str:
@@ -401,5 +481,10 @@ def _spent(row: EffectChange) -> str:
 def _flat(row: EffectChange) -> dict[str, Any]:
     low, high = row.time_spread_s or (None, None)
     times = {"time_least_s": low, "time_most_s": high, "within_noise": row.within_noise}
-    scatter = {f"{name}_scatter": value for name, value in row.scatter.items()}
-    return vars(row) | times | row.changes | scatter | {"remarks": "; ".join(row.remarks)}
+    return vars(row) | times | row.changes | _more(row) | {"remarks": "; ".join(row.remarks)}
+
+
+def _more(row: EffectChange) -> dict[str, float]:
+    """What is known of the changes, by quantity."""
+    tables = {"rpm": row.rpm, "error": row.error, "scatter": row.scatter}
+    return {f"{name}_{what}": value for what, table in tables.items() for name, value in table.items()}

@@ -106,7 +106,7 @@ def text(work_precision: WorkPrecision) -> str:
     for stage, chosen in work_precision.chosen.items():
         estimate, error = (formatting.significant(value, 2) for value in (chosen.error_estimate, chosen.error))
         lines.append(f"  {stage}: {chosen.method}, {chosen.setting}; estimate {estimate}, true {error}")
-    return "\n".join(lines)
+    return "\n".join([*lines, *([work_precision.left_out] if work_precision.left_out else [])])
 
 
 def verdict(work_precision: WorkPrecision) -> list[str]:

@@ -98,7 +98,10 @@ def damper_study(
         tuple(replace(row, uncertainty=apart) for row in ladder(step, cases)),
     )
     rounding = _ROUNDING * exact.initial / abs(taken)
-    return study, Choice("exact events", "power series between events, roots to rounding", rounding, apart)
+    setting = "power series between events, roots to rounding"
+    if apart is not None:
+        setting += "; estimate: what rounding misplaces, true: against solve_ivp"
+    return study, Choice("exact events", setting, rounding, apart)
 
 
 def _taken(balance: Any) -> float:
@@ -406,9 +409,15 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     """Time against error for the plate, the speeds, the damper and the whole, as far as the scene has them.
 
     Raises:
-        BadInput: see :class:`workflows.solve.structure.StructureSolver`.
+        BadInput: see :class:`workflows.solve.structure.StructureSolver`; or the scene has neither plate nor damper.
         NoAnswer: see there; or the scene has nothing whose accuracy costs anything.
     """
+    left_out = None
+    if source.scene.plate is None:
+        given = "the blade's mesh is" if source.scene.blade is not None else "the structure is"
+        if source.scene.damper is None:
+            raise source.wrong(f"the table is missing: nothing to compare, since {given} given", "[damper]")
+        left_out = f"Only the damper is compared: no plate, no speeds and no whole pipeline, since {given} given."
     stages = stages or Stages()
     studies: list[ConvergenceStudy] = []
     chosen: dict[str, Choice] = {}
@@ -428,7 +437,7 @@ def study(source: SceneFile, stages: Stages | None = None) -> WorkPrecision:
     if not studies:
         raise NoAnswer(f"{source.name}: {chosen['damper'].setting}, so that accuracy has no cost here")
     targets = source.scene.accuracy.model_dump()
-    return WorkPrecision(source.scene.title, targets, (*studies, *whole), chosen | picked)
+    return WorkPrecision(source.scene.title, targets, (*studies, *whole), chosen | picked, left_out)
 
 
 def _ball(source: SceneFile, choice: ModelChoice) -> tuple[damper.ParticleDamper, tuple[float, float], SpeedPoint]:

@@ -117,12 +117,13 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class WorkPrecision:
-    """All studies of a scene."""
+    """All studies of a scene; `left_out`: why it has none of some stages."""
 
     title: str
     targets: dict[str, float]
     studies: tuple[ConvergenceStudy, ...]
     chosen: dict[str, Choice]
+    left_out: str | None = None
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
@@ -134,6 +135,7 @@ class WorkPrecision:
             "noise": POLICY,
             "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in self.studies],
             "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
+            "left_out": self.left_out,
         }
 
 
