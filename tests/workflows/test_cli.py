@@ -156,7 +156,7 @@ def test_a_defect_is_one_line_and_a_traceback_on_request(spindamp: Command, monk
 
 
 def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """None in the first half minute; then one for each stage that lasts and one a minute, with the time that remains."""
+    """None in the first half minute; then one for each stage that lasts and one a minute, with the time left."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "perf_counter", lambda: now[0])
     with Stages(visible=False, lines=True) as stages:
