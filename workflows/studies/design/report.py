@@ -126,8 +126,9 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
     axes[k] = replace(axes[k], spread=Spread(low, high, spread.law))
     (further,) = score(replace(space, axes=tuple(axes)), shares[None], False)
+    most = np.fmax(evaluation.score, evaluation.greatest)
     gain = None if further.impossible else further.value / evaluation.value - 1
-    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > evaluation.score else []
+    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > most else []
 
 
 _CONFIRMED = 0.01
@@ -205,6 +206,7 @@ class DesignResult:
             "best": best | {"cavity": None if damper is None else list(damper.cavity)},
             "works": evaluation.works,
             "value": evaluation.value,
+            "greatest": finite(evaluation.greatest),
             "at": {
                 "speed": finite(evaluation.speed),
                 "amplitude": finite(evaluation.amplitude),

@@ -56,6 +56,11 @@ class Optimum:
     search_value: float | None = None
 
     @property
+    def is_vague(self) -> bool:
+        """Whether what a small change gains or loses is lost in the scatter, or in the error of the search."""
+        return self.is_refuted or not math.isnan(self.evaluation.greatest)
+
+    @property
     def is_refuted(self) -> bool:
         """Whether the forced motion has another amplitude than the search."""
         return self.search_value is not None and self.search_value != self.evaluation.value
@@ -254,6 +259,17 @@ def screened(space: Space, shares: Floats, plates: PlateCache) -> list[Evaluatio
 def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
     """The designs at rows of shares; `quick` where a few percent do not count."""
     return [each for each in _evaluations(space, shares, plates, quick) if each is not None]
+
+
+def measured_again(space: Space, optimum: Optimum, plates: PlateCache) -> Optimum:
+    """The best design with the scatter of its damping over the starts, where it is of damping and works."""
+    goal, found = space.goal, optimum.evaluation
+    if not isinstance(goal, LeastDamping) or not found.works:
+        return optimum
+    plan = space.plan(optimum.shares[None])
+    cases = damper_cases(space.solved_as, plan, 0, plates, empty(plan.size), [])
+    there = next(each for each in cases if each.point.omega == found.speed)
+    return replace(optimum, evaluation=goal.scattered(found, there))
 
 
 def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool | None) -> list[Evaluation | None]:

@@ -238,6 +238,7 @@ def design(
             designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
             optimum = search(space, designs, seed)
             impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
+            optimum = spaces.measured_again(space, optimum, _plates)
             constraints = () if impossible else report.active_constraints(space, optimum, score)
             optimum = replace(optimum, worst=report.worst_deviation(space, optimum, score))
             grid = None if impossible else _around(space, optimum, designs)
@@ -249,7 +250,7 @@ def design(
         partial_results.unlink()
     if impossible:
         raise _infeasible(source, optimum.evaluation)
-    if optimum.is_refuted:
+    if optimum.is_vague:
         constraints = tuple(replace(each, gain=None) for each in constraints)
     if not optimum.evaluation.works:
         return DesignResult(space, optimum, constraints, best, "", grid, response)
