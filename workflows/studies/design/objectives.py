@@ -38,8 +38,10 @@ class Obstacle:
 
     Attributes:
         kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
-            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
-        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
+            `strain`, `deflection`, `slip`, `sticks_out` (the cavity, of a solid blade); or `refused`, for what a
+            scene's checks say.
+        rpm: the speed that it is about [rev/min].
+        value: the stress [Pa] or the friction that it takes, or how far a cavity sticks out [m].
         text: of what was refused, or the name of the limit.
     """
 

@@ -189,10 +189,13 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
     if design.wall and not has_thickness(scene):
-        problem = (
-            "the thickness at the damper is known only of a plate with length and width, not of a housing: leave the"
-            " key out, and limit ball_diameter and clearance to what fits"
-        )
+        known = "the thickness at the damper is known only of a plate with length and width"
+        known += ", not of a housing" if damper.housing is not None else ""
+        problem = f"{known}: leave the key out, and limit ball_diameter and clearance to what fits"
+        if scene.blade is not None:
+            problem = (
+                "on a solid blade the cavity itself has to fit, and walls beside it are not known: leave the key out"
+            )
         raise source.wrong(problem, "[design] wall", design.wall)
     axes = _axes(design)
     if design.amplitude is not None:
@@ -302,12 +305,15 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if over is not None:
         name, ratio = over
         return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
+    sticks_out = fastest.point.sticks_out
+    if scene.blade is not None and sticks_out > 0:
+        score, why = -BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
+        return Evaluation(0.0, score, mass=mass, used=used, sticks_out=sticks_out, why=why)
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    sticks_out = fastest.point.sticks_out
     return evaluation and replace(evaluation, mass=mass, used=used, endured=endured, sticks_out=sticks_out)
 
 
