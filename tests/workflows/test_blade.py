@@ -17,7 +17,7 @@ from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.report import page, remarks, text
+from workflows.report import page, remarks, text, viewer
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, resources
@@ -322,7 +322,10 @@ def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
 def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
     text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
     for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
-        assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+        source = on_bricks(bricks, '["5 mm", "5 mm"]', cavity)
+        assert (text in answer(pipeline.run(source)).verdict) == sticks_out
+        told = dict(viewer.of(str(bricks / "bricks.toml")).facts)["damper"]
+        assert told == "at 250, 0, 0 mm" + f"; {text}" * sticks_out
 
 
 def with_clearances(folder, *clearances, limit=""):

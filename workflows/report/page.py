@@ -101,7 +101,7 @@ def render(results: Results, drawings: Drawings) -> str:
         answer=verdict.answer(results),
         followed=verdict.followed_mode(results),
         held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
-        carrier=remarks.carrier(results),
+        carrier=remarks.carrier(results.scene),
         assumptions=remarks.assumptions(results),
         versions=versions(),
         hashes=provenance.hashes(results),
