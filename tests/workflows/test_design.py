@@ -431,6 +431,20 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
         assert ("No limit is active: beyond the ends of the ranges nothing is gained" in said) is active
 
 
+def test_progress_names_the_best_so_far(slow):
+    """Nothing works, then 0.2 %, which 0.1 % does not change."""
+    worth, told = iter([None, 2e-3, 1e-3]), []
+
+    def score(rows, quick):
+        value = next(worth)
+        return [Evaluation(value or 0.0, value or -1.0, why=None if value else Obstacle("held")) for _ in rows]
+
+    designs = study.Designs(space_of(slow), score, told.append)
+    for share in (0.1, 0.5, 0.9):
+        designs(np.full((1, 3), share), quick=True)
+    assert told == ["1 designs, none works yet", "2 designs, best so far 0.2 %", "3 designs, best so far 0.2 %"]
+
+
 def test_the_cutoff_is_stated_at_its_speed(slow):
     """The load, and so the cut-off, grows as the square of the speed: the greatest is at the highest."""
     space = space_of(changed(slow, rotor__speeds=["4000 rpm", "2000 rpm", "3000 rpm"]))

@@ -15,8 +15,10 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from workflows.errors import BadInput
+from workflows.formatting import share
 from workflows.io import folder, provenance
 from workflows.progress import Stages
+from workflows.report.templates import mm
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
@@ -101,8 +103,15 @@ class Designs:
             if self._path is not None:
                 with self._path.open("a", encoding="utf-8") as file:
                     file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
-            self._progress(f"{self.count} designs")
+            self._progress(f"{self.count} designs, {self._best()}")
         return [self._scores[key] for key in keys]
+
+    def _best(self) -> str:
+        """The best so far, in words."""
+        best = max(self._scores.values(), key=lambda each: each.score)
+        if not best.works:
+            return "none works yet"
+        return f"best so far {f'{share(best.value)} %' if self._space.goal.of_damping else mm(best.value)}"
 
 
 def search(space: Space, designs: Designs, seed: int) -> Optimum:
