@@ -63,6 +63,9 @@ _APART = (math.sqrt(5) - 1) / 2
 _HELD = 24
 """Cycles for which amplitudes that are there at once are held, once the ball has found its motion."""
 
+_SETTLED, _CHANCE = 500, 1e-3
+"""Cycles until chaotic motion has settled, and of as many its damping; what parts starts that are alike, relative."""
+
 _AROUND = 0.97, 1.5
 """Ends of the sweeps up of balls that roll about the middle, over the amplitude at which these must meet the walls.
 
@@ -312,6 +315,14 @@ def samples_at(damper: ParticleDamper, low: float, high: float, count: int, thre
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
     still = np.zeros((2, len(amplitude)))
     return _rows(damper, _ramped(damper, amplitude, (still[0], still[1]), SETTLING + _HELD, 1.0, threads))
+
+
+def settled(damper: ParticleDamper, amplitude: float) -> float:
+    """Damping ratio at an amplitude [m] that is held, from where motion from rest in the middle has settled."""
+    still = np.zeros(SWEEPS)
+    starts = np.linspace(amplitude, (1 + _CHANCE) * amplitude, SWEEPS)
+    energy = _ramped(undamped(damper), starts, (still, still), 2 * _SETTLED, 1.0, 1)[:, _SETTLED:]
+    return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
 def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float]:

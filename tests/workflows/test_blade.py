@@ -3,6 +3,7 @@
 import dataclasses
 import re
 import tomllib
+from functools import partial
 from pathlib import Path
 
 import meshio
@@ -16,14 +17,15 @@ from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
 from workflows.progress import Stages
-from workflows.report import page, remarks, text
+from workflows.report import page, remarks, text, viewer
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
-from workflows.studies.design.report import verdict
+from workflows.studies.design.report import active_constraints, verdict
 from workflows.studies.design.space import Optimum, design_space, evaluate_designs
+from workflows.studies.design.study import design
 from workflows.studies.sweep.evaluate import PlateCache
 
 SCENE = """
@@ -320,22 +322,53 @@ def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
 def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
     text = "this holds only if the cavities fit: they stick out of the blade by up to 1 mm"
     for cavity, sticks_out in (('["12 mm", "5 mm"]', True), ('["5 mm", "5 mm"]', False)):
-        assert (text in answer(pipeline.run(on_bricks(bricks, '["5 mm", "5 mm"]', cavity))).verdict) == sticks_out
+        source = on_bricks(bricks, '["5 mm", "5 mm"]', cavity)
+        assert (text in answer(pipeline.run(source)).verdict) == sticks_out
+        told = dict(viewer.of(str(bricks / "bricks.toml")).facts)["damper"]
+        assert told == "at 250, 0, 0 mm" + f"; {text}" * sticks_out
 
 
-def test_a_design_is_refused_or_qualified_as_a_run_is_where_its_cavity_sticks_out(bricks):
-    """A box of 12 mm in 10 mm of metal, and one of 40 mm that is for the most part beside it."""
-    free = '[design]\nclearance = ["8 mm", "36 mm", "1 mm"]\namplitude = ["5 mm", "6 mm"]\n\n[accuracy]'
-    space = design_space(on_bricks(bricks, "[accuracy]", free).changed(damper={"count": 1}))
+def with_clearances(folder, *clearances, limit=""):
+    """One ball of 4 mm in 10 mm of metal, in cavities of so many mm more."""
+    free = f"[design]\nclearance = {[f'{each} mm' for each in clearances]}\namplitude = ['5 mm', '6 mm']\n{limit}"
+    return on_bricks(folder, "[accuracy]", f"{free}\n[accuracy]").changed(damper={"count": 1})
+
+
+def test_a_design_whose_cavity_sticks_out_of_a_solid_blade_is_not_feasible(bricks):
+    """Boxes of 12 and 10.06 mm in 10 mm of metal, and one of 40 mm that is for the most part beside it.
+
+    As a run has it, a hundredth of the smallest side, 0.04 mm, may stick out.
+    """
+    space = design_space(with_clearances(bricks, 8, 36, 6.06))
     rows = (np.arange(3)[:, None] + 0.5) / 3
     thick, large, fits = evaluate_designs(space, rows, PlateCache(), quick=True)
     assert "[damper] cavity = " in large.why.text
     assert re.search("the box of 40 x 40 x 4 mm .* only \\d+ % of it is in metal", large.why.text)
-    for each, sticks_out in ((thick, 1.0), (fits, 0.0)):
-        assert 1e3 * each.sticks_out == pytest.approx(sticks_out)
-        said = verdict(space, Optimum(rows[0], dataclasses.replace(each, why=None), 3))
-        qualified = "; this holds only if the cavity fits: it sticks out of the structure by up to 1 mm"
-        assert said.endswith(qualified) == (sticks_out > 0)
+    assert (thick.why.kind, thick.impossible) == ("sticks_out", True)
+    assert 1e3 * thick.sticks_out == pytest.approx(1.0)
+    assert not fits.impossible
+    for longest, named in ((6.06, False), (3, True)):
+        space = design_space(with_clearances(bricks, 1, 2, longest))
+        (best,) = evaluate_designs(space, rows[2:], PlateCache(), quick=True)
+        limits = active_constraints(space, Optimum(rows[2], best, 3), partial(_scored, PlateCache()))
+        assert ("clearance" in {each.name for each in limits}) == named, (
+            "a clearance 5 % longer than the first does not fit"
+        )
+    elsewhere = Optimum(rows[2], dataclasses.replace(fits, why=None, sticks_out=1e-3), 3)
+    qualified = "; this holds only if the cavity fits: it sticks out of the structure by up to 1 mm"
+    assert verdict(space, elsewhere).endswith(qualified), "where the structure is not a solid blade"
+
+
+def _scored(plates, space, shares, quick):
+    return evaluate_designs(space, shares, plates, quick=quick)
+
+
+def test_a_design_space_in_which_no_cavity_fits_says_by_how_much_the_least_sticks_out(bricks, no_workers):
+    least = "no design is feasible: the cavity that sticks out least sticks out of the blade by up to 0.5 mm"
+    with pytest.raises(BadInput, match=least):
+        design(with_clearances(bricks, 8, 9, 7))
+    with pytest.raises(BadInput, match=r"\[design\] wall = 0.001: on a solid blade the cavity itself has to fit"):
+        design(with_clearances(bricks, 1, 2, 3, limit="wall = '1 mm'"))
 
 
 def test_metal_is_missing_where_half_of_a_cavity_is_in_it_and_not_where_the_mesh_has_it_cut(bricks, tmp_path):

@@ -276,6 +276,14 @@ def test_speeds_are_counted_where_each_is_solved_by_itself() -> None:
     assert found.omega.size == 3
 
 
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="this system has no /proc")
+@pytest.mark.parametrize("command", ["run", "effects", "design", "reproduce", "view x.html", "modes x.npz"])
+def test_where_nothing_can_be_written_nothing_is_computed(command: str, spindamp: Command) -> None:
+    """Not even by one who may write everywhere."""
+    name, _, file = command.partition(" ")
+    refused(spindamp(name, "--out", f"/proc/{file or 'x'}"), f"--out = '/proc/{file or 'x'}': /proc cannot be written")
+
+
 def test_memory_where_there_is_no_proc(monkeypatch: pytest.MonkeyPatch) -> None:
     there = psutil.virtual_memory()
     monkeypatch.setattr(psutil, "virtual_memory", lambda: there)

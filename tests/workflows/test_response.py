@@ -130,6 +130,15 @@ def test_the_range_is_of_levels_followed(known, monkeypatch, ratios, expected, s
     assert ("at all levels evaluated from 8 to 30 N" in first) == (expected == (8.0, 30.0))
 
 
+def test_the_headline_says_that_a_cavity_that_sticks_out_has_to_fit(known):
+    """As that of a run does, by the same text."""
+    said = " This holds only if the cavities fit: they stick out of the structure by up to 1.2 mm."
+    results = known.results
+    out = dataclasses.replace(results, speeds=tuple(dataclasses.replace(p, sticks_out=1.2e-3) for p in results.speeds))
+    first = report.sentences(known)[0]
+    assert report.sentences(dataclasses.replace(known, results=out))[0] == first + said
+
+
 def test_a_prediction_that_failed_is_said(known, monkeypatch):
     """Of the level evaluated besides: what free vibration predicts there, and what the motion shows."""
     *_, best = every = study.rows(known)

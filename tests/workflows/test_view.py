@@ -56,6 +56,14 @@ def test_two_triangles_by_hand(spindamp: Command, tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.html")), "--json writes nothing that was not asked for"
 
 
+def test_what_is_shown_is_said_to_programs(spindamp: Command, plain: Path) -> None:
+    """The damper is at the middle of the tip of 20 cm."""
+    found = json.loads(spindamp("view", plain, "--rpm", 9000, "--mode", 2, "--out", "shown.html", "--json").out)
+    assert (found["file"], found["rpm"], found["mode"]) == ("shown.html", pytest.approx(9000), 2)
+    assert Path(found["file"]).is_file()
+    assert found["damper"] == pytest.approx([0.2, 0.0])
+
+
 def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
     """A triangle of base 1 and height 0.1 in its middle has two angles of atan 0.2 = 11.3° and one of 157.4°."""
     flat = mesh_file(

@@ -308,7 +308,8 @@ def view(
     if json:
         if out is not None:
             viewer.write(data, out, first, number)
-        _print_json({"title": data.title, **data.numbers})
+        shown = {"rpm": data.speeds[first].rpm, "mode": number + 1} if data.surface.at else {}
+        _print_json({"title": data.title, "file": out and str(out), **shown, **data.numbers})
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")

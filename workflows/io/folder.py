@@ -183,10 +183,17 @@ def _not_to_be_replaced(target: Path) -> str | None:
         return "expected a folder of its own, below the current one or elsewhere"
     if os.path.ismount(target):
         return "is a disk of its own: expected a folder on it"
+    return unwritable(target)
+
+
+def unwritable(target: Path) -> str | None:
+    """That nothing can be put where a path leads; rights alone do not tell, as in /proc."""
     parent = next((p for p in target.parents if p.exists()), target.anchor)
-    if not os.path.isdir(parent) or not os.access(parent, os.W_OK | os.X_OK):
+    try:
+        with tempfile.TemporaryFile(dir=parent):
+            return None
+    except OSError:
         return f"{parent} cannot be written"
-    return None
 
 
 def _conflict(target: Path, names: str) -> str | None:

@@ -10,7 +10,7 @@ from fem.modal_files import document, write
 from fem.modal_model import ModalModel, families
 from workflows.errors import BadInput
 from workflows.formatting import aligned, amount, fixed
-from workflows.io.folder import replacing_file
+from workflows.io.folder import replacing_file, unwritable
 from workflows.solve.results import rounded_rpm
 
 
@@ -25,6 +25,8 @@ def named(file: str | os.PathLike[str], key: str = "file") -> Path:
         raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
+    if (problem := unwritable(path.absolute())) is not None:
+        raise BadInput(problem, key=key, value=str(file))
     return path
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
-from workflows.io.folder import check, replacing, replacing_file
+from workflows.io.folder import check, replacing, replacing_file, unwritable
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
 from workflows.report.templates import from_template, script
@@ -101,7 +101,7 @@ def render(results: Results, drawings: Drawings) -> str:
         answer=verdict.answer(results),
         followed=verdict.followed_mode(results),
         held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
-        carrier=remarks.carrier(results),
+        carrier=remarks.carrier(results.scene),
         assumptions=remarks.assumptions(results),
         versions=versions(),
         hashes=provenance.hashes(results),
@@ -224,6 +224,8 @@ def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
         raise BadInput(
             "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
         )
+    if (why := unwritable(target)) is not None:
+        raise BadInput(why, key=key, value=str(path))
     return target
 
 

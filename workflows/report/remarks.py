@@ -24,6 +24,7 @@ from workflows.report import templates
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
+from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint
 
@@ -44,7 +45,7 @@ LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene
 def said(text: str, results: Results, **values: Any) -> list[str]:
     """Sentences of a text on some values, and on what every one may name."""
     damper = results.scene.damper
-    known = {"carrier": carrier(results), "limit": limits.endured(results), "damper": damper}
+    known = {"carrier": carrier(results.scene), "limit": limits.endured(results), "damper": damper}
     return templates.said(text, 1 if damper is None else damper.count, **known, **values)
 
 
@@ -184,7 +185,7 @@ def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
 
 def as_it_moves(results: Results) -> str:
     """How a sentence on the tilt begins."""
-    return "As the structure moves" if results.scene.given is not None else f"As the {carrier(results)} bends"
+    return "As the structure moves" if results.scene.given is not None else f"As the {carrier(results.scene)} bends"
 
 
 def lost_at_most(damping: Damping) -> float | None:
@@ -263,9 +264,14 @@ def met(results: Results) -> bool:
     return all(mode.whole <= results.scene.accuracy.frequency for mode in worst(results))
 
 
-def carrier(results: Results) -> str:
+def misfit(scene: Scene, points: Sequence[SpeedPoint]) -> list[str]:
+    """That the cavity has to fit, which sticks out of a structure in space."""
+    far, balls = max((point.sticks_out for point in points), default=0.0), scene.damper and scene.damper.count
+    return templates.said("answer/misfit", balls or 1, carrier=carrier(scene), far=far) if far else []
+
+
+def carrier(scene: Scene) -> str:
     """What carries the damper, in a word."""
-    scene = results.scene
     return "blade" if scene.blade is not None else "plate" if scene.plate is not None else "structure"
 
 

@@ -225,8 +225,7 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
 
 def _unsure(results: Results) -> list[str]:
     """That the cavity has to fit; that the first frequency, and so the speeds of crossings, is known only roughly."""
-    far = max((point.sticks_out for point in results.speeds), default=0.0)
-    fit = [phrase("answer/misfit", results, far=far)] if far else []
+    fit = remarks.misfit(results.scene, results.speeds)
     errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
     error = max(errors, default=0.0)
     return [*fit, f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else fit

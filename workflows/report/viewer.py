@@ -15,7 +15,7 @@ from workflows.errors import BadInput
 from workflows.formatting import significant, whole
 from workflows.io import serialise
 from workflows.progress import Stages
-from workflows.report import figures, mode_viewer, plots
+from workflows.report import figures, mode_viewer, plots, remarks
 from workflows.report.page import put
 from workflows.report.templates import from_template, script
 from workflows.scene import load
@@ -130,15 +130,20 @@ def of_plate(
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
     words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
+    mark = mode_viewer.damper_mark(scene, surface)
+    place = mark if surface.mark is None else tuple(surface.mark.tolist())
+    if place is not None:
+        told = f"at {', '.join(map(_mm, place))} mm"
+        known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
     return ViewData(
         title=scene.title,
         surface=surface,
         speeds=speeds,
-        mark=mode_viewer.damper_mark(scene, surface),
+        mark=mark,
         thickness=thickness if isinstance(thickness, float) else None,
         root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
-        numbers=numbers,
+        numbers={"damper": place, **numbers},
     )
 
 

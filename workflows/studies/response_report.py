@@ -16,7 +16,7 @@ from workflows.formatting import DASH, aligned, fixed, significant, whole
 from workflows.io import provenance
 from workflows.io.files import finite, global_attributes
 from workflows.report import figures, plots, remarks, templates, verdict
-from workflows.report.templates import in_percent
+from workflows.report.templates import capital, in_percent
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
@@ -170,6 +170,8 @@ def sentences(result: Response) -> list[str]:
     not_followed = [each for each in result.results.reductions if each.reason == Reason.NOT_DRIVEN]
     reductions = *(confirmed(result, passage) for passage in result.passages), *not_followed
     answer = verdict.of_orders(replace(result.results, reductions=reductions))
+    for proviso in remarks.misfit(result.results.scene, result.results.speeds):
+        answer[0] += f" {capital(proviso)}."
     answer += _added(result)
     speeds = _speeds(result)
     for passage in result.passages:

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
+from damper.curve_measurement import SWEEPS, settled
 from damper.starts import Motions, motions_of
 from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
@@ -37,8 +38,10 @@ class Obstacle:
 
     Attributes:
         kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
-            `strain`, `deflection`, `slip`; or `refused`, for what a scene's checks say.
-        rpm: the speed that it is about [rev/min]; value: the stress [Pa] or the friction that it takes.
+            `strain`, `deflection`, `slip`, `sticks_out` (the cavity, of a solid blade); or `refused`, for what a
+            scene's checks say.
+        rpm: the speed that it is about [rev/min].
+        value: the stress [Pa] or the friction that it takes, or how far a cavity sticks out [m].
         text: of what was refused, or the name of the limit.
     """
 
@@ -67,6 +70,7 @@ class Evaluation:
         endured: amplitude that the plate endures [m]; inf where it is not known.
         sticks_out: how far a cavity does, out of a structure in space [m].
         falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
+        greatest: what the value came to at most from other starts; nan where it does not scatter.
         why: why it is worth nothing; None where it is worth something.
     """
 
@@ -87,6 +91,7 @@ class Evaluation:
     endured: float = math.inf
     sticks_out: float = 0.0
     falling: float = math.nan
+    greatest: float = math.nan
 
     @property
     def rpm(self) -> float:
@@ -111,6 +116,12 @@ class Evaluation:
 
 _POINTS = 65
 """Amplitudes, evenly in their logarithm, at which the damping is looked at."""
+
+_AGAIN = (SWEEPS - 4, SWEEPS + 4, SWEEPS + 8)
+"""Sweeps by which the best design is measured again: they begin elsewhere."""
+
+_ALIKE = 0.02
+"""Relative difference of such measurements up to which a figure does not scatter."""
 
 _NEVER = 50.0
 """What a design loses whose ball nothing drives."""
@@ -143,14 +154,30 @@ class LeastDamping:
 
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that moves on its structure at every speed."""
-        (cutoff, worst, bound), values, falling = self._limits(cases), [], []
-        for each in cases:
-            figures = damper_curve(each.verdict_damper, {}, reach=self.high, **(QUICK if quick else {}))
-            values.append((*least(figures, self.low, self.high), each.point.omega))
-            falling.append(least(figures.descending, self.low, self.high)[0])
-        value, amplitude, speed = min(values)
-        why = None if value > 0 else Obstacle("lossless")
-        return Evaluation(value, value, bound, speed, amplitude, cutoff, worst, why=why, falling=min(falling))
+        cutoff, worst, bound = self._limits(cases)
+        every = [(*self._measured(each, QUICK if quick else {}), each.point.omega) for each in cases]
+        value, amplitude, _, speed = min(every)
+        falling, why = min(each[2] for each in every), None if value > 0 else Obstacle("lossless")
+        return Evaluation(value, value, bound, speed, amplitude, cutoff, worst, why=why, falling=falling)
+
+    def scattered(self, found: Evaluation, there: DamperCase) -> Evaluation:
+        """What a damper is worth by further measurements too, `there` at its speed, where they scatter.
+
+        Motion that is chaotic is another one from other starts, and takes long to settle: the least of all counts.
+        """
+        every = [(found.value, found.amplitude)]
+        every += [self._measured(there, {"sweeps": sweeps})[:2] for sweeps in _AGAIN]
+        greatest = max(every)[0]
+        if greatest <= (1 + _ALIKE) * min(every)[0]:
+            return found
+        held = [(settled(there.verdict_damper, amplitude), amplitude) for _, amplitude in every]
+        value, amplitude = min(every + [each for each in held if each[0] >= 0])
+        return replace(found, value=value, score=value, amplitude=amplitude, falling=value, greatest=greatest)
+
+    def _measured(self, case: DamperCase, how: dict[str, int]) -> tuple[float, float, float]:
+        """The least damping ratio at a speed and the amplitude of that [m], and that of falling vibration."""
+        figures = damper_curve(case.verdict_damper, {}, reach=self.high, **how)
+        return *least(figures, self.low, self.high), least(figures.descending, self.low, self.high)[0]
 
 
 def least(figures: DampingCurve, low: float, high: float) -> tuple[float, float]:

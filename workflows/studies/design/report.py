@@ -22,7 +22,7 @@ from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstac
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep.evaluate import PlateCache, damper_cases, damper_curve, empty
-from workflows.studies.sweep.plan import Spread, as_plain
+from workflows.studies.sweep.plan import Axis, Spread, as_plain
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 _AT_END = 0.02
@@ -68,8 +68,18 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         numbers = [each for each in axis.values if isinstance(each, int | float) and math.isfinite(each)]
         if len(numbers) > 1 and (value := values[axis.name]) in (min(numbers), max(numbers)):
             end = f"{formatted(axis.name, value)} is the {'least' if value == min(numbers) else 'greatest'} of the list"
-            constraints.append(ActiveConstraint(NAMES[axis.name], end))
+            if value == min(numbers) or axis.key.whole or _has_room(space, optimum, score, axis):
+                constraints.append(ActiveConstraint(NAMES[axis.name], end))
     return (*constraints, *_amplitude_constraint(space, optimum, score))
+
+
+def _has_room(space: Space, optimum: Optimum, score: Score, axis: Axis) -> bool:
+    """Whether the best design with one of its lengths 5 % larger is still feasible."""
+    values = space.values(optimum.shares)
+    longer = values | {axis.name: float(values[axis.name]) * (1 + _FURTHER)}
+    axes = tuple(replace(each, spread=None, values=(longer[each.name],)) for each in space.axes)
+    (further,) = score(replace(space, axes=axes), optimum.shares[None], True)
+    return not further.impossible
 
 
 def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:
@@ -126,8 +136,9 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
     axes[k] = replace(axes[k], spread=Spread(low, high, spread.law))
     (further,) = score(replace(space, axes=tuple(axes)), shares[None], False)
+    most = np.fmax(evaluation.score, evaluation.greatest)
     gain = None if further.impossible else further.value / evaluation.value - 1
-    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > evaluation.score else []
+    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > most else []
 
 
 _CONFIRMED = 0.01
@@ -205,6 +216,7 @@ class DesignResult:
             "best": best | {"cavity": None if damper is None else list(damper.cavity)},
             "works": evaluation.works,
             "value": evaluation.value,
+            "greatest": finite(evaluation.greatest),
             "at": {
                 "speed": finite(evaluation.speed),
                 "amplitude": finite(evaluation.amplitude),

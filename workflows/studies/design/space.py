@@ -56,6 +56,11 @@ class Optimum:
     search_value: float | None = None
 
     @property
+    def is_vague(self) -> bool:
+        """Whether what a small change gains or loses is lost in the scatter, or in the error of the search."""
+        return self.is_refuted or not math.isnan(self.evaluation.greatest)
+
+    @property
     def is_refuted(self) -> bool:
         """Whether the forced motion has another amplitude than the search."""
         return self.search_value is not None and self.search_value != self.evaluation.value
@@ -184,10 +189,13 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
     if design.wall and not has_thickness(scene):
-        problem = (
-            "the thickness at the damper is known only of a plate with length and width, not of a housing: leave the"
-            " key out, and limit ball_diameter and clearance to what fits"
-        )
+        known = "the thickness at the damper is known only of a plate with length and width"
+        known += ", not of a housing" if damper.housing is not None else ""
+        problem = f"{known}: leave the key out, and limit ball_diameter and clearance to what fits"
+        if scene.blade is not None:
+            problem = (
+                "on a solid blade the cavity itself has to fit, and walls beside it are not known: leave the key out"
+            )
         raise source.wrong(problem, "[design] wall", design.wall)
     axes = _axes(design)
     if design.amplitude is not None:
@@ -256,6 +264,17 @@ def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick:
     return [each for each in _evaluations(space, shares, plates, quick) if each is not None]
 
 
+def measured_again(space: Space, optimum: Optimum, plates: PlateCache) -> Optimum:
+    """The best design with the scatter of its damping over the starts, where it is of damping and works."""
+    goal, found = space.goal, optimum.evaluation
+    if not isinstance(goal, LeastDamping) or not found.works:
+        return optimum
+    plan = space.plan(optimum.shares[None])
+    cases = damper_cases(space.solved_as, plan, 0, plates, empty(plan.size), [])
+    there = next(each for each in cases if each.point.omega == found.speed)
+    return replace(optimum, evaluation=goal.scattered(found, there))
+
+
 def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool | None) -> list[Evaluation | None]:
     """The same; without `quick` by formulas alone, and None where these do not say."""
     plan = space.plan(shares)
@@ -286,12 +305,15 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if over is not None:
         name, ratio = over
         return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
+    sticks_out = fastest.point.sticks_out
+    if scene.blade is not None and sticks_out > 0:
+        score, why = -BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
+        return Evaluation(0.0, score, mass=mass, used=used, sticks_out=sticks_out, why=why)
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    sticks_out = fastest.point.sticks_out
     return evaluation and replace(evaluation, mass=mass, used=used, endured=endured, sticks_out=sticks_out)
 
 

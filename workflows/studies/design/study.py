@@ -15,8 +15,10 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from workflows.errors import BadInput
+from workflows.formatting import share
 from workflows.io import folder, provenance
 from workflows.progress import Stages
+from workflows.report.templates import mm
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.solve.model_choice import choose_model
@@ -101,8 +103,15 @@ class Designs:
             if self._path is not None:
                 with self._path.open("a", encoding="utf-8") as file:
                     file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
-            self._progress(f"{self.count} designs")
+            self._progress(f"{self.count} designs, {self._best()}")
         return [self._scores[key] for key in keys]
+
+    def _best(self) -> str:
+        """The best so far, in words."""
+        best = max(self._scores.values(), key=lambda each: each.score)
+        if not best.works:
+            return "none works yet"
+        return f"best so far {f'{share(best.value)} %' if self._space.goal.of_damping else mm(best.value)}"
 
 
 def search(space: Space, designs: Designs, seed: int) -> Optimum:
@@ -238,6 +247,7 @@ def design(
             designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
             optimum = search(space, designs, seed)
             impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
+            optimum = spaces.measured_again(space, optimum, _plates)
             constraints = () if impossible else report.active_constraints(space, optimum, score)
             optimum = replace(optimum, worst=report.worst_deviation(space, optimum, score))
             grid = None if impossible else _around(space, optimum, designs)
@@ -249,7 +259,7 @@ def design(
         partial_results.unlink()
     if impossible:
         raise _infeasible(source, optimum.evaluation)
-    if optimum.is_refuted:
+    if optimum.is_vague:
         constraints = tuple(replace(each, gain=None) for each in constraints)
     if not optimum.evaluation.works:
         return DesignResult(space, optimum, constraints, best, "", grid, response)
