@@ -663,6 +663,22 @@ def test_a_ball_at_rest_moves_the_crossing(hub, mass_ratio):
     assert level.ratio == pytest.approx(amplitude[1] / amplitude[0], rel=1e-3)
 
 
+@pytest.mark.usefixtures("few_speeds")
+def test_speeds_that_end_before_the_resting_ball_meets_the_order_give_no_estimate():
+    """A fifth of the mass takes the resonance from 4382 to 4000 rpm: what is left above 4200 is not the ball's work."""
+    heavy = changed(STRUCTURE, damper__mass_ratio=0.2, damper__count=6100)
+    narrow = changed(heavy, rotor__speeds=["4200 rpm", "5000 rpm"])
+    (whole,), (part,) = (spindamp.run(scene).reductions for scene in (heavy, narrow))
+    assert (whole.reason, part.reason) == ("", "outside_speeds")
+    assert whole.rpm == pytest.approx(4000 * math.sqrt(1.2), rel=1e-4)
+    assert len(whole.levels) == 2
+    assert part.levels == ()
+    found = respond(as_scene_file(narrow))
+    (headline, *_) = report.sentences(found)
+    assert "no estimate, since with the balls at rest the order meets this mode outside the scene's speeds" in headline
+    assert "less vibration" not in headline
+
+
 @pytest.mark.parametrize("end", [2701.0, 2700.0])
 def test_a_crossing_is_bracketed(end):
     """A frequency that falls from 100 to 30 Hz within a turn meets the order; one that jumps over it does not."""

@@ -320,6 +320,8 @@ def estimate(
         reason = Reason.OTHER_MODE
     if reason is None and system.floor_radius is not None and not is_well_held(system):
         reason = Reason.SWINGS
+    if reason is None and resting is not None and _is_missed(solver.source.scene, crossing, resting):
+        reason = Reason.OUTSIDE
     if reason is not None:
         return replace(none, reason=reason)
     with solver.stages("damper"):
@@ -328,6 +330,16 @@ def estimate(
     if math.isfinite(amplitude) and limits.slides(results, at, amplitude):
         return replace(none, reason=Reason.SLIP)
     return replace(none, **known, loose=not is_well_held(system))
+
+
+def _is_missed(scene: Scene, crossing: Crossing, resting: SpeedPoint) -> bool:
+    """Whether the order is off the resonance with the ball at rest by more than its half-power bandwidth.
+
+    Then the speeds end before the order meets it, and what they leave of the vibration is not what the ball does to it.
+    """
+    zeta = 0.0 if scene.damper is None else scene.damper.damping_ratio
+    off = _resting_hertz(scene, resting) / (crossing.order * resting.rpm / 60) - 1
+    return abs(off) > max(zeta, _MET)
 
 
 HELD, HELD_IN_A_BOWL = 0.3, 1.0

@@ -282,6 +282,7 @@ class Reason(StrEnum):
     NOT_DRIVEN = "not_driven"
     OTHER_MODE = "other_mode"
     SWINGS = "ball_swings"
+    OUTSIDE = "outside_speeds"
 
 
 @dataclass(frozen=True)
@@ -361,7 +362,7 @@ class VibrationReduction:
     """whether the load holds the ball too loosely for more than a rough estimate"""
     reason: Annotated[str, quantity("")] = Reason.NONE
     """why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another moves the
-    cavity more), ball_swings (in its hollow floor)"""
+    cavity more), ball_swings (in its hollow floor), outside_speeds (with the ball at rest the order meets the mode there)"""
     detail: Annotated[str, quantity("")] = ""
     """the same in words, where they say more"""
 
