@@ -362,7 +362,8 @@ class VibrationReduction:
     """whether the load holds the ball too loosely for more than a rough estimate"""
     reason: Annotated[str, quantity("")] = Reason.NONE
     """why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another moves the
-    cavity more), ball_swings (in its hollow floor), outside_speeds (with the ball at rest the order meets the mode there)"""
+    cavity more), ball_swings (in its hollow floor), outside_speeds (there the order meets the mode with the ball at
+    rest)"""
     detail: Annotated[str, quantity("")] = ""
     """the same in words, where they say more"""
 
