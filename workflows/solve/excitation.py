@@ -333,9 +333,10 @@ def estimate(
 
 
 def _is_missed(scene: Scene, crossing: Crossing, resting: SpeedPoint) -> bool:
-    """Whether the order is off the resonance with the ball at rest by more than its half-power bandwidth.
+    """Whether the order stays outside the half-power band of the resonance with the ball at rest.
 
-    Then the speeds end before the order meets it, and what they leave of the vibration is not what the ball does to it.
+    Then the speeds end before the order meets it, and the vibration within them is less for that, not for the ball's
+    damping.
     """
     zeta = 0.0 if scene.damper is None else scene.damper.damping_ratio
     off = _resting_hertz(scene, resting) / (crossing.order * resting.rpm / 60) - 1
