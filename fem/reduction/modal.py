@@ -66,7 +66,8 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         operators = replace(operators, gyroscopic=None)
         pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
         known = tuple((omega, state) for omega, state in pairs if state is not None)
-        diagram = campbell(operators, diagram.omega, count, states=known)
+        bases = [basis.without_coriolis for basis in diagram.bases]
+        diagram = campbell(operators, diagram.omega, count, states=known, bases=bases)
     rows = vstack([floor_rows(operators, at), csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection

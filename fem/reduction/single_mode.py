@@ -274,7 +274,8 @@ class Reduction:
         self._bent = operators.effects.large_deflection
         if operators.gyroscopic is not None and not self._bent:
             operators = replace(operators, gyroscopic=None)
-            diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]))
+            bases = [basis.without_coriolis for basis in diagram.bases]
+            diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
         self._operators, self._diagram, self._at = operators, diagram, at
         if self._bent:
             return

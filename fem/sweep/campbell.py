@@ -6,7 +6,7 @@ for many modes at few speeds. `follow` pairs the modes of neighbouring speeds by
 veerings.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -28,7 +28,7 @@ from fem.modes import (
 )
 from fem.statics import NoEquilibrium, tangent
 from fem.sweep.laws import check_diagram
-from fem.sweep.reduced_basis import Swept, answer
+from fem.sweep.reduced_basis import ReducedBasis, Swept, answer, answer_again
 
 CLEAR = 0.7
 """Likeness from which a pair counts as the same mode; no second one can then exceed 0.3."""
@@ -125,7 +125,6 @@ class Campbell:
         shares: (k, 5, count), see `fem.modes`.
         veerings: where this is ambiguous.
         diverged: the speeds asked for that lie at or beyond the critical one.
-        sizes: vectors in each reduced basis used.
         parts: what the shapes are made from.
     """
 
@@ -137,7 +136,6 @@ class Campbell:
     shares: Array
     veerings: tuple[Veering, ...]
     diverged: Array
-    sizes: tuple[int, ...]
     parts: tuple[Swept, ...] = field(repr=False)
 
     def shapes(self, number: int) -> NDArray[Any]:
@@ -148,6 +146,16 @@ class Campbell:
                 return shapes
             number -= part.rates.shape[0]
         raise IndexError(f"there are only {self.omega.size} speeds")
+
+    @property
+    def bases(self) -> tuple[ReducedBasis, ...]:
+        """The reduced bases used, by which `campbell` may answer other speeds of the same plate."""
+        return tuple(part.reduced for part in self.parts if part.reduced is not None)
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Vectors in each reduced basis used."""
+        return tuple(basis.size for basis in self.bases)
 
     @property
     def states(self) -> list[Array | None]:
@@ -168,6 +176,7 @@ def campbell(
     tolerance: float = 1e-6,
     damping_ratio: float = 0.0,
     states: tuple[tuple[float, Array], ...] = (),
+    bases: Iterable[ReducedBasis] = (),
     progress: Callable[[int], None] | None = None,
 ) -> Campbell:
     """The lowest modes of a plate at many speeds, each frequency with a bound on its error.
@@ -182,6 +191,7 @@ def campbell(
         tolerance: relative, of each frequency.
         damping_ratio: as in `solve_modes`, to first order [-].
         states: known static displacements (n,) [m] with their speeds [rad/s], where the deflection is large.
+        bases: of another diagram of these operators; the first that answers all speeds within the tolerance is taken.
         progress: is called with the number of speeds done, where each is solved by itself.
 
     Raises:
@@ -197,7 +207,9 @@ def campbell(
         raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
     check_count(operators, count)
     check_damping(damping_ratio)
-    if operators.effects.large_deflection or hardly_any(requested.size, count):
+    if again := answer_again(operators, requested, count, tolerance, damping_ratio, bases):
+        parts = [again]
+    elif operators.effects.large_deflection or hardly_any(requested.size, count):
         parts = _speed_by_speed(operators, requested, count, damping_ratio, dict(states), progress)
     else:
         sweep = _below_critical(operators, requested, count, tolerance, damping_ratio)
@@ -213,7 +225,6 @@ def campbell(
         shares=np.concatenate([part.shares for part in parts]),
         veerings=veerings,
         diverged=requested[below.size :],
-        sizes=tuple(part.basis.shape[1] for part in parts if part.reduced),
         parts=tuple(parts),
     )
     check_diagram(operators, diagram, damping_ratio)
@@ -294,7 +305,7 @@ def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Swep
         shares=energy_shares(operators, shapes)[None],
         vectors=np.eye(modes.shapes.shape[1])[None],
         basis=modes.shapes,
-        reduced=False,
+        reduced=None,
         met=np.ones(1, dtype=bool),
         state=modes.state,
     )

@@ -8,7 +8,8 @@ a residual can be made of lies in span(V, K_r^-1 K_1 V, K_r^-1 M V, K_r^-1 G V);
 in K_r, dual norms of residuals cost r³ at any speed. New vectors are the dominant parts of the residuals' own
 representers.
 
-It grows until it answers every speed of a range within a tolerance. Trained at a few speeds, it takes in the
+It grows until it answers every speed of a range within a tolerance, and answers other speeds, or the same without
+Coriolis forces, wherever its bounds meet the tolerance there, too. Trained at a few speeds, it takes in the
 representers of the residuals there until the bounds meet the tolerance, and is then tried at all speeds. Where no gap
 is found above the wanted modes, more modes are known at the reference speed; where the basis would grow too large, the
 range is halved.
@@ -16,7 +17,7 @@ range is halved.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -75,6 +76,22 @@ class ReducedBasis:
     def shift(self, omega: Array) -> Array:
         """Omega² (k,) less that of the reference, rad²/s²."""
         return np.asarray(omega**2 - self.reference**2)
+
+    @property
+    def alone(self) -> ReducedBasis:
+        """The basis as it solves, without what only growing needs."""
+        return replace(self, images=(), representers=())
+
+    @property
+    def without_coriolis(self) -> ReducedBasis:
+        """The basis for the same plate without Coriolis forces."""
+        spanned, outside = 3 * self.size, 2 * self.size
+        return replace(
+            self.alone,
+            coriolis=None,
+            gram=self.gram[:spanned, :spanned],
+            outside=self.outside[:outside, :outside],
+        )
 
     def held(self, omega: Array) -> Array:
         """Eigenvalues (k, r) of V'K(Omega) V: the stiffness at each speed over that at the reference."""
@@ -560,7 +577,7 @@ class Swept:
         bounds: on their relative error.
         damping: ratios (k, count).
         shares: (k, 5, count), see `fem.modes`. The shapes are basis (n, r) @ vectors (k, r, q), q >= count.
-        reduced: whether from a reduced basis.
+        reduced: the reduced basis they are from; None: they were solved in full.
         met: speeds (k,) whose bounds are within the tolerance, or as good as rounding allows.
         state: the displacement (n,) vibrated about, where the deflection is large.
     """
@@ -572,7 +589,7 @@ class Swept:
     shares: Array
     vectors: NDArray[Any]
     basis: Array
-    reduced: bool
+    reduced: ReducedBasis | None
     met: NDArray[np.bool_]
     state: Array | None = None
 
@@ -580,6 +597,23 @@ class Swept:
         """The modes at some of the speeds, by their indices."""
         names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+
+def answer_again(
+    operators: Operators,
+    omega: Array,
+    count: int,
+    tolerance: float,
+    damping_ratio: float,
+    bases: Iterable[ReducedBasis],
+) -> Swept | None:
+    """Modes at speeds (k,) [rad/s] from the first of some bases of the same matrices whose bounds do; None: none's."""
+    for basis in bases:
+        if min(basis.size, basis.known.size) > count:
+            solved = solve(basis, omega, count)
+            if solved.within(tolerance).all():
+                return _collect(operators, basis, solved, count, tolerance, damping_ratio)
+    return None
 
 
 def answer(
@@ -686,7 +720,7 @@ def _collect(
         damping = _shared_damping(basis, basis.coriolis, solved.omega, rates, vectors, damping_ratio)
     parts = shares / shares.sum(axis=1, keepdims=True)
     met = solved.within(tolerance)
-    return Swept(solved.omega, rates, solved.bounds, damping, parts, solved.vectors, basis.vectors, True, met)
+    return Swept(solved.omega, rates, solved.bounds, damping, parts, solved.vectors, basis.vectors, basis.alone, met)
 
 
 def _shared_damping(

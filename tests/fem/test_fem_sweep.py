@@ -23,7 +23,7 @@ from fem import (
 )
 from fem.linalg import NotConverged, rounding
 from fem.sweep.campbell import follow
-from fem.sweep.reduced_basis import grow, modes_within
+from fem.sweep.reduced_basis import answer_again, grow, modes_within
 
 TOP = rpm(17500)
 
@@ -54,6 +54,23 @@ def test_true_error_is_within_the_bound(case):
     true = np.array([solve_modes(operators, omega, 6).frequencies_hz for omega in speeds])
     assert found.bounds.max() <= 1e-6
     assert (np.abs(found.frequencies_hz / true - 1.0) <= found.bounds).all()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_basis_answers_other_speeds_within_its_bounds(case):
+    """Also beyond the range it was grown for, and without the Coriolis forces it was grown with."""
+    plate, rotor, effects, top = CASES[case]
+    operators = assemble(plate, rotor, effects)
+    bases = campbell(operators, np.linspace(0.0, 0.8 * top, 20), 6).bases
+    still = replace(operators, gyroscopic=None)
+    for body, known in ((operators, bases), (still, [basis.without_coriolis for basis in bases])):
+        speeds = np.sort(np.random.default_rng(4).uniform(0.0, top, 5))
+        found = answer_again(body, speeds, 6, np.inf, 0.0, known)
+        true = 2.0 * np.pi * np.array([solve_modes(body, omega, 6).frequencies_hz for omega in speeds])
+        assert (np.abs(found.rates / true - 1.0) <= found.bounds).all()
+        inside = speeds <= 0.8 * top
+        strict = answer_again(body, speeds[inside], 6, 1e-5, 0.0, known)
+        assert (strict is None) == bool((found.bounds[inside] > 1e-5).any())
 
 
 GRADED = np.geomspace(1e-3, 1.0, 200)

@@ -691,7 +691,8 @@ def test_a_crossing_is_bracketed(end):
     class Solver:
         source = as_scene_file(STRUCTURE)
 
-        def at(self, speeds):
+        def at(self, speeds, *, followed):
+            assert not followed
             return SimpleNamespace(by_speed={omega: point(omega) for omega in speeds})
 
     ends = [point(rpm * math.pi / 30) for rpm in (0.0, 9000.0)]

@@ -277,7 +277,7 @@ def _meetings(
         last = {k for k, ((_, u), (_, v)) in left.items() if u * v > 0 or u == v}
         squares = {k: b if k in last else (a * v - b * u) / (v - u) for k, ((a, u), (b, v)) in left.items()}
         tries = {k: math.sqrt(square) for k, square in squares.items()}
-        at = solver.at(sorted(set(tries.values()))).by_speed
+        at = solver.at(sorted(set(tries.values())), followed=False).by_speed
         for k, ((a, u), (b, v)) in left.items():
             point = at[tries[k]]
             if k in last or abs(hertz[k](point) / (crossings[k].order * point.rpm / 60) - 1) <= _MET:

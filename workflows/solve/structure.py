@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -20,6 +22,9 @@ from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
 from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory
+
+if TYPE_CHECKING:
+    from fem.sweep.reduced_basis import ReducedBasis
 
 _STEPS = 100
 """Speeds between the lowest and the highest by which modes are followed, where a speed costs next to nothing."""
@@ -182,6 +187,7 @@ class StructureSolver:
             self.space = space_of(source)
         if self.space is not None:
             self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
+        self._bases: WeakKeyDictionary[fem.Operators, tuple[ReducedBasis, ...]] = WeakKeyDictionary()
         self._uncut: Discrete | None = None
         if self.choice.form is not None:
             with translated_errors(source), stages("modes"):
@@ -230,10 +236,11 @@ class StructureSolver:
         """Whether every speed of the plate is solved by itself, so that more of them cost more."""
         return self.discrete is not None and one_by_one(self.source.scene, self.discrete.choice.operators)
 
-    def at(self, speeds: Iterable[float] | None = None) -> StructureState:
+    def at(self, speeds: Iterable[float] | None = None, *, followed: bool = True) -> StructureState:
         """The structure at speeds [rad/s], or at those of its scene.
 
-        Speeds at which the plate diverges have no point, as long as any speed has one.
+        Speeds at which the plate diverges have no point, as long as any speed has one. Unless modes are `followed`, a
+        plate's branches at one speed are not those at another.
 
         Raises:
             BadInput: a place on the plate, or too few modes to find the bending mode among.
@@ -249,7 +256,7 @@ class StructureSolver:
         if self.discrete is None:
             points = tuple(coupling.known_structure(source.scene, omega) for omega in source.scene.rotor.speeds)
             return StructureState(source, effects, points, solver=self)
-        plate = self._plate(source, self.discrete)
+        plate = self._plate(source, self.discrete, followed=followed)
         with translated_errors(source), self.stages("reduction"):
             points = plate.with_ball(source, effects)
         surface = None if source.mesh is None else plate.first_surface
@@ -266,11 +273,12 @@ class StructureSolver:
             raise ValueError("the scene has no plate")
         return self._plate(self.source, self.discrete)
 
-    def _plate(self, source: SceneFile, discrete: Discrete) -> PlateSolution:
+    def _plate(self, source: SceneFile, discrete: Discrete, *, followed: bool = True) -> PlateSolution:
         operators = discrete.choice.operators
         with translated_errors(source):
             with self.stages("modes", counted(source.scene, operators)) as step:
-                diagram = sweep(source, discrete, step)
+                diagram = sweep(source, discrete, step, self._bases.get(operators, ()), followed=followed)
+                self._bases.setdefault(operators, diagram.bases)
             with self.stages("reduction"):
                 damper = source.scene.damper
                 reduction = None if damper is None else coupling.reduction(source, operators, diagram)
@@ -373,8 +381,18 @@ def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
     return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
-def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fem.Campbell:
-    """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed."""
+def sweep(
+    source: SceneFile,
+    discrete: Discrete,
+    step: Step | None = None,
+    bases: Iterable[ReducedBasis] = (),
+    *,
+    followed: bool = True,
+) -> fem.Campbell:
+    """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed.
+
+    bases: of a sweep of the same plate before; followed: whether the modes at different speeds must be told apart.
+    """
 
     def progress(number: int) -> None:
         if step is not None:
@@ -383,13 +401,19 @@ def sweep(source: SceneFile, discrete: Discrete, step: Step | None = None) -> fe
     self_check.plates()
     scene, operators = source.scene, discrete.choice.operators
     speeds = np.array(scene.rotor.speeds)
-    if not one_by_one(scene, operators):
+    if followed and not one_by_one(scene, operators):
         more = steps(speeds.min(), speeds.max(), discrete.choice.rates)
         if speeds.size == 1 or np.diff(np.sort(speeds)).max() > np.diff(more).min():
             speeds = np.union1d(speeds, more)
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
     return fem.campbell(
-        operators, speeds, count, tolerance=scene.budget.basis, states=discrete.choice.states, progress=progress
+        operators,
+        speeds,
+        count,
+        tolerance=scene.budget.basis,
+        states=discrete.choice.states,
+        bases=bases,
+        progress=progress,
     )
 
 
