@@ -161,25 +161,27 @@ _SPEED = "rpm"
 """The dimension of speeds."""
 
 
-def write_csv(results: Results, folder: Path) -> None:
-    """A table with a row a speed, and a file per plotted curve, with a header that names column and unit.
+def write_data(results: Results, folder: Path) -> None:
+    """Every quantity as netCDF and, what is one number a speed, as a table; a CSV file per plotted curve.
 
     A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
+    variables = _variables(results)
+    _write_netcdf(results, variables, folder / "results.nc")
+    (folder / f"{TABLE}.csv").write_text(_table(variables), encoding="utf-8")
     for curve in all_curves(results):
         rows = np.column_stack([curve.x, curve.y]) + 0.0  # no -0
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
-    (folder / f"{TABLE}.csv").write_text(_table(results), encoding="utf-8")
 
 
-def _table(results: Results) -> str:
+def _table(variables: Mapping[str, _Variable]) -> str:
     """What is one number, or word, a speed, or a mode and speed, each a column under its name in the data set.
 
     Unknown numbers are empty cells; the parts of the errors stand in `results.json` and `results.nc`.
     """
     table: dict[str, list[Any]] = {}
-    for name, (dims, values, attributes) in _variables(results).items():
+    for name, (dims, values, attributes) in variables.items():
         unit = attributes.get("units", "")
         head = name if unit in ("", "1", name) else f"{name} [{unit}]"
         known = np.where(values == values, values.astype(object), "")  # nan differs from itself
@@ -190,7 +192,7 @@ def _table(results: Results) -> str:
     return as_table(table, (dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)))
 
 
-def write_netcdf(results: Results, path: Path) -> None:
+def _write_netcdf(results: Results, variables: Mapping[str, _Variable], path: Path) -> None:
     """All numbers of the run as one labelled data set, that of :func:`dataset`; h5netcdf writes it in half the time.
 
     It is made in memory: HDF5 may end the process where a disk is full.
@@ -198,7 +200,7 @@ def write_netcdf(results: Results, path: Path) -> None:
     import h5netcdf
     import h5py
 
-    variables, content = _variables(results), io.BytesIO()
+    content = io.BytesIO()
     with h5netcdf.File(content, "w") as file:
         file.dimensions = _sizes(variables)
         for name, (dims, values, attributes) in variables.items():
@@ -240,7 +242,7 @@ def _variables(results: Results) -> dict[str, _Variable]:
     return {each.quantity.name: _variable(each, sizes) for each in variables}
 
 
-def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:
+def _sizes(variables: Mapping[str, _Variable]) -> dict[str, int]:
     return {name: size for dims, values, _ in variables.values() for name, size in zip(dims, values.shape, strict=True)}
 
 

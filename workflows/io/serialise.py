@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -342,16 +342,33 @@ def write_unpublished(results: Results, file: h5netcdf.File) -> None:
 def _unpublished(record: Any) -> dict[str, Any]:
     """The fields of a record, and of those within it, that JSON leaves out, as JSON is nested."""
     rest: dict[str, Any] = {}
-    for name, info in _fields(record.__class__).items():
-        value, annotation = getattr(record, name), info.json_schema_extra
-        if info.exclude or (isinstance(annotation, dict) and annotation.get("unpublished")):
-            if not isinstance(annotation, dict) or "column" not in annotation:
-                rest[name] = value
-        elif is_dataclass(value):
-            rest[info.alias or name] = _unpublished(value)
+    alone, parts = _unpublished_fields(record.__class__)
+    for name in alone:
+        rest[name] = getattr(record, name)
+    for name, key in parts:
+        value = getattr(record, name)
+        if is_dataclass(value):
+            rest[key] = _unpublished(value)
         elif isinstance(value, tuple) and value and is_dataclass(value[0]):
-            rest[info.alias or name] = [_unpublished(each) for each in value]
+            rest[key] = [_unpublished(each) for each in value]
     return rest
+
+
+@cache
+def _unpublished_fields(record: type) -> tuple[list[str], list[tuple[str, str]]]:
+    """The fields that JSON leaves out and no column has; and those that may hold records, with their keys in JSON."""
+    alone, parts = [], []
+    for name, info in _fields(record).items():
+        extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+        if not info.exclude and not extra.get("unpublished"):
+            parts += [(name, info.alias or name)] if _holds_records(info.annotation) else []
+        elif "column" not in extra:
+            alone.append(name)
+    return alone, parts
+
+
+def _holds_records(annotation: Any) -> bool:
+    return is_dataclass(annotation) or any(map(_holds_records, get_args(annotation)))
 
 
 @cache

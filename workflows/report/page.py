@@ -237,8 +237,7 @@ def publish(results: Results, out: Path, stages: Stages) -> Results:
     """
     with replacing(out) as folder:
         with stages("write"):
-            files.write_csv(results, folder)
-            files.write_netcdf(results, folder / "results.nc")
+            files.write_data(results, folder)
             if results.surface is not None:
                 files.write_vtu(results.surface, results, folder / "modes.vtu")
         with stages("report"):
