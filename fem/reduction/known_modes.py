@@ -95,9 +95,10 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
     lean = np.zeros(2) if given is None else axes @ arm
     gradient, spread = at.gradient(modes)
     moved = axes @ at.displacement(modes.shapes).T
-    slope = -np.einsum("i,kij,aj->ak", normal, gradient @ np.linalg.inv(deformed), axes)
-    unsure = np.einsum("i,kij,aj->ak", np.abs(normal), spread, np.abs(axes))
-    return Floor(normal, axes, radius, lean, moved, slope, unsure)
+    slope, unsure = (
+        -np.einsum("i,kij,aj->ak", normal, each @ np.linalg.inv(deformed), axes) for each in (gradient, spread)
+    )
+    return Floor(normal, axes, radius, lean, moved, slope, np.abs(unsure))
 
 
 def _deformed(at: Place, modes: ModesAtSpeed) -> tuple[Array, Array]:

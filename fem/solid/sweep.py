@@ -104,6 +104,7 @@ class BladeSweep:
         stiffness: their small stiffness (m, q, q), in 1/s².
         products: of shapes at two of the speeds in the mass, (m, q, m, q).
         turned: of shapes at two of the speeds in the Coriolis matrix, (m, q, m, q); None without it.
+        beyond: what Coriolis forces add to the modal mass through the modes that are not solved, by Omega², (m, q, q).
         count: modes that are wanted.
         errors: estimated relative errors (count,) of frequencies between the solved speeds; inf where they are unknown.
     """
@@ -115,6 +116,7 @@ class BladeSweep:
     stiffness: Array
     products: Array
     turned: Array | None
+    beyond: Array | None
     count: int
     errors: Array
 
@@ -152,20 +154,24 @@ class BladeSweep:
         return bool(self.squares[0] - slack <= omega**2 <= self.squares[-1] + slack)
 
     def coriolis_shifts(self, omega: float) -> Array:
-        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed [rad/s], within the solved modes.
+        """Relative shifts (count,) of the frequencies by Coriolis forces at a speed [rad/s].
+
+        The modes that are not solved follow statically: they make those that are heavier.
 
         Raises:
             ValueError: the operators have no Coriolis matrix.
         """
-        if self.turned is None:
+        if self.turned is None or self.beyond is None:
             raise ValueError("the operators were assembled without Coriolis forces")
         weights = self.weights(omega)
         values, vectors = np.linalg.eigh(np.tensordot(weights, self.stiffness, 1))
         turned = vectors.T @ np.einsum("i,iajb,j->ab", weights, self.turned, weights) @ vectors
         rates = np.sqrt(np.maximum(values, np.finfo(float).tiny))
+        heavier, axes = np.linalg.eigh(vectors.T @ np.tensordot(weights, self.beyond, 1) @ vectors)
+        light = axes / np.sqrt(1.0 + omega**2 * np.maximum(heavier, 0.0)) @ axes.T
         # of (x, w / rate x) in the modes' energies: w z = ((-i Omega G, diag(rate)), (diag(rate), 0)) z
-        cross = np.diag(rates)
-        eigenvalues = np.linalg.eigvalsh(np.block([[-1j * omega * turned, cross], [cross, np.zeros_like(cross)]]))
+        drag, cross = -1j * omega * light @ turned @ light, light * rates
+        eigenvalues = np.linalg.eigvalsh(np.block([[drag, cross], [cross.T, np.zeros_like(cross)]]))
         return np.asarray(np.abs(np.sort(eigenvalues[eigenvalues > 0.0])[: self.count] / rates[: self.count] - 1.0))
 
     @cached_property
@@ -202,6 +208,7 @@ class _Solved:
     values: dict[float, Array] = field(default_factory=dict)
     shapes: dict[float, Array] = field(default_factory=dict)
     slopes: dict[float, Array] = field(default_factory=dict)
+    beyond: dict[float, Array] = field(default_factory=dict)
     spaces: dict[tuple[float, ...], tuple[Array, Array]] = field(default_factory=dict)
 
     def add(self, square: float, state: Array, slope: Array | None, values: Array, shapes: Array) -> None:
@@ -337,6 +344,11 @@ def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _So
         modes = solve_real(operators, omega, _about(operators, omega, state), wanted, state)
     operators.known[:] = [modes.factor]
     known.add(omega**2, state, _slope(operators, state, modes.factor), modes.eigenvalues, modes.shapes)
+    if operators.gyroscopic is not None:
+        dragged = operators.gyroscopic @ modes.shapes
+        within = modes.shapes.T @ dragged
+        whole = dragged.T @ modes.factor.solve(dragged)
+        known.beyond[omega**2] = whole - within.T @ (within / modes.eigenvalues[:, None])
 
 
 def _rest(operators: SolidOperators, omega: float, start: Array | None) -> Array:
@@ -427,11 +439,17 @@ def _gathered(operators: SolidOperators, known: _Solved, count: int, errors: Arr
     beside = shapes.swapaxes(0, 1).reshape(shapes.shape[1], -1)
     sides = (len(squares), shapes.shape[2]) * 2
     products = (beside.T @ (operators.mass @ beside)).reshape(sides)
-    turned = None
+    turned = beyond = None
     if operators.gyroscopic is not None:
         turned = (beside.T @ (operators.gyroscopic @ beside)).reshape(sides)
+        alone = {
+            square: turn.T @ known.beyond[square] @ turn
+            for square, turn in zip(squares, turns, strict=True)
+            if square in known.beyond
+        }
+        beyond = np.array([alone.get(square, alone[squares[-1]]) for square in squares])
     states = np.array([known.states[each] for each in squares])
-    return BladeSweep(np.array(squares), known.bend, states, shapes, small, products, turned, count, errors)
+    return BladeSweep(np.array(squares), known.bend, states, shapes, small, products, turned, beyond, count, errors)
 
 
 MILD = 1.0

@@ -96,7 +96,7 @@ def test_a_fit_knows_quadratic_fields_and_fibres_that_stay_normal(dimension: int
     slope = np.array([0.2 + 1.4 * x - 0.4 * y, -0.4 * x + 0.5 * z, 0.1 + 0.5 * y]) * (np.arange(3) < dimension)
     assert found[0, 2] == pytest.approx(slope, abs=1e-9)
     assert found[0, 0, 2] == pytest.approx(-slope[0] if dimension < 3 else 0.0, abs=1e-9)
-    assert spread.max() < 1e-9
+    assert np.abs(spread).max() < 1e-9
 
 
 def test_a_slope_is_within_its_uncertainty() -> None:
@@ -106,7 +106,21 @@ def test_a_slope_is_within_its_uncertainty() -> None:
         w = np.sin(2.5 * x)
         model = cloud(np.outer(x, [1.0, 0.0, 0.0]), np.stack([0 * x, 0 * x, w], axis=1)[None])
         found, spread = place(model, np.array([1.0, 0.0, 0.0])).gradient(model.speeds[0])
-        assert abs(found[0, 2, 0] - 2.5 * np.cos(2.5)) <= spread[0, 2, 0], count
+        assert abs(found[0, 2, 0] - 2.5 * np.cos(2.5)) <= abs(spread[0, 2, 0]), count
+
+
+def test_a_floors_slope_is_as_uncertain_whatever_the_axes_of_the_file() -> None:
+    """As uncertain as the two ways to find it differ along the floor's normal and axis."""
+    random = np.random.default_rng(5)
+    points = random.uniform([0.5, -0.1, -0.05], [1.5, 0.1, 0.05], (200, 3))
+    w = np.sin(2.5 * points[:, 0])
+    shape = np.stack([-2.5 * np.cos(2.5 * points[:, 0]) * points[:, 2], 0.3 * w, w], axis=1)
+    spreads = []
+    for turn in (np.eye(3), np.linalg.qr(random.normal(size=(3, 3)))[0]):
+        model = replace(cloud(points @ turn.T, (shape @ turn.T)[None]), axis=turn @ [0.0, 1.0, 0.0])
+        at = place(model, turn @ [1.4, 0.0, 0.0])
+        spreads.append(floor(model, at, model.speeds[0], turn @ [0.0, 0.0, 1.0]).spread[:, 0])
+    assert spreads[1] == pytest.approx(spreads[0], rel=1e-6)
 
 
 def test_places_off_the_structure_or_without_a_slope_are_refused(plate: ModalModel) -> None:

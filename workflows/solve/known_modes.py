@@ -19,7 +19,7 @@ from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
-from workflows.formatting import percent, significant
+from workflows.formatting import percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import KnownModes
@@ -702,7 +702,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
             f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"
-            f" uncertain by {percent(abs(spread / slope))} %: it is {at.how}."
+            f" uncertain by {share(abs(spread / slope), 2)} %: it is {at.how}."
         )
     shaken, force = source.scene.excitation, None
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
