@@ -207,6 +207,31 @@ def test_what_would_move_a_locked_ball_does(key: str) -> None:
     assert begins == ([True, False] if key in ("rolling_friction", "omega") else [False, True])
 
 
+@pytest.mark.parametrize("eased", [0.98, 0.995, 0.9999])
+def test_a_ball_that_moves_just_within_the_limit_is_not_locked(eased: float) -> None:
+    """Though its damping is next to nothing there, at the curve's first amplitude or below it."""
+    held = twelve()
+    remedy = limits.what_moves(held, held.speeds[1])
+    assert remedy is not None
+    found = workflows.run(thick(10000, damper__count=12, damper__rolling_friction=eased * remedy.rolling_friction))
+    (point,) = found.speeds
+    assert point.verdict.grade == "negligible"
+    assert point.verdict.damping_ratio > 0
+    assert answer(found).verdict.startswith("Not useful: at most ")
+    assert not re.search("locked|never|would move", text(found))
+
+
+def test_every_speed_whose_damping_is_known_only_roughly_is_named() -> None:
+    """And an answer without damping is none of a ball that is held."""
+    found = workflows.run(thick(3500, 5000, 7500))
+    rough = [replace(p, damping_curve=replace(p.damping_curve, error=0.8)) for p in found.speeds[:2]]
+    assert "up to 5000 rpm" in answer(replace(found, speeds=(*rough, found.speeds[2]))).verdict.rpartition("; ")[2]
+    silent = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.NEGLIGIBLE, Reason.NOT_FOUND, 0.0))
+    verdict = answer(replace(found, speeds=(*found.speeds[:2], silent))).verdict
+    assert "no damping by the ball was found at 7500 rpm" in verdict
+    assert "locked" not in verdict
+
+
 def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
     """Right after the headline, locked at all speeds or at some; rounded to the side on which it moves."""
     some, every = (workflows.run(thick(*rpm)) for rpm in ((5000, 10000), (10000,)))

@@ -13,7 +13,7 @@ from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits
 from workflows.solve.excitation import HELPS
-from workflows.solve.results import Figures, Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -62,9 +62,10 @@ def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None
 
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
-    lost = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    lost = [(p, w) for p, w in lost if w.peak > limits.ROUNDING]
-    if limits.endured(results) is None or not lost:
+    limit = limits.endured(results)
+    known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
+    lost = [(p, w) for p, w in known if w.peak > limits.ROUNDING and limit is not None and w.cutoff >= limit]
+    if not lost:
         return None
     named = what_to_do(results, points) is not None  # which names both amplitudes
     point, figures = lost[0]
@@ -216,10 +217,10 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
         None if remarks.met(results) else remarks.sentence(results),
     )
     clauses = [f"No verdict: {refused}"] if refused is not None else [*_verdict(results, loaded), *unjudged]
-    errors = [(0.0 if p.damping_curve is None else p.damping_curve.error, p) for p in judged]
-    error, worst = max(errors, key=lambda pair: pair[0], default=(0.0, None))
-    if refused is None and worst is not None and error > _ROUGH:
-        clauses.append(f"at {at_speed(worst)} the damping is known only roughly")
+    rough = [p for p in judged if p.damping_curve is not None and p.damping_curve.error > _ROUGH]
+    if refused is None and rough:
+        where = "" if len(rough) == len(judged) > 1 else f"{stretch(rough, judged)} "
+        clauses.append(f"{where}the damping is known only roughly")
     return clauses, tuple(part for part in parts if part)
 
 
@@ -273,9 +274,12 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
                 where = f"up to {last}" if k - 1 in known else inside
             words.append(f"{_WORDS[rank]} {where}")
         main = ", ".join(words)
-    locked = [point for point in points if _rank(point) == 0]
+    nothing = [point for point in points if _rank(point) == 0]
+    locked = [point for point in nothing if point.verdict and point.verdict.grade == Grade.LOCKED]
+    idle = [point for point in nothing if point not in locked]
     alone = [phrase("answer/locked", results, locked=locked, points=points)] if locked else []
-    return [capital(main) + _rests_on(results, points), *alone]
+    found = [phrase("answer/idle", results, idle=idle, points=points)] if idle else []
+    return [capital(main) + _rests_on(results, points), *alone, *found]
 
 
 def _bests(results: Results, points: Sequence[SpeedPoint]) -> list[tuple[limits.Best, SpeedPoint]]:

@@ -229,7 +229,8 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
         return Reason.FILLED
     if figures is None or math.isinf(figures.cutoff):
         return Reason.TILT
-    if figures.peak > ROUNDING:
+    limit = endured(results)
+    if figures.peak > ROUNDING and limit is not None and figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
     lossless = damper is not None and damper.restitution == 1 and figures.cutoff == 0
     return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
@@ -248,7 +249,9 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
         return Best(figures.peak, figures.peak_amplitude, limited=False, useful=useful)
     within = figures.damping_ratio[figures.amplitude <= limit]
     if not within.size or within.max() <= ROUNDING:
-        return None
+        amplitude, ratios = np.append(figures.cutoff, figures.amplitude), np.append(0.0, figures.damping_ratio)
+        ratio = float(np.interp(limit, amplitude, ratios)) if figures.cutoff < limit else 0.0
+        return Best(ratio, limit, limited=True, useful=useful) if ratio > ROUNDING else None
     at = int(np.argmax(within))
     return Best(float(within[at]), float(figures.amplitude[at]), limited=True, useful=useful)
 
