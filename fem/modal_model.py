@@ -673,6 +673,32 @@ _STILL = 1e-9
 """Displacement over the largest of its mode that counts as none."""
 
 
+TIP = 0.02
+"""Part of the radial extent, from the outermost node inwards, whose nodes are the tip's."""
+
+
+def deflection(model: ModalModel, static: Array) -> tuple[float, float]:
+    """What a static displacement does to a structure.
+
+    Args:
+        model: of the structure.
+        static: displacement (n, 3) [m].
+
+    Returns:
+        The largest displacement [m], and the angle [rad] by which the tip turns about the direction from the axis to
+        it, right-handed: that of the rotation in the plane across it which fits its nodes best.
+    """
+    arms = model.load(model.points)
+    outwards = arms[np.linalg.norm(arms, axis=1).argmax()]
+    outwards = outwards / np.linalg.norm(outwards)
+    along = arms @ outwards
+    tip = along >= along.max() - TIP * np.ptp(along)
+    across = np.eye(3) - np.outer(outwards, outwards)
+    before, after = ((each - each.mean(axis=0)) @ across for each in (model.points[tip], (model.points + static)[tip]))
+    turned = np.arctan2(np.cross(before, after).sum(axis=0) @ outwards, (before * after).sum())
+    return float(np.linalg.norm(static, axis=1).max()), float(turned)
+
+
 def held(shapes: Array) -> NDArray[np.bool_]:
     """Which nodes (n,) none of the shapes (..., n, 3) moves."""
     moved = np.abs(shapes).reshape(-1, *shapes.shape[-2:])

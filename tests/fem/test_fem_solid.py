@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from fem import Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
-from fem.modal_model import ModalModel, ModesAtSpeed, place, pull, root_strains
+from fem.modal_model import ModalModel, ModesAtSpeed, deflection, place, pull, root_strains
 from fem.modes import solve_real
 from fem.reduction.known_modes import cavity_shifts
 from fem.solid.assembly import assemble_solid, pattern
@@ -158,6 +158,9 @@ def tip(name, operators, state, speed):
     own = next(row for row in rows() if row["blade"] == name and row["rpm"] == str(speed))
     there = np.array([float(own[axis]) for axis in "xyz"])
     turned = (angles[0] - angles[1]) / float(own["untwist"]) - 1.0
+    largest, rotation = deflection(ModalModel(mesh.points, (), operators.blade.axis, operators.blade.origin), moved)
+    assert largest >= np.linalg.norm(moved[middle])
+    assert abs(np.degrees(rotation) / (angles[1] - angles[0]) - 1.0) < 0.05, "of all nodes, which also curve"
     return float(np.linalg.norm(moved[middle] - there) / np.linalg.norm(there)), float(abs(turned))
 
 

@@ -534,6 +534,19 @@ def root_stress(results: Results) -> Values:
 
 
 @remark
+def deflection(results: Results) -> Values:
+    """How far the load bends and untwists a solid blade, where it does the most."""
+    point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
+    if not point.static_displacement:
+        return None
+    return {
+        "omega": point.omega,
+        "displacement": point.static_displacement,
+        "turned": math.degrees(abs(point.tip_rotation or 0.0)),
+    }
+
+
+@remark
 def rolling(results: Results) -> Values:
     """Ring-downs in which rolling requires more friction than the walls have."""
     damper = results.scene.damper

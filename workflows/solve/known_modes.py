@@ -137,6 +137,7 @@ class SpaceStructure:
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
+        rests = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
         point = SpeedPoint(
             omega=omega,
             rpm=rounded_rpm(omega),
@@ -144,6 +145,8 @@ class SpaceStructure:
             load_g=omega**2 * self.radius / scene.rotor.gravity,
             modes=tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes])),
             root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
+            static_displacement=rests[0],
+            tip_rotation=rests[1],
         )
         damper = scene.damper
         if damper is None or self.seat is None:

@@ -659,6 +659,10 @@ class SpeedPoint:
     """of the ball at rest on its floor, where their materials are known by name"""
     verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None
     """on the damper at this speed, from its own figures"""
+    static_displacement: Annotated[float | None, quantity("m")] = None
+    """the largest by which the centrifugal load displaces a solid blade"""
+    tip_rotation: Annotated[float | None, quantity("rad")] = None
+    """of a solid blade by the load, about the direction from the spin axis to its tip: its untwist"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)
     sticks_out: Annotated[float, KEPT] = field(default=0.0, repr=False)
