@@ -711,7 +711,7 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    pull = modal_model.pull(model, at)
+    pull = _pull(model, at)
     return Seat(at, direction, pull, force, normal, filled, sticks_out), tuple(remarks)
 
 
@@ -782,10 +782,21 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
         BadInput: there is none.
     """
     try:
-        return modal_model.place(model, _point(source, model, at, key))
+        return _placed(model, tuple(_point(source, model, at, key).tolist()))
     except modal_model.OffTheStructure as error:
         value = list(at) if isinstance(at, tuple) else at
         raise source.wrong(str(error), key, value) from error
+
+
+@lru_cache(maxsize=4)
+def _placed(model: ModalModel, point: tuple[float, ...]) -> Place:
+    """The place nearest to a point, the same for all dampers there."""
+    return modal_model.place(model, np.array(point))
+
+
+@lru_cache(maxsize=4)
+def _pull(model: ModalModel, at: Place) -> Pull:
+    return modal_model.pull(model, at)
 
 
 def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | int | None, key: str) -> Floats:
