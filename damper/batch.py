@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from damper import laws, self_check
 from damper.equations import at_once
-from damper.model import Floats, Integers, ensemble, resting_place, stuck_frequency, table, whole
-from damper.motion import COUPLED, flights, kinds, outcome_of, prepare
+from damper.model import Floats, Integers, alike, ensemble, resting_place, stuck_frequency, table, whole
+from damper.motion import APART, COUPLED, flights, kinds, outcome_of, prepare
 from damper.ringdown import ringdown
 from damper.state import BOOKS, COUNTED, Counts
 
@@ -177,7 +177,7 @@ class _Run:
     threads: int
     most: int
 
-    def alike(
+    def of_one_kind(
         self, rows: Parameters, p: Records, progress: Progress | None, amplitudes: Floats | None
     ) -> tuple[Integers, Floats, Floats]:
         """Have ring-downs of one kind run: why each ended, and its energy at the beginning and at the end."""
@@ -205,17 +205,17 @@ class _Run:
             part = prepared[which]
             count = None if progress is None else functools.partial(_further, progress, done)
             modal = None if self.amplitudes is None else self.amplitudes[which]
-            status[which], initial[which], final[which] = self.alike(rows[which], part, count, modal)
+            status[which], initial[which], final[which] = self.of_one_kind(rows[which], part, count, modal)
             prepared[which] = part
             done += len(which)
         return status, initial, final
 
     def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
         """Which to prepare together: of one kind, and as many as there is room for."""
-        alike, modes = bool((rows == rows[:1]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
-        for each in np.unique(kind):
+        modes, equal = 2 if self.damper.modes is None else len(self.damper.modes), alike(rows)
+        for each in (APART, COUPLED):
             which = np.flatnonzero(kind == each)
-            room = _AT_ONCE if alike else at_once(modes, coupled=each == COUPLED)
+            room = _AT_ONCE if equal else at_once(modes, coupled=each == COUPLED)
             yield from (which[k : k + room] for k in range(0, len(which), room))
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from damper.compiled import fused, kernel, part
+from damper.compiled import fused, inlined, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, travel
 from damper.impacts import let_go, read, resolve
@@ -388,7 +388,7 @@ def earliest(it: Record) -> int:
     return 0 if it.system.groups == 1 or it.motion.next[0] <= it.motion.next[1] else 1
 
 
-@part
+@inlined
 def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> None:
     """Fly to a group's next event, or the end of its step, resolve it, start the flights that follow, record it."""
     i, kind, clock, ball = it.motion.axis[g], it.motion.kind[g], it.clock, it.ball

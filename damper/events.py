@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import fused, part
+from damper.compiled import fused, inlined, part
 from damper.flight import derivatives, gather, regimes, sizes
 from damper.state import GRIP, HIT, INVERSE, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
@@ -206,7 +206,7 @@ def _least(ball: Record) -> float:
     return float(MARGIN * ball.hold + _NOTHING)
 
 
-@part
+@inlined
 def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]:
     """Drive of the ball along an axis now, were it stuck, with the dashpot of a moving and of a stuck ball.
 
@@ -222,7 +222,7 @@ def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]
     return drive, drive + it.system.excess[i] * axis.v
 
 
-@part
+@inlined
 def departure(i: int, time: float, it: Record, flow: Floats) -> int:
     """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays."""
     one, other = drives(i, time, it, flow)
@@ -344,7 +344,7 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
         if not turns:
             guess, order, level, most = _root(gap, -v, -v1), 0, d * gap, d * gap
             if v2 * guess > 12.0 * v1:  # just set off: the jerk carries the ball
-                guess = min(guess, (6.0 * gap / v2) ** (1.0 / 3.0))
+                guess = min(guess, np.cbrt(6.0 * gap / v2))
         x, sure = np.inf, True
         if guess < FAR * end:
             x, last, slope, bend, gain = polished(s, order, level, _nearer(s, order, most, guess))
@@ -486,7 +486,7 @@ def _drive(i: int, it: Record, d: int) -> None:
         it.motion.guard[k] = d * drive[k]
 
 
-@part
+@inlined
 def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: Record) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel, part
+from damper.compiled import inlined, kernel, part
 from damper.events import departure
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK
 
@@ -131,7 +131,7 @@ def _leave_dent(it: Record) -> None:
     it.ball.hold = it.ball.threshold
 
 
-@part
+@inlined
 def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     """What an event along an axis does; whether the ball, hitting a wall, rubbed along it."""
     axis, other, time = it.axes[i], it.axes[1 - i], it.clock.time
@@ -141,11 +141,9 @@ def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
         slip(axis)
     elif kind == START:
         roll(axis, axis.heading)
-    elif kind == REVERSAL:
-        settle(i, time, it, flow)
     elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
         axis.spin = 0.0
-    elif kind == GRIP and axis.w == 0.0:
+    elif kind == REVERSAL or (kind == GRIP and axis.w == 0.0):
         settle(i, time, it, flow)
     elif kind == GRIP:
         roll_on(axis)
@@ -203,7 +201,7 @@ def rebound(i: int, it: Record) -> None:
         roll_on(axis)
 
 
-@part
+@inlined
 def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     """Friction at the wall of the other axis, at most what ends the sliding along it, eq. (11) of the paper."""
     axis, ball = it.axes[i], it.ball

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from damper.equations import structures_by, systems_of
-from damper.model import Floats, Harmonic, Records, half_gap, number, spin_mass, stuck_decay, stuck_frequency
+from damper.model import Floats, Harmonic, Records, alike, half_gap, number, spin_mass, stuck_decay, stuck_frequency
 from damper.state import FLYING, RUN, Counts, balls_of, zeros
 
 if TYPE_CHECKING:
@@ -81,8 +81,8 @@ def flights(
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
-    alike = harmonic is None or isinstance(harmonic, Harmonic)
-    first, which = _distinct(rows) if alike else (np.arange(len(rows)), np.arange(len(rows)))
+    together = harmonic is None or isinstance(harmonic, Harmonic)
+    first, which = _distinct(rows) if together else (np.arange(len(rows)), np.arange(len(rows)))
     if harmonic is None and len(first) == 1 and rows[0].tobytes() == damper.parameters[0].tobytes():
         systems = _free(damper)
     else:
@@ -122,6 +122,8 @@ def _free(damper: ParticleDamper) -> Systems:
 
 def _distinct(rows: Parameters) -> tuple[Integers, Integers]:
     """Where each of the rows that differ stands first, and which of these every row is."""
+    if alike(rows):
+        return np.zeros(1, np.int64), np.zeros(len(rows), np.int64)
     numbers: dict[bytes, int] = {}
     which = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in rows], np.int64)
     return np.unique(which, return_index=True)[1], which
