@@ -281,23 +281,24 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
 
 
 class Ramp(NamedTuple):
-    """How ring-downs are led through the amplitudes, and what they show.
+    """How n ring-downs are led through the amplitudes, and what they show.
 
-    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
-    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
-    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
-    it, and those losses by the books. A row stays as it is from where it falls below `least` or there are as many
-    events as may be.
+    After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
+    whatever the ball took; the ball's motion in its cavity stays as it is. `energies`, shape (n, most cycles, 4) [J],
+    are that of the structure, the ball counted as stuck, before each cycle, and what the losses in it leave of that;
+    that of structure and ball before it, and those losses by the books. A row stays as it is from where it falls below
+    `least` or there are as many events as may be.
     """
 
-    factor: float
+    factor: Floats
+    cycles: Integers
     least: float
     energies: Floats
 
 
 def no_ramp() -> Ramp:
     """Of ring-downs that are left to themselves."""
-    return Ramp(1.0, 0.0, np.zeros((0, 0, 4)))
+    return Ramp(np.zeros(0), np.zeros(0, np.int64), 0.0, np.zeros((0, 0, 4)))
 
 
 @kernel
@@ -317,10 +318,10 @@ def run_block(
             continue
         energies = ramp.energies[k]
         it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
-        for n in range(len(energies)):
+        for n in range(ramp.cycles[k]):
             it.clock.end = (n + 1) * it.cycle.period
             if n > 0:
-                _scale(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it, flow)
+                _scale(math.sqrt(energies[0, 0] * ramp.factor[k] ** n / _of_the_structure(it)), it, flow)
             _open(it.books)
             before, swing = stored(it), _of_the_structure(it)
             if swing < ramp.least:
