@@ -96,14 +96,6 @@ def resume(cycle: Record, last_motion: float) -> None:
 
 
 @part
-def pass_time(it: Record, time: float) -> None:
-    """All is seen up to a time."""
-    it.clock.watched = time
-    if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
-        it.clock.last_motion = time
-
-
-@part
 def _take(it: Record, time: float, square: float) -> None:
     """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
     cycle = it.cycle
@@ -154,25 +146,6 @@ def _speed(it: Record, time: float) -> tuple[float, float]:
     return square, rate
 
 
-@part
-def full(it: Record, tables: Tables) -> bool:
-    """Whether there is no more room for the rows of an event."""
-    return bool(len(tables.rows) > 0 and it.clock.rows + 2 > len(tables.rows))
-
-
-@part
-def write_peak(it: Record, tables: Tables) -> bool:
-    """Count a velocity maximum, and write it if asked; False if the table is full."""
-    clock = it.clock
-    if len(tables.peaks) > 0:
-        if clock.peaks == len(tables.peaks):
-            return False
-        tables.peaks[clock.peaks, 0], tables.peaks[clock.peaks, 1] = it.cycle.time, it.cycle.speed
-    clock.peaks += 1
-    clock.watched = it.cycle.closes
-    return True
-
-
 DONE, PAUSED, FULL, BEGINS = 0, 1, 2, 3
 """How a run stands: it is at its end, has had as many events as may be, needs a longer table, is yet to be released."""
 
@@ -189,10 +162,15 @@ TREMOR = 1e-7
 @part
 def end_cycle(it: Record, tables: Tables) -> bool:
     """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
-    if not write_peak(it, tables):
+    clock, peaks = it.clock, tables.peaks
+    if 0 < len(peaks) <= clock.peaks:
         return False
+    if len(peaks) > 0:
+        peaks[clock.peaks, 0], peaks[clock.peaks, 1] = it.cycle.time, it.cycle.speed
+    clock.peaks += 1
+    clock.watched = it.cycle.closes
     _fade(it)
-    close(it.cycle, it.clock.last_motion)
+    close(it.cycle, clock.last_motion)
     return True
 
 
@@ -266,7 +244,9 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
         while watch(it, clock.watched, time):
             if not end_cycle(it, tables):
                 return FULL
-        pass_time(it, time)
+        clock.watched = time
+        if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
+            clock.last_motion = time
         if time >= clock.end:
             arrive(it, time)
             resume(it.cycle, clock.last_motion)
@@ -274,7 +254,7 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
             return DONE
         if motion.kind[g] != NOTHING and clock.events >= most:
             return PAUSED
-        if motion.kind[g] != NOTHING and full(it, tables):
+        if motion.kind[g] != NOTHING and 0 < len(tables.rows) < clock.rows + 2:
             return FULL
         advance(g, time, it, flow, tables)
         _rest(it, time)
@@ -313,8 +293,10 @@ def run_block(
         it, flow = runs[k], flows[runs[k].system.flow]
         if status[k] == BEGINS:
             _release(it, flow, tables)
+            it.books.initial = stored(it)
         if len(ramp.energies) == 0:
             status[k] = _run(it, flow, tables, most)
+            it.books.final = stored(it)
             continue
         energies = ramp.energies[k]
         it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
