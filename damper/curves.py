@@ -82,6 +82,11 @@ class DampingCurve:
     jump: tuple[float, float] = (math.nan, math.nan)
 
     @property
+    def range(self) -> tuple[float, float]:
+        """Amplitudes between which the damper works, with at least half its peak [m]."""
+        return self.half
+
+    @property
     def descending(self) -> DampingCurve:
         """The figures of the way down."""
         return self if self.from_above is None else self.from_above

@@ -156,7 +156,7 @@ def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> N
     assert at(found, 1.05 * last) == pytest.approx(held(damper, 1.05 * last, 5e-3), rel=0.08)
     assert found.peak <= found.descending.peak
     if found.peak_amplitude > last / 2:
-        assert found.half[0] == pytest.approx(found.folds[1], rel=1e-5)
+        assert found.range[0] == pytest.approx(found.folds[1], rel=1e-5)
         assert found.error < 0.1
 
 
@@ -328,6 +328,7 @@ def test_range_and_half() -> None:
     found = curve(paper(2687, 208.9))
     assert found.cutoff == pytest.approx(0.1 * 26870 / (2 * math.pi * 208.9) ** 2)
     assert found.half[0] > found.cutoff
+    assert found.half == found.range
     for amplitude in found.half:
         assert at(found, amplitude) == pytest.approx(found.peak / 2, rel=0.02)
 
