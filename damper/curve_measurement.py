@@ -133,10 +133,10 @@ def damping_curve(
             time, and move the peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
         reach: amplitude up to which the curve goes at least [m].
     """
-    above, samples, low, high = _down(damper, _Pace(sweeps, stay), reach, threads)
+    bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
+    above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
     rolls, meets = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
     last = _AROUND[1] * meets
@@ -173,14 +173,14 @@ def falling(
     damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
 ) -> DampingCurve:
     """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
-    return _down(damper, _Pace(sweeps, stay), 0.0, threads)[0]
+    return _down(undamped(damper), _Pace(sweeps, stay), 0.0, threads)[0]
 
 
 def _down(
-    damper: ParticleDamper, pace: _Pace, reach: float, threads: int | None
+    bare: ParticleDamper, pace: _Pace, reach: float, threads: int | None
 ) -> tuple[DampingCurve, Floats, float, float]:
     """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
-    bare, none = undamped(damper), (np.zeros((0, 3)), 0.0, 0.0)
+    none = np.zeros((0, 3)), 0.0, 0.0
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED or gap == 0:
@@ -199,6 +199,9 @@ def _down(
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
         before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
     above = replace(curve, error=max(curve.error, _moved(before, curve)))
+    if above.peak > 0:
+        laws.check_curve(bare, above)
+        laws.check_readings(above, samples)
     return above, samples, max(cutoff, _LOWEST * gap / left), top
 
 
@@ -216,7 +219,7 @@ def _falling(
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
         samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-        curve = _read(damper, cutoff, samples)
+        curve = _read(cutoff, samples)
         if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
             return curve, top
         top *= 2**_OCTAVES
@@ -242,20 +245,18 @@ def _settled(
         wanted = np.setdiff1d(spaced, done)
         samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
         done = np.append(done, wanted)
-        curve = _read(damper, cutoff, samples)
+        curve = _read(cutoff, samples)
         if curve.error <= max(BINNED, min(_moved(before, curve), _SAME) / 2):
             break
     return curve, samples
 
 
-def _read(damper: ParticleDamper, cutoff: float, samples: Floats) -> DampingCurve:
+def _read(cutoff: float, samples: Floats) -> DampingCurve:
     """Figures of sweeps down."""
     self_check.once("curves", falling)
     whole = figures(samples, cutoff)
     if whole is None:
         return nothing(cutoff)
-    laws.check_curve(damper, whole)
-    laws.check_readings(whole, samples)
     return replace(whole, error=max(spread(samples, whole), BINNED))
 
 
