@@ -11,7 +11,7 @@ The heavy parts (compiled kernels) load at the first ring-down.
 
 from damper.backbone import Backbone, Branch, Way, backbone
 from damper.batch import Batch, ringdowns
-from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, two_hit_bound, work_bound
+from damper.capacity import Capacity, ball_density, capacity, intrinsic_sdc, work_bound
 from damper.curve_measurement import damping_curve
 from damper.curves import DampingCurve
 from damper.fixed_step import SteppedRingDown, stepped_ringdown
@@ -53,6 +53,5 @@ __all__ = [
     "ringdowns",
     "sample",
     "stepped_ringdown",
-    "two_hit_bound",
     "work_bound",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -13,15 +12,16 @@ import numpy.typing as npt
 
 from damper import laws, self_check
 from damper.equations import at_once
-from damper.model import Floats, Integers, ensemble, resting_place, stuck_frequency, table, whole
-from damper.motion import COUPLED, flights, kinds, outcome_of, prepare
+from damper.model import Floats, Integers, alike, ensemble, resting_place, stuck_frequency, table, whole
+from damper.motion import APART, COUPLED, EnergyBooks, flights, kinds, moved_by, outcome_of, prepare
 from damper.ringdown import ringdown
-from damper.state import BOOKS, COUNTED, Counts
+from damper.state import BOOKS, COUNTED, Counts, nothing_kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from damper.model import Harmonic, Parameters, ParticleDamper, Records
+    from damper.motion import Flights
 
     Progress: TypeAlias = Callable[[int], None]
 
@@ -74,15 +74,12 @@ _AT_ONCE = 64 * BLOCK
 
 
 @dataclass(frozen=True)
-class Batch(Counts[Integers]):
-    """What n ring-downs left, with the counters of `damper.state.Counts`; every array has shape (n,).
+class Batch(Counts[Integers], EnergyBooks[Floats]):
+    """What n ring-downs left, with `damper.state.Counts` and `damper.EnergyBooks`; every array has shape (n,).
 
     Attributes:
         outcome: why each ended.
         duration: simulated time [s].
-        initial, final: energy of structure and ball [J].
-        structure, rolling, impact, slip: energy lost, by cause [J].
-        work: energy put in by a harmonic force [J].
         peak_sdc: largest specific damping capacity of a cycle [-].
         peak_sdc_amplitude: dynamic acceleration V omega_1 at which that cycle began [m/s^2]; nan without a cycle.
         cutoff: V omega_1 of the last cycle in which the ball moved [m/s^2]; nan if it never moved or never rested.
@@ -91,24 +88,10 @@ class Batch(Counts[Integers]):
 
     outcome: npt.NDArray[np.object_]
     duration: Floats
-    initial: Floats
-    final: Floats
-    structure: Floats
-    rolling: Floats
-    impact: Floats
-    slip: Floats
-    work: Floats
     peak_sdc: Floats
     peak_sdc_amplitude: Floats
     cutoff: Floats
     largest_rolling_demand: Floats
-
-    @property
-    def residual(self) -> Floats:
-        """What the energy books do not explain [J]."""
-        lost = self.structure + self.rolling + self.impact + self.slip
-        residual: Floats = self.initial - self.final - lost + self.work
-        return residual
 
 
 def ringdowns(
@@ -152,14 +135,20 @@ def ringdowns(
     start[:, 0] = displacement
     if harmonic is not None and cycles is None:
         raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
-    modal = None if amplitudes is None else _amplitudes(damper, amplitudes, start)
+    modal = None
+    if amplitudes is not None:
+        modal, start[:, 0] = moved_by(damper, amplitudes, len(start))
     rows = ensemble(damper.parameters, len(displacement), varied)
     start[:, 2] = resting_place(rows)
     prepared = prepare(rows, start, cycles, max_cycles)
-    run = _Run(damper, harmonic, modal, workers, whole("max_events", max_events))
-    kind = kinds(damper, rows, harmonic)
-    status, initial, final = run.by_kinds(kind, rows, prepared, progress)
-    batch = _summary(rows, prepared, status, (initial, final), fixed_cycles=cycles is not None)
+    most, kind = whole("max_events", max_events), kinds(damper, rows, harmonic)
+    status, done = np.zeros(len(rows), np.int64), 0
+    for which in _parts(damper, rows, kind):
+        f = flights(damper, rows[which], prepared[which], harmonic, None if modal is None else modal[which])
+        status[which] = _followed(f, most, workers, further(progress, done))
+        prepared[which] = f.state()
+        done += len(which)
+    batch = _summary(rows, prepared, status, fixed_cycles=cycles is not None)
     velocity = np.maximum(prepared["clock"]["first_speed"], prepared["cycle"]["last_speed"])
     extremes = laws.Extremes(kind, prepared["axes"]["excursion"], velocity, 0.0, harmonic is not None)
     laws.check_ringdowns(damper, rows, batch, extremes)
@@ -167,75 +156,35 @@ def ringdowns(
     return batch
 
 
-@dataclass(frozen=True)
-class _Run:
-    """What the ring-downs of a batch have in common."""
-
-    damper: ParticleDamper
-    harmonic: Harmonic | None
-    amplitudes: Floats | None
-    threads: int
-    most: int
-
-    def alike(
-        self, rows: Parameters, p: Records, progress: Progress | None, amplitudes: Floats | None
-    ) -> tuple[Integers, Floats, Floats]:
-        """Have ring-downs of one kind run: why each ended, and its energy at the beginning and at the end."""
-        from damper import engine
-        from damper.state import nothing_kept
-
-        f = flights(self.damper, rows, p, self.harmonic, amplitudes)
-        initial, status = f.energy(rows), np.full(len(p), engine.BEGINS)
-        tables, ramp = nothing_kept(), engine.no_ramp()
-
-        def work(block: tuple[int, int]) -> None:
-            engine.run_block(block, f.runs, f.systems.flows, tables, ramp, self.most, status)
-
-        in_blocks(work, len(status), self.threads, progress)
-        p[:] = f.state()
-        laws.check_rest(f.runs)
-        return status, initial, f.energy(rows)
-
-    def by_kinds(
-        self, kind: Integers, rows: Parameters, prepared: Records, progress: Progress | None
-    ) -> tuple[Integers, Floats, Floats]:
-        """Each kind of flight by itself."""
-        status, initial, final, done = np.zeros(len(kind), np.int64), np.zeros(len(kind)), np.zeros(len(kind)), 0
-        for which in self._parts(kind, rows):
-            part = prepared[which]
-            count = None if progress is None else functools.partial(_further, progress, done)
-            modal = None if self.amplitudes is None else self.amplitudes[which]
-            status[which], initial[which], final[which] = self.alike(rows[which], part, count, modal)
-            prepared[which] = part
-            done += len(which)
-        return status, initial, final
-
-    def _parts(self, kind: Integers, rows: Parameters) -> Iterator[Integers]:
-        """Which to prepare together: of one kind, and as many as there is room for."""
-        alike, modes = bool((rows == rows[:1]).all()), 2 if self.damper.modes is None else len(self.damper.modes)
-        for each in np.unique(kind):
-            which = np.flatnonzero(kind == each)
-            room = _AT_ONCE if alike else at_once(modes, coupled=each == COUPLED)
-            yield from (which[k : k + room] for k in range(0, len(which), room))
+def _parts(damper: ParticleDamper, rows: Parameters, kind: Integers) -> Iterator[Integers]:
+    """Which to prepare together: of one kind, and as many as there is room for."""
+    modes, equal = 2 if damper.modes is None else len(damper.modes), alike(rows)
+    for each in (APART, COUPLED):
+        which = np.flatnonzero(kind == each)
+        room = _AT_ONCE if equal else at_once(modes, coupled=each == COUPLED)
+        yield from (which[k : k + room] for k in range(0, len(which), room))
 
 
-def _amplitudes(damper: ParticleDamper, amplitudes: npt.ArrayLike, start: Floats) -> Floats:
-    """Amplitudes of the modes, shape (n, k), the cavity's displacement by them filled into the start."""
-    modal = table("amplitudes", amplitudes)
-    count = len(damper.modes or ())
-    if not count or modal.shape != (len(start), count):
-        raise ValueError(f"amplitudes must have shape {(len(start), count)}, got {modal.shape}")
-    start[:, 0] = modal @ np.array([mode.shape for mode in damper.modes or ()])
-    return modal
+def _followed(f: Flights, most: int, threads: int, progress: Progress | None) -> Integers:
+    """Have ring-downs run to their ends, or to so many events: how each stands then."""
+    from damper import engine
+
+    status, tables, ramp = np.full(len(f.runs), engine.BEGINS), nothing_kept(), engine.no_ramp()
+
+    def work(block: tuple[int, int]) -> None:
+        engine.run_block(block, f.runs, f.systems.flows, tables, ramp, most, status)
+
+    in_blocks(work, len(status), threads, progress)
+    laws.check_rest(f.runs)
+    return status
 
 
-def _further(progress: Progress, before: int, done: int) -> None:
-    progress(before + done)
+def further(progress: Progress | None, before: int) -> Progress | None:
+    """The same of a part, before which so many were done."""
+    return None if progress is None else lambda done: progress(before + done)
 
 
-def _summary(
-    rows: Parameters, prepared: Records, status: Integers, energies: tuple[Floats, Floats], *, fixed_cycles: bool
-) -> Batch:
+def _summary(rows: Parameters, prepared: Records, status: Integers, *, fixed_cycles: bool) -> Batch:
     from damper.engine import DONE
 
     clocks, books, cycles = prepared["clock"], prepared["books"], prepared["cycle"]
@@ -249,8 +198,6 @@ def _summary(
     return Batch(
         outcome=np.array(outcomes, dtype=object),
         duration=clocks["time"].copy(),
-        initial=energies[0],
-        final=energies[1],
         **booked,
         **counted,
         peak_sdc=cycles["peak_sdc"].copy(),

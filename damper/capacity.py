@@ -109,12 +109,6 @@ def _positive(amplitude: float) -> float:
     return amplitude
 
 
-def two_hit_bound(damper: ParticleDamper) -> float:
-    """Most that a free ball loses with two hits a cycle: 8 (m_p / M2) (1 + e) / (1 - e) [-]; inf at e = 1."""
-    e = damper.largest_restitution
-    return math.inf if e == 1 else 8 * damper.ball_mass / damper.modal_mass * (1 + e) / (1 - e)
-
-
 def ball_density(damper: ParticleDamper, count: int) -> float:
     """Density that each of `count` equal balls must have [kg/m^3]; the densest element has 22,600.
 

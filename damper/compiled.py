@@ -141,6 +141,11 @@ def fused(function: _F) -> _F:
     return part(function, fastmath={"arcp", "contract", "reassoc"}, forceinline=True)
 
 
+def inlined(function: _F) -> _F:
+    """As `part`, set into its callers: for one that has a single caller, or takes arrays, passed as thirty numbers."""
+    return part(function, forceinline=True)
+
+
 _OPTIONS: Any = {"error_model": "numpy", "nogil": True, "_nrt": False, "no_cfunc_wrapper": True}
 
 

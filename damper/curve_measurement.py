@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +37,8 @@ from damper.motion import flights, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from damper.model import Floats, Integers, ParticleDamper
 
 SWEEPS, STAY = 16, 120
@@ -131,29 +133,28 @@ def damping_curve(
             time, and move the peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
         reach: amplitude up to which the curve goes at least [m].
     """
-    above, samples, low, high = _down(damper, _Pace(sweeps, stay), reach, threads)
+    bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
+    above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
     rolls, meets = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
     last = _AROUND[1] * meets
     last = high if last > high or differs(above, begun, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
-    climbs = [samples_up(bare, low, last, _CLIMBS, pace, threads) for pace in paces]
+    climbs = [Climb(low, last, pace) for pace in paces]
     if math.isfinite(meets):
-        first, last = _AROUND[0] * meets, _AROUND[1] * meets
-        climbs += [samples_up(bare, first, last, _CLIMBS, pace, threads, rolls=True) for pace in paces]
-    for number, climb in enumerate(climbs):
-        climb[:, 2] += number * _CLIMBS
-    samples = np.vstack([samples, *climbs, rolls, begun])
-    growing, region = grown(above, np.vstack(climbs), rolls, meets)
+        climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
+    up = samples_up(bare, climbs, threads)
+    ramps = up[up[:, 2] < _CLIMBS * len(paces)]
+    samples = np.vstack([samples, up, rolls, begun])
+    growing, region = grown(above, up, rolls, meets)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
-        growing = folded(growing, region, down, np.vstack(climbs[: len(paces)]), meets)
+        growing = folded(growing, region, down, ramps, meets)
         samples = np.vstack([samples, down])
-    ways = {"slow_ramp": np.vstack(climbs[: len(paces)]), "abrupt_start": begun}
+    ways = {"slow_ramp": ramps, "abrupt_start": begun}
     others: dict[str, Any] = {
         name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
     }
@@ -172,14 +173,14 @@ def falling(
     damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
 ) -> DampingCurve:
     """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
-    return _down(damper, _Pace(sweeps, stay), 0.0, threads)[0]
+    return _down(undamped(damper), _Pace(sweeps, stay), 0.0, threads)[0]
 
 
 def _down(
-    damper: ParticleDamper, pace: _Pace, reach: float, threads: int | None
+    bare: ParticleDamper, pace: _Pace, reach: float, threads: int | None
 ) -> tuple[DampingCurve, Floats, float, float]:
     """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
-    bare, none = undamped(damper), (np.zeros((0, 3)), 0.0, 0.0)
+    none = np.zeros((0, 3)), 0.0, 0.0
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED or gap == 0:
@@ -198,6 +199,9 @@ def _down(
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
         before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
     above = replace(curve, error=max(curve.error, _moved(before, curve)))
+    if above.peak > 0:
+        laws.check_curve(bare, above)
+        laws.check_readings(above, samples)
     return above, samples, max(cutoff, _LOWEST * gap / left), top
 
 
@@ -215,7 +219,7 @@ def _falling(
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
         samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-        curve = _read(damper, cutoff, samples)
+        curve = _read(cutoff, samples)
         if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
             return curve, top
         top *= 2**_OCTAVES
@@ -241,20 +245,18 @@ def _settled(
         wanted = np.setdiff1d(spaced, done)
         samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
         done = np.append(done, wanted)
-        curve = _read(damper, cutoff, samples)
+        curve = _read(cutoff, samples)
         if curve.error <= max(BINNED, min(_moved(before, curve), _SAME) / 2):
             break
     return curve, samples
 
 
-def _read(damper: ParticleDamper, cutoff: float, samples: Floats) -> DampingCurve:
+def _read(cutoff: float, samples: Floats) -> DampingCurve:
     """Figures of sweeps down."""
     self_check.once("curves", falling)
     whole = figures(samples, cutoff)
     if whole is None:
         return nothing(cutoff)
-    laws.check_curve(damper, whole)
-    laws.check_readings(whole, samples)
     return replace(whole, error=max(spread(samples, whole), BINNED))
 
 
@@ -293,35 +295,43 @@ def samples_of(
     """
     each = np.arange(sweeps) if numbers is None else numbers
     start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
-    ball = damper.half_gap[0] * (1 - each / sweeps), np.zeros(len(each))
     cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
-    rows = _rows(damper, _ramped(damper, start, ball, cycles, 4 ** (-1 / stay), threads, low))
+    down = sweeps_from(start, cycles, 4 ** (-1 / stay), damper.half_gap[0] * (1 - each / sweeps))
+    rows = _rows(damper, _ramped(damper, down, threads, low))
     rows[:, 2] = each[rows[:, 2].astype(int)]
     return rows
 
 
-def samples_up(
-    damper: ParticleDamper, low: float, high: float, sweeps: int, stay: int, threads: int | None, *, rolls: bool = False
-) -> Floats:
-    """The same on sweeps from low to high, whose balls begin at rest in the middle, or roll about it."""
-    start = low * 2 ** (-(SETTLING + _APART * np.arange(sweeps)) / stay)
-    ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
-    cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
-    return _rows(damper, _ramped(damper, start, (ball[0], ball[1]), cycles, 4 ** (1 / stay), threads))
+class Climb(NamedTuple):
+    """A way up: its ends [m], the cycles for an octave, whether balls roll about the middle or begin at rest there."""
+
+    low: float
+    high: float
+    stay: int
+    rolls: bool = False
+
+
+def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | None, sweeps: int = _CLIMBS) -> Floats:
+    """The same on sweeps up, so many for each climb, numbered on."""
+    every, ahead = [], _APART * np.arange(sweeps)
+    for low, high, stay, rolls in climbs:
+        start = low * 2 ** (-(SETTLING + ahead) / stay)
+        ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
+        cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
+        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), *ball))
+    return _rows(damper, _ramped(damper, Sweeps(*map(np.concatenate, zip(*every, strict=True))), threads))
 
 
 def samples_at(damper: ParticleDamper, low: float, high: float, count: int, threads: int | None) -> Floats:
     """The same at so many amplitudes an octave that are there at once and held, the ball at rest in the middle."""
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
-    still = np.zeros((2, len(amplitude)))
-    return _rows(damper, _ramped(damper, amplitude, (still[0], still[1]), SETTLING + _HELD, 1.0, threads))
+    return _rows(damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD), threads))
 
 
 def settled(damper: ParticleDamper, amplitude: float) -> float:
     """Damping ratio at an amplitude [m] that is held, from where motion from rest in the middle has settled."""
-    still = np.zeros(SWEEPS)
     starts = np.linspace(amplitude, (1 + _CHANCE) * amplitude, SWEEPS)
-    energy = _ramped(undamped(damper), starts, (still, still), 2 * _SETTLED, 1.0, 1)[:, _SETTLED:]
+    energy = _ramped(undamped(damper), sweeps_from(starts, 2 * _SETTLED), 1)[:, _SETTLED:]
     return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
@@ -345,8 +355,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Fl
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
-    still = np.zeros((2, len(amplitude)))
-    energy = _ramped(wide, amplitude, (still[0], still[1]), SETTLING + _ROLLED, 1.0, threads, alike=damper)
+    energy = _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED), threads, alike=damper)
     swing = amplitude / free  # over half the clearance
     if damper.rolling_threshold > 0:
         pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
@@ -384,40 +393,60 @@ def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
     return known
 
 
+class Sweeps(NamedTuple):
+    """How n sweeps go, shape (n,) each.
+
+    Attributes:
+        amplitude: at which they begin [m].
+        place, velocity: of the ball along x then [m, m/s].
+        cycles: that they go on for.
+        factor: by which the structure's energy changes from cycle to cycle.
+    """
+
+    amplitude: Floats
+    place: Floats
+    velocity: Floats
+    cycles: Integers
+    factor: Floats
+
+
+def sweeps_from(
+    amplitude: Floats, cycles: int, factor: float = 1.0, place: Floats | float = 0.0, velocity: Floats | float = 0.0
+) -> Sweeps:
+    """Sweeps that go alike from several amplitudes."""
+    return Sweeps(*(np.array(each) for each in np.broadcast_arrays(amplitude, place, velocity, cycles, factor)))
+
+
 def _ramped(
     damper: ParticleDamper,
-    amplitude: Floats,
-    ball: tuple[Floats, Floats],
-    cycles: int,
-    factor: float,
+    sweeps: Sweeps,
     threads: int | None,
     least: float = 0.0,
     alike: ParticleDamper | None = None,
 ) -> Floats:
     """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.engine.Ramp`.
 
-    `ball`: its places and velocities along x; `least` as an amplitude [m]; `alike`: a damper in another cavity, whose
-    equations of motion are the same and known.
+    `least`: as an amplitude [m]; `alike`: a damper in another cavity, whose equations of motion are the same and known.
     """
     from damper import engine
 
-    sweeps = len(amplitude)
-    start = np.zeros((sweeps, 5, 2))
-    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = amplitude, *ball
-    p = prepare(np.repeat(damper.parameters, sweeps), start, cycles, cycles)
+    count, cycles = len(sweeps.amplitude), int(sweeps.cycles.max())
+    start = np.zeros((count, 5, 2))
+    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = sweeps[:3]
+    p = prepare(np.repeat(damper.parameters, count), start, cycles, cycles)
     tables = nothing_kept()
-    energy = np.full((sweeps, cycles, 4), np.nan)
+    energy = np.full((count, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
-    ramp, status = engine.Ramp(factor, float(below), energy), np.full(sweeps, engine.BEGINS)
+    ramp, status = engine.Ramp(sweeps.factor, sweeps.cycles, float(below), energy), np.full(count, engine.BEGINS)
     known = alike or damper
-    f = flights(known, np.repeat(known.parameters, sweeps), p, amplitudes=_in_one_mode(damper, amplitude))
+    f = flights(known, np.repeat(known.parameters, count), p, amplitudes=_in_one_mode(damper, sweeps.amplitude))
 
     def work(block: tuple[int, int]) -> None:
         engine.run_block(block, f.runs, f.systems.flows, tables, ramp, _EVENTS * cycles, status)
 
     threads = threads or os.cpu_count() or 1
-    in_blocks(work, sweeps, threads, block_size=sweeps if threads == 1 else math.ceil(sweeps / (4 * threads)))
+    in_blocks(work, count, threads, block_size=count if threads == 1 else math.ceil(count / (4 * threads)))
     laws.check_sweeps(damper, energy, f.runs["axes"]["excursion"])
     self_check.once("sweeps", samples_of)
     return energy

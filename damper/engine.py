@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from damper.compiled import fused, kernel, part
+from damper.compiled import fused, inlined, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, travel
 from damper.impacts import let_go, read, resolve
@@ -96,14 +96,6 @@ def resume(cycle: Record, last_motion: float) -> None:
 
 
 @part
-def pass_time(it: Record, time: float) -> None:
-    """All is seen up to a time."""
-    it.clock.watched = time
-    if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
-        it.clock.last_motion = time
-
-
-@part
 def _take(it: Record, time: float, square: float) -> None:
     """Take a time and the square of the cavity's speed then for the window's largest, if they are."""
     cycle = it.cycle
@@ -154,25 +146,6 @@ def _speed(it: Record, time: float) -> tuple[float, float]:
     return square, rate
 
 
-@part
-def full(it: Record, tables: Tables) -> bool:
-    """Whether there is no more room for the rows of an event."""
-    return bool(len(tables.rows) > 0 and it.clock.rows + 2 > len(tables.rows))
-
-
-@part
-def write_peak(it: Record, tables: Tables) -> bool:
-    """Count a velocity maximum, and write it if asked; False if the table is full."""
-    clock = it.clock
-    if len(tables.peaks) > 0:
-        if clock.peaks == len(tables.peaks):
-            return False
-        tables.peaks[clock.peaks, 0], tables.peaks[clock.peaks, 1] = it.cycle.time, it.cycle.speed
-    clock.peaks += 1
-    clock.watched = it.cycle.closes
-    return True
-
-
 DONE, PAUSED, FULL, BEGINS = 0, 1, 2, 3
 """How a run stands: it is at its end, has had as many events as may be, needs a longer table, is yet to be released."""
 
@@ -189,10 +162,15 @@ TREMOR = 1e-7
 @part
 def end_cycle(it: Record, tables: Tables) -> bool:
     """Keep the velocity maximum just found, see whether motion fades, open the next cycle; False without room."""
-    if not write_peak(it, tables):
+    clock, peaks = it.clock, tables.peaks
+    if 0 < len(peaks) <= clock.peaks:
         return False
+    if len(peaks) > 0:
+        peaks[clock.peaks, 0], peaks[clock.peaks, 1] = it.cycle.time, it.cycle.speed
+    clock.peaks += 1
+    clock.watched = it.cycle.closes
     _fade(it)
-    close(it.cycle, it.clock.last_motion)
+    close(it.cycle, clock.last_motion)
     return True
 
 
@@ -266,7 +244,9 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
         while watch(it, clock.watched, time):
             if not end_cycle(it, tables):
                 return FULL
-        pass_time(it, time)
+        clock.watched = time
+        if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
+            clock.last_motion = time
         if time >= clock.end:
             arrive(it, time)
             resume(it.cycle, clock.last_motion)
@@ -274,30 +254,31 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
             return DONE
         if motion.kind[g] != NOTHING and clock.events >= most:
             return PAUSED
-        if motion.kind[g] != NOTHING and full(it, tables):
+        if motion.kind[g] != NOTHING and 0 < len(tables.rows) < clock.rows + 2:
             return FULL
         advance(g, time, it, flow, tables)
         _rest(it, time)
 
 
 class Ramp(NamedTuple):
-    """How ring-downs are led through the amplitudes, and what they show.
+    """How n ring-downs are led through the amplitudes, and what they show.
 
-    After n cycles the structure is given `factor**n` of the energy that it began with, whatever the ball took; the
-    ball's motion in its cavity stays as it is. `energies`, shape (n, cycles, 4) [J], are that of the structure, the
-    ball counted as stuck, before each cycle, and what the losses in it leave of that; that of structure and ball before
-    it, and those losses by the books. A row stays as it is from where it falls below `least` or there are as many
-    events as may be.
+    After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
+    whatever the ball took; the ball's motion in its cavity stays as it is. `energies`, shape (n, most cycles, 4) [J],
+    are that of the structure, the ball counted as stuck, before each cycle, and what the losses in it leave of that;
+    that of structure and ball before it, and those losses by the books. A row stays as it is from where it falls below
+    `least` or there are as many events as may be.
     """
 
-    factor: float
+    factor: Floats
+    cycles: Integers
     least: float
     energies: Floats
 
 
 def no_ramp() -> Ramp:
     """Of ring-downs that are left to themselves."""
-    return Ramp(1.0, 0.0, np.zeros((0, 0, 4)))
+    return Ramp(np.zeros(0), np.zeros(0, np.int64), 0.0, np.zeros((0, 0, 4)))
 
 
 @kernel
@@ -312,15 +293,17 @@ def run_block(
         it, flow = runs[k], flows[runs[k].system.flow]
         if status[k] == BEGINS:
             _release(it, flow, tables)
+            it.books.initial = stored(it)
         if len(ramp.energies) == 0:
             status[k] = _run(it, flow, tables, most)
+            it.books.final = stored(it)
             continue
         energies = ramp.energies[k]
         it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
-        for n in range(len(energies)):
+        for n in range(ramp.cycles[k]):
             it.clock.end = (n + 1) * it.cycle.period
             if n > 0:
-                _scale(math.sqrt(energies[0, 0] * ramp.factor**n / _of_the_structure(it)), it, flow)
+                _scale(math.sqrt(energies[0, 0] * ramp.factor[k] ** n / _of_the_structure(it)), it, flow)
             _open(it.books)
             before, swing = stored(it), _of_the_structure(it)
             if swing < ramp.least:
@@ -388,7 +371,7 @@ def earliest(it: Record) -> int:
     return 0 if it.system.groups == 1 or it.motion.next[0] <= it.motion.next[1] else 1
 
 
-@part
+@inlined
 def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> None:
     """Fly to a group's next event, or the end of its step, resolve it, start the flights that follow, record it."""
     i, kind, clock, ball = it.motion.axis[g], it.motion.kind[g], it.clock, it.ball

@@ -143,9 +143,9 @@ def equations_of(
     beta = np.moveaxis(lags[list(both)], 2, 0)
     pairs = beta.shape[1]
     each = Structures(*(np.repeat(values, pairs, axis=0) for values in structures))
-    coupling = _Coupling(each, *(np.repeat(values, pairs, axis=0) for values in (ball, load, sway, printed)))
+    others = (np.repeat(values, pairs, axis=0) for values in (ball, load, sway, printed))
     stiffness, damping, resistance, force = (
-        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(coupling, beta.reshape(-1, 2))
+        values.reshape(n, pairs, *values.shape[1:]) for values in _flight(beta.reshape(-1, 2), each, *others)
     )
     excess = np.zeros((n, 2))
     if printed.any():
@@ -166,24 +166,15 @@ def equations_of(
     )
 
 
-class _Coupling(NamedTuple):
-    """A structure, what a harmonic does to the ball on it, the ball's mass, and whose equations hold."""
-
-    structures: Structures
-    ball: Floats
-    load: Floats
-    sway: Floats
-    printed: npt.NDArray[np.bool_]
-
-
-def _flight(coupling: _Coupling, beta: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _flight(
+    beta: Floats, structures: Structures, ball: Floats, load: Floats, sway: Floats, printed: npt.NDArray[np.bool_]
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Stiffness, damping, resistance and force in one pair of regimes.
 
     Along each axis the ball's acceleration in space is b = (1 - beta) u'' + h, h = -beta (E q + D s + resistance), and
     M q'' + C q' + K q + m Phi' b + m E's = 0: two equations for u'', the rest is substitution. In the printed equations
     the structure feels of a moving ball the rolling resistance alone, and one that is stuck adds to its dashpot.
     """
-    structures, ball, load, sway, printed = coupling
     n, k = structures.mass.shape
     alone = printed & (beta > 0.0)
     carried = np.where(alone, 0.0, 1.0 - beta)[:, :, None]

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import fused, part
+from damper.compiled import fused, inlined, part
 from damper.flight import derivatives, gather, regimes, sizes
 from damper.state import GRIP, HIT, INVERSE, MARGIN, NOTHING, REVERSAL, ROLLING, SPIN_UP, START, STUCK, TERMS
 
@@ -206,7 +206,7 @@ def _least(ball: Record) -> float:
     return float(MARGIN * ball.hold + _NOTHING)
 
 
-@part
+@inlined
 def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]:
     """Drive of the ball along an axis now, were it stuck, with the dashpot of a moving and of a stuck ball.
 
@@ -222,7 +222,7 @@ def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]
     return drive, drive + it.system.excess[i] * axis.v
 
 
-@part
+@inlined
 def departure(i: int, time: float, it: Record, flow: Floats) -> int:
     """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays."""
     one, other = drives(i, time, it, flow)
@@ -344,7 +344,7 @@ def _end_of_roll(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[fl
         if not turns:
             guess, order, level, most = _root(gap, -v, -v1), 0, d * gap, d * gap
             if v2 * guess > 12.0 * v1:  # just set off: the jerk carries the ball
-                guess = min(guess, (6.0 * gap / v2) ** (1.0 / 3.0))
+                guess = min(guess, np.cbrt(6.0 * gap / v2))
         x, sure = np.inf, True
         if guess < FAR * end:
             x, last, slope, bend, gain = polished(s, order, level, _nearer(s, order, most, guess))
@@ -366,7 +366,7 @@ def _searched_end(s: Floats, guard: Floats, axis: Record, end: float) -> tuple[f
     """The end of a roll by its two guards, each for itself."""
     d = axis.direction
     x = _hit(s, guard, d, axis.half_gap, end)
-    _velocity(s, guard, d)
+    _guarded(s, 1, float(d), guard)
     if guard[0] == 0.0 and guard[1] > -_SET_OFF * sizes(guard, 0, 2, 1.0):  # just set off, whatever rounding says
         guard[1] = max(guard[1], 0.0)
     turn = first_zero(guard, min(x, end))
@@ -395,18 +395,18 @@ def _step(miss: float, slope: float, bend: float, third: float) -> float:
 
 
 @fused
-def _velocity(s: Floats, guard: Floats, d: int) -> None:
-    """Into the guard: d times the relative velocity."""
-    for k in range(TERMS - 1):
-        guard[k] = d * s[k + 1]
-    guard[TERMS - 1] = 0.0
+def _guarded(s: Floats, order: int, d: float, guard: Floats) -> None:
+    """Into the guard: d times a series (order 0) or its slope (1)."""
+    for k in range(TERMS - order):
+        guard[k] = d * s[k + order]
+    for k in range(TERMS - order, TERMS):
+        guard[k] = 0.0
 
 
 @part
 def _hit(s: Floats, guard: Floats, side: int, half_gap: float, end: float) -> float:
     """Hit of the wall on a side; a ball on that wall, or by rounding beyond it, must have left it before."""
-    for k in range(TERMS):
-        guard[k] = -side * s[k]
+    _guarded(s, 0, float(-side), guard)
     guard[0] = max(guard[0] + half_gap, 0.0)
     if guard[0] == guard[1] == 0.0:  # just pulled off the wall: it leaves, whatever rounding says
         guard[2] = max(guard[2], 0.0)
@@ -422,7 +422,7 @@ def _set_off(i: int, it: Record, end: float) -> float:
         if d * it.motion.z[system.place[i]] < axis.half_gap:
             if stays(drive, 0, 0, least, -float(d), end):
                 continue
-            _drive(i, it, -d)
+            _guarded(drive, 0, float(-d), guard)
             guard[0] += least
             leaves = first_zero(guard, min(x, end))
             if leaves < x and (system.excess[i] == 0.0 or _both_drive(i, it, d, leaves)):
@@ -449,7 +449,7 @@ def _end_of_pressing(i: int, it: Record, end: float) -> tuple[float, int]:
     side = 1 if it.motion.z[system.place[i]] > 0.0 else -1
     axis.heading = -side
     spent = abs(axis.spin) / (SPIN_UP * it.ball.grip * system.span[system.group[i]])
-    _drive(i, it, side)
+    _guarded(it.motion.series[system.group[i], drive_lane(i, it)], 0, float(side), guard)
     pressing = side * math.copysign(it.ball.grip, axis.spin)
     guard[0] += pressing * MARGIN if pressing > 0.0 else pressing / MARGIN
     away = first_zero(guard, min(end, spent))
@@ -469,7 +469,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
         hit = _hit(s, guard, side, axis.half_gap, min(x, end))
         if hit < x:
             x, axis.heading = hit, side
-    _velocity(s, guard, d)
+    _guarded(s, 1, float(d), guard)
     guard[0] = d * (it.motion.rate[system.place[i]] - axis.spin) * span
     guard[1] -= SPIN_UP * it.ball.grip * span * span
     grip = first_zero(guard, min(x, end))
@@ -478,15 +478,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     return x, kind
 
 
-@part
-def _drive(i: int, it: Record, d: int) -> None:
-    """Into the guard: d times the drive of a stuck ball, what accelerates it against the structure [m/s²]."""
-    drive = it.motion.series[it.system.group[i], drive_lane(i, it)]
-    for k in range(TERMS):
-        it.motion.guard[k] = d * drive[k]
-
-
-@part
+@inlined
 def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: Record) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
 

@@ -90,7 +90,7 @@ def stepped_ringdown(
     step = 2 * math.pi / damper.stuck_frequency / steps_per_cycle
     velocity = np.zeros((cycles * steps_per_cycle + 1, 2))
     flying = flights(damper, rows, one)
-    initial, run = float(flying.energy(rows)[0]), flying.runs[0]
+    run = flying.runs[0]
     steps, losses = propagators(flying.systems, step)
     impacts = march(run, flying.systems.flows[0], steps, losses, friction_opposes_structure, velocity)
     speed = np.hypot(velocity[1:, 0], velocity[1:, 1])
@@ -98,9 +98,7 @@ def stepped_ringdown(
         time=np.arange(len(velocity), dtype=np.float64) * step,
         velocity=velocity,
         impacts=int(impacts),
-        initial=initial,
-        final=float(flying.energy(rows)[0]),
-        structure=float(run["books"]["structure"]),
+        **{name: float(run["books"][name]) for name in ("initial", "final", "structure")},
         peak_velocities=speed.reshape(cycles, steps_per_cycle).max(axis=1),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from damper.compiled import kernel, part
+from damper.engine import stored
 from damper.events import drives
 from damper.impacts import hit, read, rebound, roll, roll_on, rub, settle
 from damper.state import ROLLING, STUCK
@@ -21,6 +22,7 @@ def march(it: Record, flow: Floats, steps: Floats, losses: Floats, opposing: boo
     velocity instead of the relative one.
     """
     axes, impacts = it.axes, 0
+    it.books.initial = stored(it)
     for k in range(len(velocity) - 1):
         for i in range(2):
             axis = axes[i]
@@ -45,6 +47,7 @@ def march(it: Record, flow: Floats, steps: Floats, losses: Floats, opposing: boo
                 if axis.w * axis.direction <= 0.0:
                     _turn(i, it, flow)
         velocity[k + 1, 0], velocity[k + 1, 1] = axes[0].v, axes[1].v
+    it.books.final = stored(it)
     return impacts
 
 

@@ -26,7 +26,7 @@ from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 from numpy.polynomial import legendre
 
-from damper.compiled import fused, part
+from damper.compiled import fused, inlined
 from damper.state import INVERSE, ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS
 
 if TYPE_CHECKING:
@@ -344,19 +344,19 @@ def travel(g: int, x: float, it: Record) -> None:
         for m in range(low, high):
             motion.gain[m], motion.bend[m] = 0.0, c[m - low, 2]
         return
-    squares = fill(0.0)
+    squares, inverse = fill(0.0), 1.0 / system.span[g]
     for m in range(low, high):
         series, dashpot = c[m - low], dashpots[m]
         motion.gain[m], rate, bend, _ = derivatives(series, x)
         motion.z[m] += motion.gain[m]
-        motion.rate[m] = rate / system.span[g]
+        motion.rate[m] = rate * inverse
         if dashpot == 0.0:
             motion.bend[m] = bend
         else:
             _terms(series, x, scaled)
             at = _at_points(scaled, _SLOPES)
             squares = add_times(squares, times(at, at), fill(dashpot))
-    it.books.structure += total(times(squares, load(_SHARES, 0))) / (x * system.span[g])
+    it.books.structure += total(times(squares, load(_SHARES, 0))) * (inverse / x)
     if system.frequency > 0.0:
         wave = high - low + 2 * (system.last[g] - system.first[g])
         _terms(c[wave], x, scaled)
@@ -387,30 +387,20 @@ def _at_points(scaled: Floats, table: Floats) -> Floats:
     return add_times(add_times(one, two, fill(1.0)), add_times(three, four, fill(1.0)), fill(1.0))
 
 
-@part
-def spin_after(axis: Record, ball: Record, tau: float) -> float:
-    """Surface speed after sliding for tau; a ball pressed against a wall spins down to rest."""
-    if axis.f != 0.0:
-        return float(axis.spin - SPIN_UP * axis.f * tau)
-    return math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
-
-
-@part
-def sliding_distance(axis: Record, path: float, tau: float) -> float:
-    """Distance that the contact slid while the ball's centre moved by `path`."""
-    return float(path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau)
-
-
-@part
+@inlined
 def spend(axis: Record, path: float, tau: float, ball: Record, books: Record) -> None:
-    """Spin after a flight of length tau on which the ball went by `path`, and what the floor took on it."""
+    """Spin after a flight of length tau on which the ball went by `path`, and what the floor took on it.
+
+    A ball pressed against a wall spins down to rest.
+    """
     if axis.regime == ROLLING:
         books.rolling += ball.mass * ball.threshold * abs(path)
         axis.spin = axis.w
-    elif axis.spin != 0.0 or axis.regime == SLIPPING:
-        spin = spin_after(axis, ball, tau)
-        if axis.regime == SLIPPING:
-            books.slip += ball.mass * ball.grip * abs(sliding_distance(axis, path, tau))
-        else:
-            books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
+    elif axis.regime == SLIPPING:
+        slid = path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau
+        books.slip += ball.mass * ball.grip * abs(slid)
+        axis.spin -= SPIN_UP * axis.f * tau
+    elif axis.spin != 0.0:
+        spin = math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
+        books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)
         axis.spin = spin

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.compiled import kernel, part
+from damper.compiled import inlined, kernel, part
 from damper.events import departure
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK
 
@@ -131,7 +131,7 @@ def _leave_dent(it: Record) -> None:
     it.ball.hold = it.ball.threshold
 
 
-@part
+@inlined
 def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
     """What an event along an axis does; whether the ball, hitting a wall, rubbed along it."""
     axis, other, time = it.axes[i], it.axes[1 - i], it.clock.time
@@ -141,11 +141,9 @@ def resolve(i: int, kind: int, it: Record, flow: Floats) -> bool:
         slip(axis)
     elif kind == START:
         roll(axis, axis.heading)
-    elif kind == REVERSAL:
-        settle(i, time, it, flow)
     elif kind == GRIP and axis.regime == STUCK:  # its spin against a wall is spent
         axis.spin = 0.0
-    elif kind == GRIP and axis.w == 0.0:
+    elif kind == REVERSAL or (kind == GRIP and axis.w == 0.0):
         settle(i, time, it, flow)
     elif kind == GRIP:
         roll_on(axis)
@@ -182,7 +180,7 @@ def hit(i: int, it: Record) -> float:
     """Impact with the wall on the side `heading`; returns the normal impulse [N s]."""
     axis, ball = it.axes[i], it.ball
     e = restitution(abs(axis.w), ball)
-    impulse = float(reduced(i, it) * (1.0 + e) * abs(axis.w))
+    impulse = float(it.system.reduced[i] * (1.0 + e) * abs(axis.w))
     it.motion.z[it.system.place[i]] = axis.heading * axis.half_gap
     _exchange(i, -e * axis.w, it)
     if ball.grip > 0.0:
@@ -203,11 +201,11 @@ def rebound(i: int, it: Record) -> None:
         roll_on(axis)
 
 
-@part
+@inlined
 def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
     """Friction at the wall of the other axis, at most what ends the sliding along it, eq. (11) of the paper."""
     axis, ball = it.axes[i], it.ball
-    after = rubbing(axis.w, normal, reduced(i, it), ball)
+    after = rubbing(axis.w, normal, it.system.reduced[i], ball)
     _exchange(i, after, it)
     if ball.grip > 0.0 and axis.w != axis.spin:
         slip_or_press(axis)
@@ -216,16 +214,10 @@ def rub(i: int, normal: float, it: Record, flow: Floats) -> None:
 
 
 @part
-def reduced(i: int, it: Record) -> float:
-    """Mass that an impulse between ball and cavity along an axis moves [kg]."""
-    return float(it.system.reduced[i])
-
-
-@part
 def _exchange(i: int, w: float, it: Record) -> None:
     """Give the ball the relative velocity w by an impulse between it and the cavity; book the loss."""
     axis, other, rate, ball, system = it.axes[i], it.axes[1 - i], it.motion.rate, it.ball, it.system
-    mass, g = reduced(i, it), system.group[i]
+    mass, g = it.system.reduced[i], system.group[i]
     impulse = mass * (axis.w - w)
     for m in range(system.low[g], system.high[g]):
         rate[m] += impulse * system.yielding[i, m]

@@ -15,7 +15,7 @@ import numpy as np
 
 from damper.curves import BINS
 from damper.equations import structures_by
-from damper.model import half_gap, lateral_pull
+from damper.model import alike, half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
 from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
 
@@ -516,7 +516,7 @@ def _own_bounds(damper: ParticleDamper) -> tuple[Structures, Bounds]:
 
 def _bounds(damper: ParticleDamper, rows: Parameters) -> tuple[Structures, Bounds]:
     """Structures and bounds, one for each row, or one for all where they are equal."""
-    if rows is damper.parameters or (rows == damper.parameters).all():
+    if rows is damper.parameters or (alike(rows) and rows[:1].tobytes() == damper.parameters.tobytes()):
         return _own_bounds(damper)
     structures = structures_by(damper, rows)
     return structures, bounds_of(rows, structures)

@@ -62,6 +62,8 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
         ValueError: an unknown field, a wrong shape, or a value without physical sense.
     """
     rows = np.repeat(base, size)
+    if not varied:
+        return rows
     for name, values in varied.items():
         if name not in (PARAMETERS.names or ()) or name == "printed":
             raise ValueError(f"{name} is no field of ParticleDamper that can be varied")
@@ -73,6 +75,12 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
         rows[name] = array[:, None] if array.ndim < rows[name].ndim else array
     validate(rows)
     return rows
+
+
+def alike(rows: Parameters) -> bool:
+    """Whether all rows are equal, bit by bit."""
+    every = np.ascontiguousarray(rows).view(np.uint8).reshape(len(rows), rows.itemsize)
+    return bool((every == every[:1]).all())
 
 
 def number(name: str, value: object) -> float:

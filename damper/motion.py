@@ -10,12 +10,23 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from damper.equations import structures_by, systems_of
-from damper.model import Floats, Harmonic, Records, half_gap, number, spin_mass, stuck_decay, stuck_frequency
+from damper.model import (
+    Floats,
+    Harmonic,
+    Records,
+    alike,
+    half_gap,
+    number,
+    stuck_decay,
+    stuck_frequency,
+    table,
+)
 from damper.state import FLYING, RUN, Counts, balls_of, zeros
 
 if TYPE_CHECKING:
@@ -38,16 +49,6 @@ class Flights:
 
     runs: Records
     systems: Systems
-
-    def energy(self, rows: Parameters) -> Floats:
-        """Energy of structure and ball, shape (n,) [J]."""
-        system, z, rate = self.runs["system"], self.runs["motion"]["z"], self.runs["motion"]["rate"]
-        twice = np.einsum("ni,nij,nj->n", rate, system["mass"], rate)
-        twice += np.einsum("ni,nij,nj->n", z, system["spring"], z)
-        place = np.take_along_axis(z, system["place"], axis=1)
-        twice -= 2 * rows["ball_mass"] * (system["lateral"] * place).sum(axis=1)
-        total: Floats = 0.5 * (twice + spin_mass(rows) * (self.runs["axes"]["spin"] ** 2).sum(axis=1))
-        return total
 
     def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
         """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
@@ -81,8 +82,8 @@ def flights(
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
-    alike = harmonic is None or isinstance(harmonic, Harmonic)
-    first, which = _distinct(rows) if alike else (np.arange(len(rows)), np.arange(len(rows)))
+    together = harmonic is None or isinstance(harmonic, Harmonic)
+    first, which = _distinct(rows) if together else (np.arange(len(rows)), np.arange(len(rows)))
     if harmonic is None and len(first) == 1 and rows[0].tobytes() == damper.parameters[0].tobytes():
         systems = _free(damper)
     else:
@@ -122,6 +123,8 @@ def _free(damper: ParticleDamper) -> Systems:
 
 def _distinct(rows: Parameters) -> tuple[Integers, Integers]:
     """Where each of the rows that differ stands first, and which of these every row is."""
+    if alike(rows):
+        return np.zeros(1, np.int64), np.zeros(len(rows), np.int64)
     numbers: dict[bytes, int] = {}
     which = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in rows], np.int64)
     return np.unique(which, return_index=True)[1], which
@@ -131,6 +134,15 @@ def _watch(cycles: Records, harmonic: Harmonic) -> None:
     """Seek the velocity maxima of driven motion once per cycle of what drives it."""
     period = 2 * math.pi / harmonic.frequency
     cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
+
+
+def moved_by(damper: ParticleDamper, amplitudes: npt.ArrayLike, count: int) -> tuple[Floats, Floats]:
+    """Amplitudes of a damper's modes, shape (count, k), and the cavity's displacement by them, shape (count, 2)."""
+    shapes = np.array([mode.shape for mode in damper.modes or ()]).reshape(-1, 2)
+    modal = table("amplitudes", amplitudes)
+    if damper.modes is None or modal.shape != (count, len(shapes)):
+        raise ValueError(f"amplitudes must be {len(shapes)} a ring-down, one for each mode, got shape {modal.shape}")
+    return modal, modal @ shapes
 
 
 def _spread(shape: Floats, weight: Floats, moved: Floats) -> Floats:
@@ -151,25 +163,28 @@ class Outcome(StrEnum):
     EVENT_CAP = "the cap on events was reached while the ball still moved"
 
 
+Value = TypeVar("Value", float, Floats)
+
+
 @dataclass(frozen=True)
-class EnergyBooks:
-    """Where the energy went [J].
+class EnergyBooks(Generic[Value]):
+    """Where the energy went [J], of one ring-down or of each of many.
 
     ``initial`` and ``final`` are the energies of structure and ball; ``structure`` the work of the structure's own
     dashpot, ``rolling`` that of the rolling resistance, ``impact`` what wall hits and sticking took, ``slip`` what
     sliding on the floor took; ``work`` is what a harmonic force put in; ``residual`` is what the books do not explain.
     """
 
-    initial: float
-    final: float
-    structure: float
-    rolling: float
-    impact: float
-    slip: float
-    work: float = 0.0
+    initial: Value
+    final: Value
+    structure: Value
+    rolling: Value
+    impact: Value
+    slip: Value
+    work: Value
 
     @property
-    def residual(self) -> float:
+    def residual(self) -> Value:
         """Initial + work - final - all losses [J]; negative when energy appeared from nowhere."""
         return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip + self.work
 
@@ -205,7 +220,7 @@ class RingDown(Counts[int]):
     peak_velocities: Floats
     last_motion: float | None
     rested: bool
-    energy: EnergyBooks
+    energy: EnergyBooks[float]
     largest_rolling_demand: float | None
     rows: Records | None = None
     harmonic: Harmonic | None = None

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.model import number, pair, resting_place, whole
-from damper.motion import COUPLED, EnergyBooks, Outcome, RingDown, flights, kinds, outcome_of, prepare
+from damper.model import pair, resting_place, whole
+from damper.motion import COUPLED, EnergyBooks, Outcome, RingDown, flights, kinds, moved_by, outcome_of, prepare
 from damper.state import BOOKS, COUNTED, EVENT, INVERSE, ROLLING, SLIPPING, SPIN_UP, STUCK, TERMS, Tables
 
 if TYPE_CHECKING:
@@ -66,36 +66,31 @@ def ringdown(
         ValueError: a pair is not two finite numbers, or too large to be squared; a number of cycles or events is not
             positive; the ball is outside its cavity.
     """
+    rows, modal = damper.parameters, None
+    named: dict[str, object] = {
+        "release": release,
+        "velocity": velocity,
+        "ball_position": resting_place(rows)[0] if ball_position is None else ball_position,
+        "ball_velocity": ball_velocity,
+        "ball_spin": ball_velocity if ball_spin is None else ball_spin,
+    }
     if amplitudes is not None:
-        release = _moved(damper, amplitudes)
-    x, y = resting_place(damper.parameters)[0] if ball_position is None else pair("ball_position", ball_position)
-    spin = ball_velocity if ball_spin is None else ball_spin
-    start = _Start(release, velocity, (float(x), float(y)), ball_velocity, spin)
+        modal, displacement = moved_by(damper, [amplitudes], 1)
+        named["release"] = displacement[0]
+    start = np.array([[pair(name, value) for name, value in named.items()]])
     most = whole("max_events", max_events)
     if harmonic is not None and cycles is None:
         raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
-    state = np.array([[pair(name, value) for name, value in start._asdict().items()]])
-    one = prepare(damper.parameters, state, cycles, max_cycles)
-    kind = kinds(damper, damper.parameters, harmonic)
-    flying = flights(damper, damper.parameters, one, harmonic, amplitudes)
-    initial = float(flying.energy(damper.parameters)[0])
+    one = prepare(rows, start, cycles, max_cycles)
+    kind = kinds(damper, rows, harmonic)
+    flying = flights(damper, rows, one, harmonic, modal)
     done, tables = _followed(flying, most, keep_events, progress)
     outcome = outcome_of(done, cycles is not None, flying.runs["clock"][0])
-    result = replace(_gathered(damper, flying, outcome, tables, initial), harmonic=harmonic)
+    result = replace(_gathered(damper, flying, outcome, tables), harmonic=harmonic)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
     _check(result, flying.runs, kind, start, longest)
     self_check.once("ring-downs", ringdown)
     return result
-
-
-class _Start(NamedTuple):
-    """Where structure and ball are at time 0; the fields are the arguments of `ringdown`."""
-
-    release: tuple[float, float]
-    velocity: tuple[float, float]
-    ball_position: tuple[float, float]
-    ball_velocity: tuple[float, float]
-    ball_spin: tuple[float, float]
 
 
 def _followed(
@@ -122,7 +117,7 @@ def _followed(
     return done, Tables(tables.peaks[: clock["peaks"]].copy(), tables.rows[:count].copy(), tables.states[:count].copy())
 
 
-def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables: Tables, initial: float) -> RingDown:
+def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables: Tables) -> RingDown:
     clock, books, axes = (flying.runs[name][0] for name in ("clock", "books", "axes"))
     load = damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
@@ -136,11 +131,7 @@ def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables:
         peak_velocities=tables.peaks[:, 1],
         last_motion=float(clock["last_motion"]) if moved else None,
         rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
-        energy=EnergyBooks(
-            initial=initial,
-            final=float(flying.energy(damper.parameters)[0]),
-            **{name: float(books[name]) for name in BOOKS.names or ()},
-        ),
+        energy=EnergyBooks(**{name: float(books[name]) for name in BOOKS.names or ()}),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
         rows=tables.rows if len(tables.rows) else None,
         states=tables.states if len(tables.states) else None,
@@ -148,9 +139,9 @@ def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables:
     )
 
 
-def _check(result: RingDown, runs: Records, kind: Integers, start: _Start, longest: float) -> None:
+def _check(result: RingDown, runs: Records, kind: Integers, start: Floats, longest: float) -> None:
     """Check a ring-down against its laws; `longest`: it lasts so long at most [s]."""
-    damper, (velocity, spin) = result.damper, (np.square(start.ball_velocity).sum(), np.square(start.ball_spin).sum())
+    damper, (velocity, spin) = result.damper, np.square(start[0, 3:]).sum(axis=1)
     extremes = laws.Extremes(
         kind=kind,
         excursion=runs["axes"]["excursion"],
@@ -163,15 +154,6 @@ def _check(result: RingDown, runs: Records, kind: Integers, start: _Start, longe
     laws.check_rest(runs)
     if result.rows is not None and kind[0] != COUPLED:
         laws.check_hits(result, result.rows)
-
-
-def _moved(damper: ParticleDamper, amplitudes: tuple[float, ...]) -> tuple[float, float]:
-    """Displacement of the cavity at these amplitudes of its modes."""
-    if damper.modes is None or len(amplitudes) != len(damper.modes):
-        raise ValueError(f"amplitudes must be as many as the damper has modes, got {amplitudes!r}")
-    shape = np.array([mode.shape for mode in damper.modes])
-    x, y = np.array([number("amplitudes", a) for a in amplitudes]) @ shape
-    return float(x), float(y)
 
 
 def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:

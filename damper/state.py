@@ -90,8 +90,8 @@ AXIS = record(
     ("excursion", "f8"),  # largest distance of the ball from the cavity's middle at an event so far
 )
 
-BOOKS = record(("structure", "f8"), ("rolling", "f8"), ("impact", "f8"), ("slip", "f8"), ("work", "f8"))
-"""Energy lost since the start, by cause, and work put in by a harmonic force [J]."""
+BOOKS = record(*((name, "f8") for name in ("initial", "final", "structure", "rolling", "impact", "slip", "work")))
+"""Energy at the start and at the end, lost since the start, by cause, and put in by a harmonic force [J]."""
 
 CYCLE = record(
     ("period", "f8"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 import os
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.batch import in_blocks
+from damper.batch import further, in_blocks
 from damper.equations import at_once
 from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
 from damper.starts import Complex, Motions, Start, motions_of, together
@@ -181,15 +180,9 @@ def forced(
     size, parts = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True))), []
     for begin in range(0, len(dampers), size):
         here = slice(begin, begin + size)
-        done = begin * len(columns)
-        count = None if progress is None else functools.partial(_further, progress, done)
-        parts.append(_part(dampers[here], harmonics[here], begin, how, count))
+        parts.append(_part(dampers[here], harmonics[here], begin, how, further(progress, begin * len(columns))))
     self_check.once("forced", forced)
     return Forced(columns, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
-
-
-def _further(progress: Callable[[int], None], before: int, done: int) -> None:
-    progress(before + done)
 
 
 class _How(NamedTuple):

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from damper import Harmonic, ParticleDamper, Regime, Start, damping_curve, forced, ringdown, ringdowns, stepped_ringdown
-from damper.curve_measurement import samples_up
+from damper.curve_measurement import Climb, samples_up
 from damper.laws import EXACT
 from damper.state import HIT, START
 from tests.damper.reference import Reference, agreed, events
@@ -149,7 +149,7 @@ def test_the_curve_is_what_ramps_out_of_the_dent_show(damper: ParticleDamper) ->
     found = damping_curve(damper)
     held = damper.amplitude_of(damper.break_away_threshold)
     assert found.cutoff == pytest.approx(held)
-    samples = samples_up(damper, 0.7 * held, 4 * held, 6, 500, None)
+    samples = samples_up(damper, [Climb(0.7 * held, 4 * held, 500)], None, 6)
     amplitude, lost = np.exp(0.5 * samples[:, :2].sum(axis=1)), (samples[:, 0] - samples[:, 1]) / (2 * math.pi)
     resting = samples[:, 0] < math.log(held) - 1e-9
     assert resting.sum() > 100

@@ -115,7 +115,8 @@ def rolling(damper: ParticleDamper, amplitude: float) -> float:
 def test_the_way_up_of_a_steel_ball() -> None:
     """Both branches at four amplitudes, by an integrator of another hand: a bouncing ball does 37 times as much.
 
-    On a ramp of its kind the ball drifts and bounces at 1.47 mm, 1.81e-3; one that keeps to the middle does not.
+    On a ramp of its kind the ball drifts and bounces at 1.47 mm, 1.81e-3; one that keeps to the middle does not. On 16
+    ramps down (`way_up`) it stops bouncing at 0.391 to 0.403 mm, mostly at 0.400: there is chaos in it.
     """
     found, damper = curve(steel_ball()), steel_ball()
     for amplitude, down, up in (
@@ -126,7 +127,7 @@ def test_the_way_up_of_a_steel_ball() -> None:
     ):
         assert at(found.descending, amplitude) == pytest.approx(down, rel=0.02)
         assert at(found, amplitude) == pytest.approx(up, rel=0.03)
-    assert found.folds[0] == pytest.approx(found.descending.half[0], rel=0.05)
+    assert found.folds[0] == pytest.approx(0.400e-3, rel=0.03)
     assert 0.9e-3 < found.jump[0] < found.jump[1] < 1.47e-3
     assert found.folds[1] == pytest.approx(damper.half_gap[0] / (5 / 7), rel=0.01)
 

@@ -13,7 +13,7 @@ import pytest
 
 import spindamp
 from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, forced, work_bound
-from damper.curve_measurement import _ramped, undamped
+from damper.curve_measurement import _ramped, sweeps_from, undamped
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, on_mesh, refused, write
 from workflows.errors import BadInput
@@ -145,7 +145,7 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     assert found.value - wide < min(runs) <= max(runs) < found.greatest + wide
     bare = undamped(fan)
     at, ball = np.full(16, 1e-3), np.random.default_rng(0).uniform(-1, 1, (2, 16))
-    energy = _ramped(bare, at, (5e-4 * ball[0], 2 * ball[1]), 1200, 1.0, None)[:, 700:]
+    energy = _ramped(bare, sweeps_from(at, 1200, 1.0, 5e-4 * ball[0], 2 * ball[1]), None)[:, 700:]
     held = float(-np.log(energy[..., 1] / energy[..., 0]).mean()) / (4 * math.pi)
     assert held < 0.9 * min(runs)
     assert held == pytest.approx(found.value, rel=0.1)
