@@ -614,21 +614,15 @@ def turning_floor(results: Results) -> Values:
     return {"share": share} if share > target else None
 
 
-_FORESHORTENED = 1.2
-"""Rate at which the tip of a cantilever comes nearer to its root, in u u' over its length: its first mode."""
-
-
 @remark
 def sideways(results: Results) -> Values:
     """Coriolis forces on the ball, which are left out: by chordwise motion beside the load, by foreshortening.
 
     A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
-    nearer to the axis by 1.2 u u' / L pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
+    nearer to the axis by c u u' pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
     """
-    scene, length, surface = results.scene, limits.span(results), results.surface
-    if surface is not None and surface.frame is not None:
-        length = float(np.ptp(surface.points @ surface.frame[0]))
-    if scene.damper is None or length is None or limits.is_printed(results):
+    scene = results.scene
+    if scene.damper is None or scene.given is not None or limits.is_printed(results):
         return None
     chord, along = (0.0, ""), (0.0, "")
     for point in results.speeds:
@@ -640,7 +634,7 @@ def sideways(results: Results) -> Values:
         stagger = scene.rotor.stagger if point.stagger is None else point.stagger
         chord = max(chord, (2 * speed * abs(math.sin(stagger)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
-        pushed = _FORESHORTENED * speed * best.amplitude / length / tip
+        pushed = coupling.shortening(point, stagger) * speed * best.amplitude / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
     notable = {name: each for name, each in (("chord", chord), ("along", along)) if each[0] > scene.accuracy.damping}
     return {"notable": notable} if notable else None

@@ -39,7 +39,9 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = _goes_on(results, point, figures.cutoff)
-            held.setdefault(phrase("answer/held", results, cutoff=figures.cutoff, last=last), []).append(point)
+            sideways = figures.driven_from is not None
+            of = {"cutoff": figures.cutoff, "last": last, "sideways": sideways}
+            held.setdefault(phrase("answer/held", results, **of), []).append(point)
     return said("answer/between", results, ranges=ranges, held=held)
 
 
@@ -110,16 +112,13 @@ def _rank(point: SpeedPoint) -> int:
 def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
     """Where there is no verdict, and why, a clause for each reason."""
     clauses = []
-    for reason in (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT):
+    for reason in (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT, Reason.SIDEWAYS):
         those = [p for p in points if p.verdict and p.verdict.reason == reason]
         if those:
             where = "" if len(those) == len(points) else f" {stretch(those, points)}"
-            frictions = [_friction(results, point) for point in those]
-            why = (
-                remarks.flows(results, those)
-                if reason == Reason.CONTACT
-                else phrase("answer/outside", results, reason=reason, frictions=frictions)
-            )
+            of = {"reason": reason, "first": those[0], "frictions": [_friction(results, point) for point in those]}
+            flows = reason == Reason.CONTACT
+            why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
             clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
     torn = remarks.torn_from(results)
     return clauses if torn is None else [*clauses, f"no verdict {torn}"]
