@@ -35,7 +35,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
-        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1]}
+        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1], "error": figures.error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = _goes_on(results, point, figures.cutoff)

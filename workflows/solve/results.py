@@ -187,7 +187,8 @@ class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
     error: Annotated[float, quantity("1", alone="working_error", headline=True)]
-    """of the peak and of `half`, relative: spread of the measurement, and effect of its pace"""
+    """of the peak and of `half`, relative: spread of the measurement, effect of its pace, and chance in where growing
+    vibration begins to bounce"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
     least of starts at rest in the middle or rolling about it"""
