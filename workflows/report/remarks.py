@@ -38,6 +38,9 @@ AT_REST, AT_REST_MEANS = (
     "* Of a ball at rest: it stays at rest up to this amplitude. Unmarked: the last amplitude of the ring-down at which"
     " its ball moved.",
 )
+MARKS = BEYOND, NO_VERDICT, AT_REST
+ROUGH = 0.5
+"""Relative error from which on a damping ratio is known only roughly."""
 LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene; the ball's damping includes its tilt."
 """Marks of numbers in tables, and what they stand for below."""
 
@@ -76,6 +79,19 @@ def mark(results: Results, point: SpeedPoint) -> str:
 
 
 def legend(results: Results) -> list[str]:
+    """What the marks of a table over all speeds stand for, and what it leaves open."""
+    kinds = (cutoff_legend, marks_legend, rough, level_legend) if results.scene.damper is not None else ()
+    return [each for kind in kinds for each in kind(results)]
+
+
+def rough(results: Results) -> list[str]:
+    """At which speeds with a verdict the damping is known only roughly."""
+    points = [p for p in results.speeds if p.verdict is not None and p.verdict.rank >= 0]
+    points = [p for p in points if p.damping_curve is not None and p.damping_curve.error > ROUGH]
+    return said("remarks/rough", results, points=points) if points else []
+
+
+def marks_legend(results: Results) -> list[str]:
     """What the marks of the damper's figures stand for, as far as a table over all speeds has them."""
     marks = {mark(results, point) for point in results.speeds}
     still = any(point.load_g == 0 for point in results.speeds)

@@ -18,8 +18,8 @@ from workflows.solve.results import Figures, Reason, Results, SpeedPoint, Vibrat
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
 
-_ROUGH, _UNSURE = 0.5, 0.1
-"""Relative errors that are worth a word in the headline: of a peak, of the first frequency."""
+_UNSURE = 0.1
+"""Relative error of the first frequency that is worth a word in the headline."""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -168,6 +168,12 @@ class Answer:
         """What stands below."""
         return self.sentences[_LEAD:]
 
+    def besides(self, notes: Sequence[str]) -> list[str]:
+        """Remarks without the sentences that the answer has already."""
+        for sentence in self.sentences:
+            notes = [note.replace(sentence, "").strip() for note in notes]
+        return [note for note in notes if note]
+
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
@@ -217,14 +223,15 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
     clauses = [f"No verdict: {refused}"] if refused is not None else [*_verdict(results, loaded), *unjudged]
     errors = [(0.0 if p.damping_curve is None else p.damping_curve.error, p) for p in judged]
     error, worst = max(errors, key=lambda pair: pair[0], default=(0.0, None))
-    if refused is None and worst is not None and error > _ROUGH:
+    if refused is None and worst is not None and error > remarks.ROUGH:
         clauses.append(f"at {at_speed(worst)} the damping is known only roughly")
     return clauses, tuple(part for part in parts if part)
 
 
 def _unsure(results: Results) -> list[str]:
     """That the cavity has to fit; that the first frequency, and so the speeds of crossings, is known only roughly."""
-    fit = remarks.misfit(results.scene, results.speeds)
+    known = any(_rank(point) >= 0 for point in results.speeds) or any(not each.reason for each in results.reductions)
+    fit = remarks.misfit(results.scene, results.speeds) if known else []
     errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
     error = max(errors, default=0.0)
     return [*fit, f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else fit
@@ -334,7 +341,7 @@ def _orders(results: Results) -> list[list[str]]:
         return []
     if limits.is_printed(results):
         return [said("answer/printed_orders", results, orders=excitation.orders)]
-    every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
+    every = sorted(results.reductions, key=_usefulness)
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
@@ -344,6 +351,11 @@ def _orders(results: Results) -> list[list[str]]:
         error = 0.0 if first is None else engine_orders.reached_within_error(results.speeds, first)
         met.append(said("answer/unmet", results, order=order, points=results.speeds, first=first, error=error))
     return met
+
+
+def _usefulness(reduction: VibrationReduction) -> tuple[bool, bool, float, int]:
+    """What crossings are sorted by, the most useful first."""
+    return not math.isfinite(reduction.range[0]), bool(reduction.reason), reduction.ratio, reduction.order
 
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> list[str]:

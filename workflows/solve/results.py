@@ -214,7 +214,7 @@ class OwnFigures(Figures):
     """cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"""
     tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
     """that over load_g"""
-    driven_from: Annotated[MaybeUnknown, quantity("m")] = None
+    driven_from: Annotated[MaybeUnknown, quantity("m")] = field(default=None, repr=False)
     """amplitude from which on a ball at rest moves along x, where it may move sideways below, from the cut-off on, by
     Coriolis forces or under a stagger; else null"""
 
