@@ -39,9 +39,9 @@ def test_the_accuracy_is_said_once(paper: Scene) -> None:
         said = remarks.sentence(found)
         assert said is not None
         assert any(said in note for note in found.notes)
-        printed = " ".join(text.text(found, None).split())
-        assert (printed.count(said), page.render(found, page.draw(found)).count("would achieve it")) == (1, 1)
-        assert "The mesh: " in printed
+        printed, shown = " ".join(text.text(found, None).split()), page.render(found, page.draw(found))
+        assert (printed.count(said), shown.count("would achieve it")) == (1, 1)
+        assert "The mesh: " in shown
 
 
 def test_a_table_says_where_the_damping_is_known_roughly(paper: Scene) -> None:
