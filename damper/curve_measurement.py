@@ -28,6 +28,7 @@ from damper.curves import (
     folded,
     grown,
     held_until,
+    moved,
     nothing,
     resolved,
     spread,
@@ -195,22 +196,14 @@ def _down(
     if before.peak == 0:
         return before, *none
     curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
-    if _moved(before, curve) > _SAME:
+    if moved(before, curve) > _SAME:
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
         before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
-    above = replace(curve, error=max(curve.error, _moved(before, curve)))
+    above = replace(curve, error=max(curve.error, moved(before, curve)))
     if above.peak > 0:
         laws.check_curve(bare, above)
         laws.check_readings(above, samples)
     return above, samples, max(cutoff, _LOWEST * gap / left), top
-
-
-def _moved(before: DampingCurve, after: DampingCurve) -> float:
-    """Relative difference of two peaks, or of the amplitudes between which half of them is left, the largest."""
-    if after.peak == 0:
-        return 1.0
-    was, now = np.array([before.peak, *before.half]), np.array([after.peak, *after.half])
-    return float(np.abs(was / now - 1).max())
 
 
 def _falling(
@@ -246,7 +239,7 @@ def _settled(
         samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
         done = np.append(done, wanted)
         curve = _read(cutoff, samples)
-        if curve.error <= max(BINNED, min(_moved(before, curve), _SAME) / 2):
+        if curve.error <= max(BINNED, min(moved(before, curve), _SAME) / 2):
             break
     return curve, samples
 

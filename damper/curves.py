@@ -123,12 +123,13 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
     climbs = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
     rolling = _binned(rolls, above.cutoff)
     known = _binned_of(above)
-    merged, parted, spreads = dict(known), dict[int, float](), dict[int, float]()
+    merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
     edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else end - 1  # bins that a cut-off shares
     for k in sorted(set(rolling).union(*climbs)):
         seen = [curve[k] for curve in (*climbs, rolling) if k in curve]
-        place, least = min(seen, key=lambda point: point[1])
+        ranked = sorted(seen, key=lambda point: point[1])
+        (place, least), (_, other) = ranked[0], ranked[len(ranked) // 2]
         if k <= edge if k in known else k > end:
             continue
         least = 0.0 if rests and k < end else least
@@ -136,6 +137,7 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
             merged[k] = min(merged[k], rolling.get(k, merged[k]), key=lambda point: point[1])
             continue
         merged[k] = place, least
+        nexts[k] = 0.0 if k in rolling else known[k][1] if k in known and other > (1 - _PARTED) * known[k][1] else other
         spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 and k not in rolling else 0.0
         if k in known:
             parted[k] = known[k][1] - least
@@ -148,10 +150,19 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
         points = [*below, *step, *(merged[k] for k in sorted(merged) if k > last)]
         spreads[last] = spreads.get(last + 1, 0.0)
     amplitude, ratio = np.array(points).T
-    best = int(np.argmax(ratio))
-    error = max(above.error, spreads.get(_bins(amplitude)[best], 0.0))
-    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), error, above), best)
-    return curve, _largest(parted)
+    best, numbers = int(np.argmax(ratio)), _bins(amplitude)
+    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
+    without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
+    others = moved(curve, at_bin(replace(curve, damping_ratio=without), int(np.argmax(without))))
+    return replace(curve, error=max(above.error, spreads.get(numbers[best], 0.0), others)), _largest(parted)
+
+
+def moved(before: DampingCurve, after: DampingCurve) -> float:
+    """Relative difference of two peaks, or of the amplitudes between which half of them is left, the largest."""
+    if after.peak == 0:
+        return 1.0
+    was, now = np.array([before.peak, *before.half]), np.array([after.peak, *after.half])
+    return float(np.abs(was / now - 1).max())
 
 
 def differs(curve: DampingCurve, samples: Floats, amplitude: float) -> bool:

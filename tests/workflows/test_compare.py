@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -109,6 +110,9 @@ def test_a_material_is_no_difference_where_its_density_is_the_same():
     assert found.differences.keys() == {"damper.floor_material"}
     other = spindamp.compare(named, changed(bare, damper__ball_material="lead"))
     assert other.differences["damper.ball_density"] == (7850.0, 11300.0)
+    mass = 100 * 7850 * 4 / 3 * math.pi * found.results[0].scene.damper.radius ** 3
+    weighed = spindamp.compare(by_number, changed(bare, damper__mass=mass))
+    assert weighed.differences.keys() <= {"damper.mass"}
 
 
 def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):

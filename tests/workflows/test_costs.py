@@ -26,6 +26,7 @@ from workflows.scene import load
 from workflows.scene.load import SceneFile
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
+from workflows.solve.structure import PlateSolution
 from workflows.studies.sweep.evaluate import QUICK
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report, timing
@@ -411,7 +412,7 @@ def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
     own = point(0, ("flap", 200.0)), point(1000, ("flap", 110.0)), point(2000, ("flap", 105.0))
     other = tuple(point(rpm, ("flap", 100.0)) for rpm in (0, 1000, 2000))
     for judged, change, rpm in (((1000, 2000), 0.1, 1000), ((2000,), 0.05, 2000), ((), 1.0, 0)):
-        found = changes(own, other, own_has_it=True, judged=judged)
+        found = changes(own, other, own_has_it=True, judged=dict.fromkeys(judged, 1))
         assert (found.relative, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
 
 
@@ -539,6 +540,33 @@ def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
     assert other is not None
     assert smaller.release[0] < 0.5 * own.release[0] == 0.5 * other.release[0]
     assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
+
+
+def test_damping_is_compared_where_the_ball_moves(paper: Scene) -> None:
+    """At 10000 rpm the plate endures nothing that moves it; without stiffening the tilt takes most of the drive."""
+    source = load.as_scene_file(changed(paper, rotor__speeds=["5000 rpm", "10000 rpm"], accuracy__frequency=0.05))
+    own, soft = (workflows.run(source.changed(effects={"stress_stiffening": on})).speeds for on in (True, False))
+    ranks = {point.rpm: point.verdict.rank for point in own if point.verdict}
+    assert list(ranks.values()) == [1, 0]
+    assert soft[1].tilt_share > 0.9
+    found = changes(own, soft, own_has_it=True, judged=ranks)
+    assert found.rpm["ball_damping_ratio"] == own[0].rpm
+    assert found.rpm["impacts"] == own[1].rpm
+    assert changes(own, soft, own_has_it=True).relative["ball_damping_ratio"] > 1000
+
+
+@pytest.mark.usefixtures("hasty")
+def test_effects_draw_no_plate(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whose strength needs its surface only where its mesh is given."""
+    alone = {"damper": None, "release": None, "rotor__speeds": ["5000 rpm"], "accuracy__frequency": 0.05}
+    monkeypatch.setattr(PlateSolution, "surface", lambda *_, **__: pytest.fail("a surface is drawn"))
+    assert any(row.changes for row in effect_study(load.as_scene_file(changed(paper, **alone)), QUIET).rows)
+
+
+def test_a_manifold_change_is_a_factor() -> None:
+    rows = [EffectChange("coriolis", True, "", True, {"impacts": size}, {"impacts": 1000.0}) for size in (9.5, 1150.0)]
+    assert [effects_report.text(EffectStudy("", 1e-3, (row,))).count(" 950 %") for row in rows] == [1, 0]
+    assert [effects_report.text(EffectStudy("", 1e-3, (row,))).count(" × 1150 ") for row in rows] == [0, 1]
 
 
 @pytest.mark.usefixtures("hasty")

@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 import workflows
+from damper import ParticleDamper
 from tests.workflows.conftest import Scene, changed, write
 from workflows import pipeline
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.progress import Stages
+from workflows.report import verdict
 from workflows.scene.load import as_scene_file
-from workflows.solve import coupling, damper
+from workflows.solve import coupling, damper, limits
+from workflows.solve.results import Reduced, SpeedPoint
 
 QUIET = Stages(visible=False)
 ROUGH = {"accuracy__frequency": 0.05}
@@ -283,5 +286,116 @@ def test_what_coriolis_forces_on_the_ball_would_add() -> None:
     assert chord > 0.01
     (said,) = (note for note in found.notes if note.startswith("Coriolis forces on the ball are neglected"))
     assert f"up to {100 * chord:.2g} % of the load from chordwise motion (at 5000 rpm)" in said
-    across = 2 * point.omega * 1.2 * speed * point.verdict.amplitude / 0.2 / 2 / (0.005 * point.omega**2 * point.radius)
+    across = (
+        2 * point.omega * 1.1624 * speed * point.verdict.amplitude / 0.2 / 2 / (0.005 * point.omega**2 * point.radius)
+    )
     assert (f"{100 * across:.2g} % of the rolling resistance" in said) == (across > 1e-3)
+
+
+@pytest.mark.parametrize("stagger", [0.0, 1.0, math.pi / 2])
+@pytest.mark.parametrize("left", [4e-3, 1.2e-2, -4e-3])
+def test_what_moves_a_resting_ball_at_all(stagger: float, left: float) -> None:
+    """By the acceleration in space of a place that bends outwards on its way, against what holds the ball there."""
+    turn, swing, radius, shortens, rolls, ball = 700.0, 1000.0, 0.3, 5.8, 2.8e-5, 1e-3
+    slope = ((1 - left) * swing**2 / turn**2 + math.sin(stagger) ** 2) / radius
+    system = ParticleDamper(
+        modal_mass=1.0,
+        stiffness=((1 + ball) * swing**2,) * 2,
+        ball_mass=ball,
+        ball_radius=1e-3,
+        cavity=(4e-3, 4e-3),
+        centrifugal_acceleration=turn**2 * radius,
+        restitution=0.5,
+        rolling_friction=rolls * 1e-3,
+        floor_tilt=(slope, slope),
+        rotation=turn,
+        stagger=stagger,
+    )
+    pull = ball * turn**2 * (radius * shortens - math.sin(stagger) ** 2)
+    stiff, hertz = (1 + ball) * swing**2, swing / (2 * math.pi)
+    reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - pull, slope)
+    point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced)
+    sideways, alone = coupling.moves_sideways_from(system, point), system.amplitude_of(system.rolling_threshold)
+    assert math.isinf(sideways) == (left > 1e-2 and stagger == 0)
+    found = min(sideways, alone)
+    outwards, around, axis = np.eye(3)
+    along = math.sin(stagger) * around + math.cos(stagger) * axis
+    across = math.cos(stagger) * around - math.sin(stagger) * axis
+
+    def needs(amplitude: float) -> float:
+        """Largest force along the floor over that on it."""
+        step = np.arange(-2, 3) * 1e-3 / swing
+        time = np.linspace(0, 2 * math.pi / swing, 721)[:, None] + step
+        u = (amplitude * np.cos(swing * time))[..., None]
+        place = (radius - shortens * u**2 / 2) * outwards + u * along
+        cosine, sine = np.cos(turn * time), np.sin(turn * time)
+        x, y, z = np.moveaxis(place, -1, 0)
+        inertial = np.stack([cosine * x - sine * y, sine * x + cosine * y, z])
+        x, y, z = inertial @ np.array([-1, 16, -30, 16, -1]) / (12 * (step[1] - step[0]) ** 2)
+        cosine, sine = cosine[:, 2], sine[:, 2]
+        force = -np.stack([cosine * x + sine * y, cosine * y - sine * x, z], axis=-1)
+        tilt = slope * u[:, 2]
+        normal, uphill = (np.cos(tilt) * a + np.sin(tilt) * b for a, b in ((outwards, along), (along, -outwards)))
+        pushed = np.hypot((force * uphill).sum(axis=1), force @ across)
+        return float((pushed / (force * normal).sum(axis=1)).max())
+
+    assert needs(0.98 * found) < rolls < needs(1.02 * found)
+
+
+def test_how_the_place_of_a_damper_comes_nearer_to_the_axis() -> None:
+    """The first mode of a uniform cantilever: the integral of its squared slope, 1.1624 / L of the tip's squared."""
+    x = np.linspace(0, 1, 2001)
+    k = 1.8751040687
+    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
+    shape = np.cosh(k * x) - np.cos(k * x) - ratio * (np.sinh(k * x) - np.sin(k * x))
+    whole = np.gradient(shape / shape[-1], x) ** 2
+    for place, stagger in ((1.0, 0.0), (0.7, 1.0)):
+        inside = x <= place
+        exact = np.trapezoid(whole[inside], x[inside]) / (shape[inside][-1] / shape[-1]) ** 2 / 0.2
+        blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0])
+        (point,) = workflows.run(blade).speeds
+        assert coupling.shortening(point, stagger) == pytest.approx(exact, rel=0.01)
+
+
+def thin(**changes: Any) -> Scene:
+    """A thin plate on the axis, whose floor tilts by nine tenths of the drive at 10000 rpm."""
+    return changed(
+        {
+            "plate": {"length": "20 cm", "width": "8 cm", "thickness": "4 mm"},
+            "material": {"name": "Ti-6Al-4V"},
+            "rotor": {"speeds": ["10000 rpm"]},
+            "damper": {
+                "mass": "0.05 g",
+                "radius": "1.2 mm",
+                "cavity": ["3.4 mm", "3.4 mm"],
+                "restitution": 0.5,
+                "friction": 0.3,
+                "rolling_friction": "0.016 mm",
+            },
+            "accuracy": {"frequency": 0.01},
+        },
+        **changes,
+    )
+
+
+def test_no_sentence_holds_a_ball_that_moves_sideways() -> None:
+    """Under a stagger the load pulls it round the axis; in flap the cavity's way towards the axis pushes it."""
+    staggered = {"rotor__stagger": "60 deg", "rotor__hub_radius": "7 cm", "damper__rolling_friction": "0.005 mm"}
+    found = workflows.run(thin(effects__structural_modes=False, **staggered))
+    (point,) = found.speeds
+    own = point.damping_curve
+    round_axis = point.omega**2 * math.sin(math.pi / 3) * math.cos(math.pi / 3) * own.driven_from
+    resistance = 0.005 / 1.2 * point.omega**2 * point.radius
+    assert own.cutoff == pytest.approx(own.driven_from / math.hypot(1, round_axis / resistance), rel=0.05)
+    answer = " ".join(verdict.answer(found).sentences)
+    assert f"below {1e3 * own.cutoff:.2g} mm, from where on it may move sideways, which is not counted" in answer
+
+    held = workflows.run(thin(damper__rolling_friction="0.022 mm"))
+    (point,) = held.speeds
+    own, limit = point.damping_curve, limits.endured(held)
+    assert own.cutoff < limit < own.driven_from
+    nearer = point.omega * 1.1 / 0.2 * 2 * math.pi * point.reduced.f1_hz * own.driven_from**2
+    assert nearer > 0.022 / 1.2 * point.omega**2 * 0.2 / 2
+    assert (point.verdict.grade, point.verdict.reason) == ("unknown", "sideways")
+    answer = verdict.answer(held).verdict
+    assert f"No verdict: at 10000 rpm the ball may move sideways from {1e3 * own.cutoff:.2g} mm on" in answer

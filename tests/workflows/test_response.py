@@ -137,6 +137,25 @@ def test_the_headline_says_that_a_cavity_that_sticks_out_has_to_fit(known):
     out = dataclasses.replace(results, speeds=tuple(dataclasses.replace(p, sticks_out=1.2e-3) for p in results.speeds))
     first = report.sentences(known)[0]
     assert report.sentences(dataclasses.replace(known, results=out))[0] == first + said
+    (passage,) = known.passages
+    missed = dataclasses.replace(passage, reduction=dataclasses.replace(passage.reduction, reason="outside_speeds"))
+    unknown = dataclasses.replace(known, results=out, passages=(missed,))
+    assert "no estimate" in report.sentences(unknown)[0]
+    assert "cavities fit" not in " ".join(report.sentences(unknown))
+
+
+def test_what_the_table_leaves_open_is_open_in_json(known):
+    """A ratio that answers nothing; and an estimate of a ball that the load holds loosely is rough."""
+    (passage,) = known.passages
+    missed = dataclasses.replace(passage, reduction=dataclasses.replace(passage.reduction, reason="outside_speeds"))
+    entries = report.document(dataclasses.replace(known, passages=(missed,)))["crossings"]
+    assert {(each["ratio"], each["shortcut"] and each["shortcut"]["difference"]) for each in entries} <= {(None, None)}
+    assert all(each["ratio"] is not None for each in report.document(known)["crossings"])
+    loose = dataclasses.replace(passage, reduction=dataclasses.replace(passage.reduction, loose=True))
+    rough = f"Estimated ratios are rough at order 3 ({passage.crossing.rpm:.0f} rpm), since the load holds the balls"
+    for known_well, page in ((True, known), (False, dataclasses.replace(known, passages=(loose,)))):
+        assert (rough in report.text(page)) != known_well
+        assert (rough in report.render(page)) != known_well
 
 
 def test_a_prediction_that_failed_is_said(known, monkeypatch):

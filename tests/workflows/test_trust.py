@@ -10,8 +10,9 @@ import pytest
 
 import workflows
 from tests.workflows.conftest import Scene, changed
-from workflows.report import remarks
+from workflows.report import page, remarks, text
 from workflows.solve.results import Results
+from workflows.studies import comparison
 
 
 def _plate(paper: Scene, **changes: object) -> Scene:
@@ -29,6 +30,32 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     mended = workflows.run(changed(scene, plate__theory=theory))
     assert remarks.met(mended)
     assert "would achieve it" not in str(remarks.sentence(mended))
+
+
+def test_the_accuracy_is_said_once(paper: Scene) -> None:
+    """In the answer, and not among the remarks again; what else the remark says stays."""
+    scene = changed(paper, rotor__speeds=["3500 rpm"], accuracy__frequency=2e-3)
+    for found in (workflows.run(scene), workflows.run(_plate(paper, accuracy__frequency=2e-3))):
+        said = remarks.sentence(found)
+        assert said is not None
+        assert any(said in note for note in found.notes)
+        printed, shown = " ".join(text.text(found, None).split()), page.render(found, page.draw(found))
+        assert (printed.count(said), shown.count("would achieve it")) == (1, 1)
+        assert "The mesh: " in shown
+
+
+def test_a_table_says_where_the_damping_is_known_roughly(paper: Scene) -> None:
+    """As the headline does; beside other runs under the name of the run."""
+    found = workflows.run(changed(paper, rotor__speeds=["3500 rpm"], accuracy__frequency=5e-2))
+    (point,) = found.speeds
+    rough = replace(found, speeds=(replace(point, damping_curve=replace(point.damping_curve, error=1.6)),))
+    said = "Damping ratios known only roughly: within a factor of 3 at 3500 rpm."
+    assert said in " ".join(text.text(rough, None).split())
+    assert said not in " ".join(text.text(found, None).split())
+    assert said in page.render(rough, page.draw(rough))
+    both = comparison.compare([found, rough])
+    assert f"{both.names[1]}: {said}" in comparison.text(both)
+    assert f"{both.names[0]}: {said}" not in comparison.text(both)
 
 
 def test_the_effects_that_would_do_do(paper: Scene) -> None:

@@ -1,6 +1,7 @@
 """`spindamp view`: what it says of a mesh, what it shows of a run, and what it refuses."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -146,6 +147,13 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: Command
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert '"rpm":6000.0' in text.replace("5999.999999999999", "6000.0").replace("6000.000000000001", "6000.0")
     assert '"rpm":3000' not in text
+
+
+def test_speeds_without_a_unit_are_remarked(plain: Path, spindamp: Command) -> None:
+    scene = tomllib.loads(plain.read_text(encoding="utf-8"))
+    bare = write(changed(scene, rotor__speeds=[200, 3000]), plain)
+    said = spindamp("view", bare, "--rpm", 3000, "--out", "page.html").out
+    assert re.search(r"^remark +Speeds without a unit are in rad/s: 3000 is 28647\.9 rpm\.", said, re.MULTILINE)
 
 
 @pytest.mark.parametrize(

@@ -92,13 +92,14 @@ def draw(results: Results) -> Drawings:
 
 def render(results: Results, drawings: Drawings) -> str:
     """The page. Everything that comes from a scene is escaped."""
-    shape = drawings.shape
+    shape, answer = drawings.shape, verdict.answer(results)
     return from_template(
         "report.html.j2",
         drawings.css,
         results=results,
         scene=results.scene,
-        answer=verdict.answer(results),
+        answer=answer,
+        notes=answer.besides(results.notes),
         followed=verdict.followed_mode(results),
         held=figures.held(results.scene) if results.surface is None or len(results.surface.root) else "",
         carrier=remarks.carrier(results.scene),
@@ -116,7 +117,7 @@ def render(results: Results, drawings: Drawings) -> str:
         air=limits.AIR,
         endured=limits.endured(results),
         beyond=remarks.beyond_of(results),
-        marks=remarks.legend(results),
+        marks=[*remarks.marks_legend(results), *remarks.rough(results)],
         at_rest=remarks.cutoff_legend(results),
         cells_drawn=results.surface is not None and figures.cells_are_drawn(results.surface),
         fast=any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),

@@ -38,6 +38,9 @@ AT_REST, AT_REST_MEANS = (
     "* Of a ball at rest: it stays at rest up to this amplitude. Unmarked: the last amplitude of the ring-down at which"
     " its ball moved.",
 )
+MARKS = BEYOND, NO_VERDICT, AT_REST
+ROUGH = 0.5
+"""Relative error from which on a damping ratio is known only roughly."""
 LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene; the ball's damping includes its tilt."
 """Marks of numbers in tables, and what they stand for below."""
 
@@ -76,6 +79,19 @@ def mark(results: Results, point: SpeedPoint) -> str:
 
 
 def legend(results: Results) -> list[str]:
+    """What the marks of a table over all speeds stand for, and what it leaves open."""
+    kinds = (cutoff_legend, marks_legend, rough, level_legend) if results.scene.damper is not None else ()
+    return [each for kind in kinds for each in kind(results)]
+
+
+def rough(results: Results) -> list[str]:
+    """At which speeds with a verdict the damping is known only roughly."""
+    points = [p for p in results.speeds if p.verdict is not None and p.verdict.rank >= 0]
+    points = [p for p in points if p.damping_curve is not None and p.damping_curve.error > ROUGH]
+    return said("remarks/rough", results, points=points) if points else []
+
+
+def marks_legend(results: Results) -> list[str]:
     """What the marks of the damper's figures stand for, as far as a table over all speeds has them."""
     marks = {mark(results, point) for point in results.speeds}
     still = any(point.load_g == 0 for point in results.speeds)
@@ -627,21 +643,15 @@ def turning_floor(results: Results) -> Values:
     return {"share": share} if share > target else None
 
 
-_FORESHORTENED = 1.2
-"""Rate at which the tip of a cantilever comes nearer to its root, in u u' over its length: its first mode."""
-
-
 @remark
 def sideways(results: Results) -> Values:
     """Coriolis forces on the ball, which are left out: by chordwise motion beside the load, by foreshortening.
 
     A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
-    nearer to the axis by 1.2 u u' / L pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
+    nearer to the axis by c u u' pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
     """
-    scene, length, surface = results.scene, limits.span(results), results.surface
-    if surface is not None and surface.frame is not None:
-        length = float(np.ptp(surface.points @ surface.frame[0]))
-    if scene.damper is None or length is None or limits.is_printed(results):
+    scene = results.scene
+    if scene.damper is None or scene.given is not None or limits.is_printed(results):
         return None
     chord, along = (0.0, ""), (0.0, "")
     for point in results.speeds:
@@ -653,7 +663,7 @@ def sideways(results: Results) -> Values:
         stagger = scene.rotor.stagger if point.stagger is None else point.stagger
         chord = max(chord, (2 * speed * abs(math.sin(stagger)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
-        pushed = _FORESHORTENED * speed * best.amplitude / length / tip
+        pushed = coupling.shortening(point, stagger) * speed * best.amplitude / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
     notable = {name: each for name, each in (("chord", chord), ("along", along)) if each[0] > scene.accuracy.damping}
     return {"notable": notable} if notable else None

@@ -35,12 +35,12 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
-    parts += [line for each in _legend(results) for line in _wrapped(each)]
+    parts += [line for each in remarks.legend(results) for line in _wrapped(each)]
     if answer.details:
         parts += ["", *_wrapped(" ".join(answer.details))]
     if results.notes and out is None:
         parts.append("")
-        notes = [note for note in results.notes if note not in on_scene]
+        notes = answer.besides([note for note in results.notes if note not in on_scene])
         parts += [line for note in notes[: remarks.FIRST] for line in _wrapped(note, "- ")]
         if (more := len(notes) - remarks.FIRST) > 0:
             parts.append(f"- {more} more: in the report, and in `results.notes`")
@@ -52,12 +52,6 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
         counted = f", {count} remark{'s' if count > 1 else ''}" if count else ""
         parts += ["", f"{seconds}{counted}; open {out / 'report.html'}"]
     return "\n".join(parts)
-
-
-def _legend(results: Results) -> list[str]:
-    """What the marks of the table stand for."""
-    kinds = (remarks.cutoff_legend, remarks.legend, remarks.level_legend)
-    return [each for kind in kinds for each in kind(results)] if results.scene.damper is not None else []
 
 
 def _wrapped(paragraph: str, mark: str = "") -> list[str]:
@@ -146,7 +140,7 @@ def brief_html(results: Results) -> str:
     table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
     return (
         f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
-        f"<table>{table}</table>{more}{''.join(f'<p>{escape(each)}</p>' for each in _legend(results))}"
+        f"<table>{table}</table>{more}{''.join(f'<p>{escape(each)}</p>' for each in remarks.legend(results))}"
     )
 
 

@@ -18,8 +18,8 @@ from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint,
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
 
-_ROUGH, _UNSURE = 0.5, 0.1
-"""Relative errors that are worth a word in the headline: of a peak, of the first frequency."""
+_UNSURE = 0.1
+"""Relative error of the first frequency that is worth a word in the headline."""
 
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -35,11 +35,13 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
-        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1]}
+        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1], "error": figures.error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = _goes_on(results, point, figures.cutoff)
-            held.setdefault(phrase("answer/held", results, cutoff=figures.cutoff, last=last), []).append(point)
+            sideways = figures.driven_from is not None
+            of = {"cutoff": figures.cutoff, "last": last, "sideways": sideways}
+            held.setdefault(phrase("answer/held", results, **of), []).append(point)
     return said("answer/between", results, ranges=ranges, held=held)
 
 
@@ -111,16 +113,13 @@ def _rank(point: SpeedPoint) -> int:
 def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
     """Where there is no verdict, and why, a clause for each reason."""
     clauses = []
-    for reason in (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT):
+    for reason in (Reason.WEIGHT, Reason.SLIP, Reason.CONTACT, Reason.SIDEWAYS):
         those = [p for p in points if p.verdict and p.verdict.reason == reason]
         if those:
             where = "" if len(those) == len(points) else f" {stretch(those, points)}"
-            frictions = [_friction(results, point) for point in those]
-            why = (
-                remarks.flows(results, those)
-                if reason == Reason.CONTACT
-                else phrase("answer/outside", results, reason=reason, frictions=frictions)
-            )
+            of = {"reason": reason, "first": those[0], "frictions": [_friction(results, point) for point in those]}
+            flows = reason == Reason.CONTACT
+            why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
             clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
     torn = remarks.torn_from(results)
     return clauses if torn is None else [*clauses, f"no verdict {torn}"]
@@ -170,6 +169,12 @@ class Answer:
         """What stands below."""
         return self.sentences[_LEAD:]
 
+    def besides(self, notes: Sequence[str]) -> list[str]:
+        """Remarks without the sentences that the answer has already."""
+        for sentence in self.sentences:
+            notes = [note.replace(sentence, "").strip() for note in notes]
+        return [note for note in notes if note]
+
 
 def answer(results: Results) -> Answer:
     """What the run found, most important first: under the scene's engine orders, where it has some, then by itself."""
@@ -217,7 +222,7 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
         None if remarks.met(results) else remarks.sentence(results),
     )
     clauses = [f"No verdict: {refused}"] if refused is not None else [*_verdict(results, loaded), *unjudged]
-    rough = [p for p in judged if p.damping_curve is not None and p.damping_curve.error > _ROUGH]
+    rough = [p for p in judged if p.damping_curve is not None and p.damping_curve.error > remarks.ROUGH]
     if refused is None and rough:
         where = "" if len(rough) == len(judged) > 1 else f"{stretch(rough, judged)} "
         clauses.append(f"{where}the damping is known only roughly")
@@ -226,7 +231,8 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
 
 def _unsure(results: Results) -> list[str]:
     """That the cavity has to fit; that the first frequency, and so the speeds of crossings, is known only roughly."""
-    fit = remarks.misfit(results.scene, results.speeds)
+    known = any(_rank(point) >= 0 for point in results.speeds) or any(not each.reason for each in results.reductions)
+    fit = remarks.misfit(results.scene, results.speeds) if known else []
     errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
     error = max(errors, default=0.0)
     return [*fit, f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else fit
@@ -339,7 +345,7 @@ def _orders(results: Results) -> list[list[str]]:
         return []
     if limits.is_printed(results):
         return [said("answer/printed_orders", results, orders=excitation.orders)]
-    every = sorted(results.reductions, key=lambda each: (not math.isfinite(each.range[0]), each.ratio, each.order))
+    every = sorted(results.reductions, key=_usefulness)
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})
     if unmet and len(results.speeds) == 1:
@@ -349,6 +355,11 @@ def _orders(results: Results) -> list[list[str]]:
         error = 0.0 if first is None else engine_orders.reached_within_error(results.speeds, first)
         met.append(said("answer/unmet", results, order=order, points=results.speeds, first=first, error=error))
     return met
+
+
+def _usefulness(reduction: VibrationReduction) -> tuple[bool, bool, float, int]:
+    """What crossings are sorted by, the most useful first."""
+    return not math.isfinite(reduction.range[0]), bool(reduction.reason), reduction.ratio, reduction.order
 
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> list[str]:

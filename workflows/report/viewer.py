@@ -268,7 +268,8 @@ def data_of_scene(scene: str, rpm: float | None) -> ViewData:
         state = pipeline.structure(source, stages)
     if state.surface is None or state.diagram is None:
         raise ValueError("a plate was solved without its surface")
-    return of_plate(source.scene, state.surface, state.points, _known(state.diagram, state.theory))
+    told = tuple(("remark", each) for each in source.remarks)
+    return of_plate(source.scene, state.surface, state.points, (*told, *_known(state.diagram, state.theory)))
 
 
 _STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")

@@ -151,6 +151,63 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 
+def shortening(point: SpeedPoint, stagger: float) -> float:
+    """By how much the damper's place comes nearer to the axis, over half the square of its displacement [1/m].
+
+    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - sin²(stagger)).
+    """
+    reduced = point.reduced
+    if reduced is None or point.omega == 0 or reduced.M1 <= reduced.M2:
+        return 0.0
+    stiffer = (reduced.K1 - reduced.K2) / (reduced.M1 - reduced.M2) / point.omega**2
+    return (stiffer + math.sin(stagger) ** 2) / point.radius
+
+
+def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+    """What moves a ball at rest at all over what moves it along x."""
+    sideways = moves_sideways_from(system, point)
+    return sideways / system.amplitude_of(system.break_away_threshold) if sideways < math.inf else 1.0
+
+
+def moves_sideways_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+    """Amplitude along x [m] from which on a ball that begins at rest moves sideways before it does along x; inf: none.
+
+    A vibration u = A cos(omega t) along the leading mode's shape s drives the ball by omega² s u, less the load's pull
+    down the slope and with its pull outwards in the plane of rotation, e. The place moves by c u u' towards the axis
+    and by (s e) u' round it: Coriolis forces push the ball along e by 2 Omega c u u', and change the load by
+    2 Omega (s e) u', as it pulls down the slope, too. What holds the ball goes with the load, and is the same in all
+    directions. Without stagger Coriolis forces change nothing while c Omega omega A² is less than half of what holds:
+    they are zero where the drive is largest. On a floor that leans the wall holds the ball as well: none of it counts.
+    """
+    alone = system.amplitude_of(system.break_away_threshold)
+    turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
+    hold, nearer = system.rolling_threshold + system.break_away * load, shortening(point, system.stagger)
+    most = math.sqrt(2 * hold / (turn * omega * abs(nearer))) if turn * nearer != 0 else math.inf
+    most = min(alone, most)
+    if turn == 0 or system.half_gap[0] == 0 or not 0 < most < math.inf or any(system.lateral_pull):
+        return math.inf
+    outwards = np.array([math.sin(system.stagger), -math.cos(system.stagger)])
+    shape, slope = np.array([1.0, 0.0]), np.array([system.floor_tilt[0], 0.0])
+    if system.modes is not None:
+        mode = system.modes[system.leading(0)]
+        shape, slope = np.array(mode.shape) / mode.shape[0], np.array(mode.slope) / mode.shape[0]
+    chord = float(shape @ outwards)
+    drive = omega**2 * shape - load * slope + turn**2 * chord * outwards
+    push = 2 * turn * (nearer * outwards - chord * slope)
+    amplitude, phase = np.linspace(0.0, most, 201), np.linspace(-math.pi / 2, math.pi / 2, 101)[:, None]
+    u, velocity = amplitude * np.cos(phase), -omega * amplitude * np.sin(phase)
+    force = [along * u + by_velocity * u * velocity for along, by_velocity in zip(drive, push, strict=True)]
+    held = hold * np.maximum(1 + 2 * turn * chord * velocity / load, 0.0)
+    excess = (np.hypot(*force) - held).max(axis=0)
+    first = int(np.argmax(excess > 1e-6 * hold))
+    begin = float(np.interp(0.0, excess[first - 1 : first + 1], amplitude[first - 1 : first + 1])) if first else alone
+    return begin if begin < _NOTABLE * alone else math.inf
+
+
+_NOTABLE = 0.99
+"""Share of the amplitude that moves a ball along x below which it counts that something moves it before."""
+
+
 OUT_OF_REACH = 1e3
 """Amplitude [m] from which on a ball that would move there counts as one that never does."""
 

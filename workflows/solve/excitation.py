@@ -394,6 +394,7 @@ class _Balance:
         )
         free, frequency = free_vibration(system), system.stuck_frequency
         moves = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
+        moves *= coupling.resting_share(system, resting) if modes_at_crossing(resting, crossing)[1] == 0 else 1.0
         twice_zeta = free.dashpot / math.sqrt(system.stiffness[0] * system.modal_mass)
         stiffness = bare.modal_mass * (2 * math.pi * crossed_hertz(at, crossing)) ** 2
         without = force_at_cavity(bare, alone, ball=False) / (twice_zeta * stiffness)

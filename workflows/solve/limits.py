@@ -188,6 +188,8 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
     reason = Reason.NONE if most is not None else _idle(results, point)
     if weight_governs(point) and reason != Reason.FILLED:
         return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
+    if reason == Reason.SIDEWAYS:
+        return Verdict.without_figures(Grade.UNKNOWN, reason)
     if most is None:
         moves = reason in (Reason.LOSSLESS, Reason.NOT_FOUND)
         return Verdict.without_figures(Grade.NEGLIGIBLE if moves else Grade.LOCKED, reason, 0.0)
@@ -227,7 +229,9 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
     damper, figures = results.scene.damper, point.damping_curve
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
-    if figures is None or math.isinf(figures.cutoff):
+    if figures is not None and figures.driven_from is not None and figures.cutoff < (endured(results) or math.inf):
+        return Reason.SIDEWAYS
+    if figures is None or math.isinf(figures.drives_from):
         return Reason.TILT
     limit = endured(results)
     if figures.peak > ROUNDING and limit is not None and figures.cutoff >= limit:
@@ -381,7 +385,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         return None
     if limit is None:
         return Remedy(figures.cutoff)
-    ease = limit / figures.cutoff
+    ease = limit / figures.drives_from
     dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
     slope = dent + lean
     radius = (
@@ -394,7 +398,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         _eased(results, point, ease),
         radius if 2 * radius < room(results.scene) else math.nan,
         _slower(results, point, rolls + slope, limit),
-        figures.cutoff * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
+        figures.drives_from * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
     )
 
 
@@ -404,7 +408,9 @@ def friction_that_moves(results: Results, reduction: VibrationReduction) -> floa
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
     near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
-    return _eased(results, near, reduction.endured_level / reduction.moves_from)
+    own = near.damping_curve
+    alone = own.cutoff / own.drives_from if own is not None and own.driven_from is not None else 1.0
+    return _eased(results, near, alone * reduction.endured_level / reduction.moves_from)
 
 
 def _dent(results: Results, point: SpeedPoint) -> float:

@@ -187,7 +187,8 @@ class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
     error: Annotated[float, quantity("1", alone="working_error", headline=True)]
-    """of the peak and of `half`, relative: spread of the measurement, and effect of its pace"""
+    """of the peak and of `half`, relative: spread of the measurement, effect of its pace, and chance in where growing
+    vibration begins to bounce"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
     least of starts at rest in the middle or rolling about it"""
@@ -213,6 +214,9 @@ class OwnFigures(Figures):
     """cut-off of a ring-down with the tilt that the scene leaves out; null: the ball never moves"""
     tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
     """that over load_g"""
+    driven_from: Annotated[MaybeUnknown, quantity("m")] = field(default=None, repr=False)
+    """amplitude from which on a ball at rest moves along x, where it may move sideways below, from the cut-off on, by
+    Coriolis forces or under a stagger; else null"""
 
     @property
     def ways_differ(self) -> bool:
@@ -221,11 +225,27 @@ class OwnFigures(Figures):
 
     @classmethod
     def of(
-        cls, measured: damper.DampingCurve, tilt_share: float = 0.0, level: Figures | None = None, **more: Any
+        cls,
+        measured: damper.DampingCurve,
+        tilt_share: float = 0.0,
+        level: Figures | None = None,
+        sideways: float = math.inf,
+        **more: Any,
     ) -> OwnFigures:
-        """Those that were measured, with what else is known of the floor."""
-        more |= {way: copy_fields(Figures, getattr(measured, way) or measured) for way in OTHER_WAYS}
+        """Those that were measured, with what else is known of the floor.
+
+        `sideways`: amplitude from which on a ball at rest moves sideways first [m].
+        """
+        ways = {way: getattr(measured, way) or measured for way in OTHER_WAYS}
+        more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, sideways)) for way, each in ways.items()}
+        if sideways < measured.cutoff:
+            more |= {"driven_from": measured.cutoff, "cutoff": sideways}
         return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
+
+    @property
+    def drives_from(self) -> float:
+        """Amplitude from which on a ball at rest moves along x [m]."""
+        return self.cutoff if self.driven_from is None else self.driven_from
 
 
 OTHER_WAYS = ("from_above", "slow_ramp", "abrupt_start")
@@ -274,6 +294,7 @@ class Reason(StrEnum):
     LOSSLESS = "no_loss"
     NOT_FOUND = "not_found"
     WEIGHT = "ball_weight"
+    SIDEWAYS = "sideways"
     SLIP = "slip"
     PRINTED = "printed_equations"
     DENSITY = "ball_density"
@@ -302,8 +323,8 @@ class Verdict:
     reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
     endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the drive), no_loss,
-    not_found, ball_weight, slip, printed_equations, ball_density, root_stress, contact (ball or floor yields fully
-    under the load)"""
+    not_found, ball_weight, sideways (it moves so first, which is not counted), slip, printed_equations,
+    ball_density, root_stress, contact (ball or floor yields fully under the load)"""
 
     @classmethod
     def without_figures(cls, grade: Grade, reason: Reason, damping_ratio: float | None = None) -> Verdict:

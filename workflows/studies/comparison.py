@@ -97,10 +97,12 @@ _MATERIAL, _DENSITY = "damper.ball_material", "damper.ball_density"
 
 
 def _keys(results: Results) -> dict[str, Any]:
-    """The resolved scene by dotted names, the density of a named material beside it."""
-    damper = results.scene.damper
+    """The resolved scene by dotted names, the ball's density among them, which follows from a material or a mass."""
     keys = dict(_flat(provenance.resolved_scene(results.scene, results.effects, results.theory)))
-    return keys if damper is None or damper.ball_density is None else keys | {_DENSITY: damper.ball_density}
+    damper = results.scene.damper
+    if damper is None or damper.balls is None:
+        return keys
+    return keys | {_DENSITY: damper.ball_density or float(f"{damper.density(damper.balls):.3g}")}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -165,11 +167,11 @@ def text(comparison: Comparison) -> str:
 
 
 def _legend(comparison: Comparison) -> list[str]:
-    """What the marks in the table stand for, and in which of the runs floors are level for a part of it."""
-    runs = [(name, each) for name, each in zip(comparison.names, comparison.results, strict=True) if each.scene.damper]
-    lines = [line for _, each in runs for line in (*remarks.cutoff_legend(each), *remarks.legend(each))]
-    level = {name: line for name, each in runs for line in remarks.level_legend(each)}
-    return [*dict.fromkeys(lines), *(f"{name}: {line}" for name, line in level.items())]
+    """What the marks in the table stand for; what it leaves open of a run, after the name of that."""
+    runs = zip(comparison.names, comparison.results, strict=True)
+    lines = [(name, line) for name, results in runs for line in remarks.legend(results)]
+    lines.sort(key=lambda each: each[1][0] not in remarks.MARKS)
+    return list(dict.fromkeys(line if line[0] in remarks.MARKS else f"{name}: {line}" for name, line in lines))
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:

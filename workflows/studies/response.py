@@ -335,6 +335,8 @@ def _passage(
     if isinstance(system, str):
         return system
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
+    share = coupling.resting_share(system, at) if axis == 0 else 1.0
+    figures = damper_stage.figures(system)
     omega = _speeds(solver, crossing, at, resting)
     states = _steady_states(solver, crossing, forcing, omega, axis)
     for _ in range(_ROUNDS):
@@ -351,8 +353,8 @@ def _passage(
             forces=forcing.levels,
             states=states,
             reduction=reduction,
-            least_force=float((levels * states.moves_from).min()),
-            figures=damper_stage.figures(system),
+            least_force=share * float((levels * states.moves_from).min()),
+            figures=replace(figures, cutoff=share * figures.cutoff),
         )
 
 

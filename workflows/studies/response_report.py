@@ -170,8 +170,10 @@ def sentences(result: Response) -> list[str]:
     not_followed = [each for each in result.results.reductions if each.reason == Reason.NOT_DRIVEN]
     reductions = *(confirmed(result, passage) for passage in result.passages), *not_followed
     answer = verdict.of_orders(replace(result.results, reductions=reductions))
-    for proviso in remarks.misfit(result.results.scene, result.results.speeds):
-        answer[0] += f" {capital(proviso)}."
+    if any(not each.reason for each in reductions):
+        answer[0] += "".join(
+            f" {capital(each)}." for each in remarks.misfit(result.results.scene, result.results.speeds)
+        )
     answer += _added(result)
     speeds = _speeds(result)
     for passage in result.passages:
@@ -262,11 +264,18 @@ def text(result: Response) -> str:
     heads = ("order", "mode", "largest at, rpm", unit, "without, mm", "with, mm", "ratio", "regime", "hits")
     table = aligned([(*heads, "estimated ratio", "estimate off, %"), *(_cells(result, row) for row in every)])
     marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
+    marked += rough(result)
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
     values = {"rows": best_rows(result), "zeta": zeta, "unit": result.excitation.unit}
     added = templates.said("response/added", ball_count(result), **values) if zeta else []
     return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *added])
+
+
+def rough(result: Response) -> list[str]:
+    """Where estimated ratios are rough."""
+    loose = [each.crossing for each in result.passages if each.reduction.loose]
+    return templates.said("response/rough", ball_count(result), crossings=loose) if loose else []
 
 
 def best_rows(result: Response) -> list[Row]:
@@ -336,9 +345,11 @@ def _crossing(c: Crossing) -> dict[str, Any]:
 
 def _entry(result: Response, row: Row) -> dict[str, Any]:
     c, target, estimate = row.passage.crossing, result.results.scene.accuracy.damping, None
+    ratio = None if ratio_cell(result, row) == DASH else row.ratio
     if row.estimate is not None and row.difference is not None:
-        estimate = {"amplitude": row.estimate.amplitude, "ratio": row.estimate.ratio, "difference": row.difference}
-        estimate["suffices"] = abs(row.difference) <= target
+        off = None if ratio is None else row.difference
+        estimate = {"amplitude": row.estimate.amplitude, "ratio": row.estimate.ratio, "difference": off}
+        estimate["suffices"] = off is not None and abs(off) <= target
     return _crossing(c) | {
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
@@ -349,7 +360,8 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "amplitude": {name: getattr(row, name) for name in ("least", "mean", "rms", "greatest")},
         "amplitude_error": row.error,
         "smallest_answer": row.smallest,
-        **{name: getattr(row, name) for name in ("ratio", "stress_without", "stress_with", "regime", "hits_per_cycle")},
+        "ratio": ratio,
+        **{name: getattr(row, name) for name in ("stress_without", "stress_with", "regime", "hits_per_cycle")},
         "power_in": finite(row.power_in),
         "power_lost": finite(row.power_lost),
         "shortcut": estimate,
@@ -413,4 +425,5 @@ def render(result: Response) -> str:
         ratio_cell=partial(ratio_cell, result),
         mark=remarks.BEYOND,
         marked=remarks.BEYOND_MEANS,
+        rough=rough(result),
     )

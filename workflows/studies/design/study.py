@@ -103,7 +103,7 @@ class Designs:
             if self._path is not None:
                 with self._path.open("a", encoding="utf-8") as file:
                     file.writelines(f"{json.dumps([key, asdict(each)])}\n" for key, each in scores.items())
-            self._progress(f"{self.count} designs, {self._best()}")
+            self._progress(f"{self.count} design{'s' if self.count > 1 else ''}, {self._best()}")
         return [self._scores[key] for key in keys]
 
     def _best(self) -> str:

@@ -3,9 +3,10 @@
 import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
@@ -43,11 +44,16 @@ class Changes:
 
 
 def changes(
-    own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool, judged: Collection[float] = ()
+    own: tuple[SpeedPoint, ...],
+    other: tuple[SpeedPoint, ...],
+    *,
+    own_has_it: bool,
+    judged: Mapping[float, int] = MappingProxyType({}),
 ) -> Changes:
     """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run.
 
-    Speeds [rev/min] other than those judged are left out, unless there is none of these.
+    Speeds [rev/min] other than those judged, with the rank of their verdicts, are left out, unless there is none of
+    these; and for the ball's damping those at which it does nothing within what the structure endures.
     """
     mine, others = ({point.rpm: point for point in points} for points in (own, other))
     pairs: dict[str, list[_Pair]] = defaultdict(list)
@@ -55,7 +61,8 @@ def changes(
     for rpm in [rpm for rpm in common if rpm in judged] or common:
         for name, values in _values(mine[rpm], others[rpm]).items():
             with_it, without = values if own_has_it else values[::-1]
-            pairs[name].append((rpm, with_it, without))
+            if name != "ball_damping_ratio" or judged.get(rpm) != 0 or not any(judged.values()):
+                pairs[name].append((rpm, with_it, without))
     relative: dict[str, float | None] = dict.fromkeys(pairs)
     at, error = {}, {}
     for name, both in pairs.items():
@@ -273,14 +280,15 @@ _PERTURBED, _WITHIN = 1e-9, 2.0
 """Relative change of the clearance that measures the scatter, and how many times the scatter an effect exceeds."""
 
 
-def _judged(state: structure.StructureState) -> set[float]:
-    """The speeds [rev/min] at which the damper has a verdict."""
-    speeds = limits.with_verdicts(state.with_pictures().results()).speeds
-    return {point.rpm for point in speeds if point.verdict is not None and point.verdict.rank >= 0}
+def _judged(state: structure.StructureState) -> dict[float, int]:
+    """The speeds [rev/min] at which the damper has a verdict, and its rank; only given meshes need their surface."""
+    results = (state if state.source.mesh is None else state.with_pictures()).results()
+    ranks = {point.rpm: point.verdict.rank for point in limits.with_verdicts(results).speeds if point.verdict}
+    return {rpm: rank for rpm, rank in ranks.items() if rank >= 0}
 
 
 def _scatter(
-    points: tuple[SpeedPoint, ...], run: Callable[..., structure.StructureState], judged: set[float]
+    points: tuple[SpeedPoint, ...], run: Callable[..., structure.StructureState], judged: Mapping[float, int]
 ) -> dict[str, float]:
     """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""
     scatter: dict[str, float] = {}
@@ -296,7 +304,7 @@ def _change_of(
     row: EffectChange,
     effects: dict[str, bool],
     own: tuple[SpeedPoint, ...],
-    judged: set[float],
+    judged: Mapping[float, int],
     run: Callable[..., structure.StructureState],
 ) -> EffectChange:
     """The row of an effect, filled in by a run with it the other way."""
@@ -380,7 +388,7 @@ def draw(switches: EffectStudy) -> str:
             left.plot([abs(change)], [place], "o", color=colour, ms=4)
             # Heights of their own, since lines of one text come out ragged in a browser.
             labels += [(place + 0.2, name)]
-            size = f"{formatting.significant(100 * change, 2)} % {_at([row.rpm[quantity]])}"
+            size = f"{_size(change)} {_at([row.rpm[quantity]])}"
             labels += [(place - 0.2, f"{quantity.replace('_', ' ')}, {size}")]
         else:
             labels.append((place, name))
@@ -427,7 +435,7 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     more = dict.fromkeys(name for row in switches.rows for name in _more(row))
     columns = ("effect", "on", "called_for", *times, *quantities, *more, "remarks", "failed")
     constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
-    constant |= {"largest": _largest, "whole": whole}
+    constant |= {"largest": _largest, "whole": whole, "size": _size}
     return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),
@@ -452,7 +460,7 @@ def _largest(row: EffectChange) -> tuple[str, str]:
     """The largest change of a row, and of what and at which speed it is; or why there is none."""
     if row.largest is not None:
         quantity, change = row.largest
-        return f"{formatting.significant(100 * change, 3)} %", f"{quantity} {_at([row.rpm[quantity]])}"
+        return _size(change, 3), f"{quantity} {_at([row.rpm[quantity]])}"
     if row.failed is not None or not row.changes:
         return "no numbers", ""
     if lost := _scattered(row):
@@ -460,12 +468,23 @@ def _largest(row: EffectChange) -> tuple[str, str]:
     return ("on one side" if None in row.changes.values() else "none"), ""
 
 
+_MANIFOLD = 10.0
+"""Relative change from which on it is shown as a factor."""
+
+
+def _size(change: float, digits: int = 2) -> str:
+    """A relative change in percent; one beyond tenfold as a factor."""
+    if change < _MANIFOLD:
+        return f"{formatting.significant(100 * change, digits)} %"
+    return f"× {formatting.significant(1 + change, digits)}"
+
+
 def _scattered(row: EffectChange) -> list[str]:
     """Quantities whose change is no more than the scatter of chaotic motion, or their own error."""
     each: dict[str, list[str]] = defaultdict(list)
     for name, change in row.changes.items():
         if change and abs(change) > _ROUNDING and (bound := row.within(name)):
-            each[bound].append(f"{name} {formatting.significant(100 * change, 2)} %")
+            each[bound].append(f"{name} {_size(change)}")
     return [f"within {bound}: {', '.join(names)}" for bound, names in each.items()]
 
 
