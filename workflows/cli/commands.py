@@ -260,6 +260,7 @@ def modes(
     """
     from workflows import pipeline
     from workflows.io import modes as files
+    from workflows.report import text
 
     if out is not None:
         files.named(out, "--out")
@@ -267,7 +268,7 @@ def modes(
         model = pipeline.modes(_load(scene), stages)
     if out is not None:
         files.save_modes(model, out, "--out")
-    typer.echo(files.dumps(model) if json else files.text(model, out))
+    typer.echo(files.dumps(model) if json else text.of_modes(model, out))
 
 
 @_commands.command()
@@ -288,9 +289,10 @@ def view(
     """
     import webbrowser
 
-    from workflows.report import mode_viewer, viewer
+    from workflows.report import figures, mode_viewer, viewer
     from workflows.report.page import writable
     from workflows.scene.load import slug
+    from workflows.scene.scene import as_typed, omega_of
 
     if out is not None:
         target = writable(out, "--out")
@@ -303,8 +305,13 @@ def view(
             raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
         typer.echo(f"open {page}")
         return
-    data = viewer.of(what, rpm)
-    first, number = viewer.chosen(data, rpm, mode)
+    omega, first, number = None if rpm is None else omega_of(rpm), 0, 0
+    data = viewer.of(what, omega)
+    if data.surface.at:
+        row = figures.chosen(data.surface, data.speeds, omega, mode, ("--rpm", "--mode"))
+        first, number = data.surface.at[row], mode - 1
+    elif rpm is not None:
+        raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
     if json:
         if out is not None:
             viewer.write(data, out, first, number)

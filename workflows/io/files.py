@@ -63,7 +63,7 @@ def campbell(results: Results) -> list[Curve]:
     for branch in branches(results):
         points = [(results.speeds[at].rpm, results.speeds[at].modes[place].frequency_hz) for at, place in branch.places]
         rpm, frequency = np.array(points).T
-        name = f"campbell_{_slug(branch.family)}_{branch.number}"
+        name = f"campbell_{''.join(c if c.isalnum() else '_' for c in branch.family)}_{branch.number}"
         curves.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
     return curves
 
@@ -153,10 +153,6 @@ def speed_tag(point: SpeedPoint) -> str:
     return f"{point.rpm:.13g}rpm"
 
 
-def _slug(text: str) -> str:
-    return "".join(c if c.isalnum() else "_" for c in text)
-
-
 _SPEED = "rpm"
 """The dimension of speeds."""
 
@@ -200,7 +196,9 @@ def write_netcdf(results: Results, path: Path) -> None:
 
     variables, content = _variables(results), io.BytesIO()
     with h5netcdf.File(content, "w") as file:
-        file.dimensions = _sizes(variables)
+        file.dimensions = dict(
+            pair for dims, each, _ in variables.values() for pair in zip(dims, each.shape, strict=True)
+        )
         for name, (dims, values, attributes) in variables.items():
             missing = np.nan if values.dtype.kind == "f" else None
             kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
@@ -238,10 +236,6 @@ def _variables(results: Results) -> dict[str, _Variable]:
     for each in variables:
         sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
     return {each.quantity.name: _variable(each, sizes) for each in variables}
-
-
-def _sizes(variables: dict[str, _Variable]) -> dict[str, int]:
-    return {name: size for dims, values, _ in variables.values() for name, size in zip(dims, values.shape, strict=True)}
 
 
 def global_attributes(results: Results) -> dict[str, str]:

@@ -272,12 +272,9 @@ def _one_at_a_time() -> Iterator[None]:
 
 def _prefix(target: Path) -> str:
     """How the names of scratch folders begin; short enough for a file system that takes the folder's own name."""
-    name = target.name if len(os.fsencode(target.name)) <= _LONGEST_NAME else _digest(target.name)
+    name, written = target.name, os.fsencode(target.name)
+    name = name if len(written) <= _LONGEST_NAME else hashlib.sha256(written).hexdigest()[:16]
     return f".{name}.{platform.node()[:64]}-"
-
-
-def _digest(name: str) -> str:
-    return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
 
 
 def _remove_leftovers(target: Path) -> None:

@@ -1,4 +1,4 @@
-"""The neutral file of a structure's modes, and what is printed of them."""
+"""The neutral file of a structure's modes."""
 
 import json
 import os
@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from fem.modal_files import document, write
-from fem.modal_model import ModalModel, families
+from fem.modal_model import ModalModel
 from workflows.errors import BadInput
-from workflows.formatting import aligned, amount, fixed
 from workflows.io.folder import replacing_file, unwritable
-from workflows.solve.results import rounded_rpm
 
 
 def named(file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -49,18 +47,3 @@ def dumps(model: ModalModel) -> str:
     """The neutral file as JSON."""
     plain = {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in document(model).items()}
     return json.dumps(plain, allow_nan=False)
-
-
-def text(model: ModalModel, file: Path | None) -> str:
-    """What a person reads: frequencies and families at each speed."""
-    rows = [("rpm", "mode", "Hz", "family")]
-    for modes in model.speeds:
-        names = families(model, modes)
-        rows += [
-            (fixed(rounded_rpm(modes.omega)) if k == 0 else "", str(k + 1), amount(float(hz)), name)
-            for k, (hz, name) in enumerate(zip(modes.frequencies_hz, names, strict=True))
-        ]
-    lines = [f"Real modes, without Coriolis forces, at {len(model.points)} nodes", "", *aligned(rows)]
-    if file is not None:
-        lines += ["", f'name it in a scene: [structure] modes = "{file}"']
-    return "\n".join(lines)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from base64 import b64encode
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.rotor import from_rpm
 from workflows.errors import BadInput
-from workflows.formatting import amount, significant
+from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
@@ -298,7 +299,7 @@ def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colou
 def _title(whole: Axes, part: Axes, lines: list[files.Curve], results: Results) -> None:
     """Titles, the range of the axis, and what the paper reports."""
     top = 100 * max(float(line.y.max()) for line in lines)
-    if part is not whole and any(paper.row(results.scene, point.load_g) for point in results.speeds):
+    if part is not whole and paper.is_known(results.scene, (point.load_g for point in results.speeds)):
         low, high = (100 * value for value in paper.SDC_RANGE)
         whole.axhspan(low, high, color=plots.RULE, lw=0)
         middle = (0.97, (low + high) / 2)
@@ -694,8 +695,8 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = surface.row(middle_speed(self.results.speeds))
-        row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
+        omega = None if rpm is None else from_rpm(rpm)
+        row = chosen(surface, self.results.speeds, omega, number, ("rpm", "number"))
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
         title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
@@ -716,19 +717,19 @@ class Plots:
 
 
 def chosen(
-    surface: Surface, speeds: Sequence[SpeedPoint], row: int, rpm: float | None, number: int, keys: tuple[str, str]
+    surface: Surface, speeds: tuple[SpeedPoint, ...], omega: float | None, number: int, keys: tuple[str, str]
 ) -> int:
-    """Which of the speeds kept is meant, `row` where none is named; `number`: of a mode there, from 1.
+    """Which of the speeds kept is meant [rad/s], the middle one where none is named; `number`: of a mode, from 1.
 
     Raises:
         BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
     """
-    speeds_shown = [speeds[number].rpm for number in surface.at]
-    if rpm is not None:
-        row = min(range(len(speeds_shown)), key=lambda k: abs(speeds_shown[k] - rpm))
-        if abs(speeds_shown[row] - rpm) > _SAME * max(rpm, 1.0):
-            problem = f"expected a speed with shapes: {', '.join(map(amount, speeds_shown))} rpm"
-            raise BadInput(problem, key=keys[0], value=as_typed(rpm))
+    row, kept = surface.row(middle_speed(speeds)), [speeds[at] for at in surface.at]
+    if omega is not None:
+        row = min(range(len(kept)), key=lambda k: abs(kept[k].omega - omega))
+        if abs(kept[row].omega - omega) > _SAME * max(omega, from_rpm(1.0)):
+            problem = f"expected a speed with shapes: {', '.join(amount(point.rpm) for point in kept)} rpm"
+            raise BadInput(problem, key=keys[0], value=as_typed(rounded_rpm(omega)))
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row

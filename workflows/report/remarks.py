@@ -217,7 +217,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         "effects": {of: [assumed[name] for name in assumed if EFFECTS[name].of == of] for of in ("plate", "damper")},
         "known": KNOWN,
         "strengths": [name for name in strengths if name is not None and KNOWN[name].strength],
-        "table_two": any(paper.row(scene, point.load_g) for point in results.speeds),
+        "table_two": paper.is_known(scene, (point.load_g for point in results.speeds)),
         "kirchhoff": _is(results, "kirchhoff"),
     }
     lines = templates.said("remarks/assumptions", **of)

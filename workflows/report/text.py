@@ -10,9 +10,10 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, share, significant
+from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, rounded_rpm, share, significant
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
@@ -101,6 +102,18 @@ def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
         significant(1e3 * figures.peak_amplitude if figures else None),
         fixed(damping.impacts),
     )
+
+
+def of_modes(model: ModalModel, file: Path | None) -> str:
+    """Frequencies and families at each speed of the modes that a neutral file has."""
+    table: list[tuple[str, ...]] = [("rpm", "mode", "Hz", "family")]
+    for modes in model.speeds:
+        table += [
+            (fixed(rounded_rpm(modes.omega)) if k == 0 else "", str(k + 1), amount(float(hz)), name)
+            for k, (hz, name) in enumerate(zip(modes.frequencies_hz, families(model, modes), strict=True))
+        ]
+    lines = [f"Real modes, without Coriolis forces, at {len(model.points)} nodes", "", *aligned(table)]
+    return "\n".join([*lines, *(["", f'name it in a scene: [structure] modes = "{file}"'] if file is not None else [])])
 
 
 class Shown(Results):

@@ -17,9 +17,9 @@ from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
 from workflows.report.page import put
-from workflows.report.templates import from_template, script
+from workflows.report.templates import from_template
 from workflows.scene import load
-from workflows.scene.scene import Scene, as_typed, omega_of
+from workflows.scene.scene import Scene
 from workflows.solve import resources
 from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
 
@@ -59,13 +59,14 @@ def numbers(surface: Surface) -> dict[str, Any]:
     angles = _angles(corners)
     low, high = points.min(axis=0), points.max(axis=0)
     ends = points[surface.root]
+    held = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     bad = (angles < _SHARP).any(axis=1) | (angles > _BLUNT).any(axis=1)
     return {
         "kind": surface.cells[0],
         "cells": len(cells),
         "points": len(points),
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
-        "root": {"x": float(low[0]), "edges": len(ends), "length": float(_length(ends))},
+        "root": {"x": float(low[0]), "edges": len(ends), "length": float(held.sum())},
         "holes": len(mode_viewer.loops(surface.outline)) - 1,
         "edges": {
             "shortest": float(sides.min()),
@@ -86,10 +87,6 @@ def _angles(corners: Floats) -> Floats:
     on, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     cosine = (on * back).sum(axis=2) / np.linalg.norm(on, axis=2) / np.linalg.norm(back, axis=2)
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
-
-
-def _length(ends: Floats) -> float:
-    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
 
 
 def _mm(metres: float) -> str:
@@ -145,21 +142,6 @@ def of_plate(
         facts=(*known, *words),
         numbers={"damper": place, **numbers},
     )
-
-
-def chosen(view_data: ViewData, rpm: float | None, mode: int) -> tuple[int, int]:
-    """Which speed of the run (`SpeedPoint`) and which mode, from 0, are asked for; the middle speed by default.
-
-    Raises:
-        BadInput: there is no such mode, or no shape was kept at that speed.
-    """
-    at = view_data.surface.at
-    if not at:
-        if rpm is not None:
-            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
-        return 0, 0
-    row = figures.chosen(view_data.surface, view_data.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
-    return at[row], mode - 1
 
 
 _LONGEST = 5.0
@@ -252,7 +234,7 @@ def _known(diagram: Diagram, theory: Theory | None) -> tuple[tuple[str, str], ..
     return (("mesh", diagram.mesh), *((("theory", theory.name),) if theory is not None else ()))
 
 
-def data_of_scene(scene: str, rpm: float | None) -> ViewData:
+def data_of_scene(scene: str, omega: float | None) -> ViewData:
     """The plate of a scene with its modes.
 
     Raises:
@@ -261,8 +243,8 @@ def data_of_scene(scene: str, rpm: float | None) -> ViewData:
     source = load.load(scene)
     if source.scene.given is not None:
         raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
-    if rpm is not None:
-        source = source.changed(rotor={"speeds": (omega_of(rpm),)})
+    if omega is not None:
+        source = source.changed(rotor={"speeds": (omega,)})
     resources.check(source)
     with Stages() as stages:
         state = pipeline.structure(source, stages)
@@ -286,8 +268,8 @@ def page_of_study(target: str) -> Path | None:
     return page if whose and page.is_file() else None
 
 
-def of(target: str, rpm: float | None = None) -> ViewData:
-    """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
+def of(target: str, omega: float | None = None) -> ViewData:
+    """What a folder of results, a scene or a mesh file shows; `omega`: the one speed that a scene is solved at [rad/s].
 
     Raises:
         BadInput: it is none of these, or it has no plate.
@@ -304,7 +286,7 @@ def of(target: str, rpm: float | None = None) -> ViewData:
         return data_of_mesh(path)
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
-    return data_of_scene(target, rpm)
+    return data_of_scene(target, omega)
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)
@@ -327,7 +309,7 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
             above, None if view_data.mark is None else (view_data.mark[0], view_data.mark[1]), view_data.root
         )
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    return from_template("view.html.j2", view_data=view_data, view=seen, still=still, script=script("viewer.js"))
+    return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
 
 
 def thinned(seen: mode_viewer.View) -> str:

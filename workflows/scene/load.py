@@ -372,12 +372,19 @@ def _unknown(error: Any, loc: list[str]) -> str:
     shape = hints["also_called"].get(loc[-1], loc[-1])
     if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
         return f": {hints['shape'][shape]}"
-    if instead := hints["keys"].get(".".join(loc)) or hints["keys"].get(loc[-1]):
-        return f": {instead}"
+    if hint := instead(loc):
+        return hint
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
     return did_you_mean(loc[-1], _fields(loc[:-1])) or _belongs(loc[-1])
+
+
+def instead(loc: list[str]) -> str:
+    """What a scene has instead of a key that people take for one; empty where nothing is known."""
+    keys = _hints()["keys"]
+    hint = keys.get(".".join(loc)) or keys.get(loc[-1])
+    return f": {hint}" if hint else ""
 
 
 def _meant(loc: list[str]) -> str:

@@ -552,11 +552,19 @@ _OF_A_PLATE = {
 
 
 _OF_A_MESH = {
+    "rotor.radius": "the file knows where its nodes are: give origin, a point on the axis",
     "excitation.pressure": "modes do not describe the surface that a pressure acts on: expected force or base",
     "damper.housing": "the modes already include all that the structure carries: leave this out",
     "design.place": "only plates allow a range of places: leave this out",
 }
 """Keys that a structure of known modes leaves as they are, and why."""
+
+
+_OF_SPACE = dict.fromkeys(
+    ("rotor.axis", "rotor.origin", "damper.direction", "damper.normal", "excitation.at"),
+    "belongs to a structure in space, such as one of known modes",
+)
+"""Keys of structures in space alone, and what is said of them elsewhere."""
 
 
 class Scene(Table):
@@ -674,8 +682,6 @@ class Scene(Table):
             )
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
-        if self.rotor.radius is not None:
-            raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
         self._require_defaults(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
@@ -690,23 +696,11 @@ class Scene(Table):
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
-        if self.rotor.radius is not None:
-            raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
-        self._forbid_space_keys()
+        self._require_defaults({"rotor.radius": "belongs to a [structure]; a plate takes hub_radius and [damper] at"})
+        self._require_defaults(_OF_SPACE)
         at = None if self.damper is None else self.damper.at
         if at is not None and (not isinstance(at, tuple) or len(at) != 2):
             raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
-
-    def _forbid_space_keys(self) -> None:
-        """The keys of structures in space alone are left out."""
-        for table, names in {
-            "rotor": ("axis", "origin"),
-            "damper": ("direction", "normal"),
-            "excitation": ("at",),
-        }.items():
-            for name in names:
-                if getattr(getattr(self, table), name, None) is not None:
-                    raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
     def _check_damper(self) -> None:
         if self.damper is None and self.release is not None:
@@ -723,7 +717,7 @@ class Scene(Table):
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-        self._forbid_space_keys()
+        self._require_defaults(_OF_SPACE)
         self._check_tilt(self.damper, structure.floor_tilt)
         check_weight(self.damper, structure.mass)
         self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")

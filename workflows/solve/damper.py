@@ -150,10 +150,10 @@ def most_cycles(system: damper.ParticleDamper) -> int:
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
     """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
-    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
+    if coupling.tilts(effects) or point.tilt_share == 0.0 or scene.damper is None:
         return None
     consistent = scene.changed(damper={"formulation": "consistent"})
-    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
+    return particle_damper(consistent, coupling.tilting(effects), point)
 
 
 def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:
@@ -195,8 +195,9 @@ def particle_damper(
             **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
-        tilts = scene.given is not None and str(error).startswith("floor_tilt")
-        raise BadInput(str(error), key="[structure] floor_tilt" if tilts else "[damper]") from error
+        name = str(error).partition(" ")[0]
+        of_structure = scene.given is not None and name in type(scene.given).model_fields
+        raise BadInput(str(error), key=f"[structure] {name}" if of_structure else "[damper]") from error
     if system.modes is None:
         error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
         require("f1 is that of K1 and M1", "error of f1 [Hz]", error_hz, EXACT * reduced.f1_hz)
@@ -215,9 +216,12 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     Raises:
         BadInput: their materials are not known.
     """
-    hits = limits.hits(scene, point)
-    if scene.damper is not None and scene.damper.rolling_friction == "auto":
-        if limits.solids(scene) is None:
+    spec, reduced, made_of = scene.damper, point.reduced, limits.solids(scene)
+    assert spec is not None
+    assert reduced is not None
+    hits = spec.hits((reduced.M1 - reduced.M2) / spec.count, made_of)
+    if spec.rolling_friction == "auto":
+        if made_of is None:
             problem = "requires named materials of ball and floor: expected ball_material and floor_material"
             raise BadInput(problem, key="[damper] rolling_friction", value="auto")
         hits["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
@@ -233,6 +237,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
+    left = None if system.modes is None else motion.modal_energies
+    numbers = [] if left is None else [mode.number for mode in coupling.damper_modes(scene, point)]
     return copy_fields(
         Damping,
         motion,
@@ -249,21 +255,10 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
         energy=copy_fields(Energy, motion.energy),
-        modal_energies=_modal_energies(scene, system, point, motion),
+        modal_energies={} if left is None else dict(zip(numbers, left.tolist(), strict=True)),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
     )
-
-
-def _modal_energies(
-    scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, motion: damper.RingDown
-) -> dict[int, float]:
-    if system.modes is None or motion.modal_energies is None:
-        return {}
-    return {
-        mode.number: float(e)
-        for mode, e in zip(coupling.damper_modes(scene, point), motion.modal_energies, strict=True)
-    }
 
 
 def _history(motion: damper.RingDown) -> History:

@@ -31,7 +31,6 @@ from workflows.solve.results import (
     Mode,
     SpeedPoint,
     Surface,
-    rounded_rpm,
     speeds_with_shapes,
 )
 
@@ -77,6 +76,10 @@ class ModeAtSeat:
     mass: tuple[float | None, float | None]
     stiffness: tuple[float | None, float | None]
     floor_tilt: tuple[float | None, float | None]
+
+    def along(self, axis: int) -> tuple[float | None, ...]:
+        """The three along an axis of the cavity."""
+        return self.mass[axis], self.stiffness[axis], self.floor_tilt[axis]
 
 
 @dataclass(frozen=True)
@@ -137,14 +140,9 @@ class SpaceStructure:
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
-        point = SpeedPoint(
-            omega=omega,
-            rpm=rounded_rpm(omega),
-            radius=self.radius,
-            load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes])),
-            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
-        )
+        known = tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes]))
+        stress = None if self.root_stress is None else omega**2 * self.root_stress
+        point = SpeedPoint.at(omega, self.radius, scene.rotor.gravity, known, root_stress=stress)
         damper = scene.damper
         if damper is None or self.seat is None:
             return point

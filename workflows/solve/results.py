@@ -18,9 +18,10 @@ from pydantic_core import core_schema
 
 import fem
 from fem.meshes.planform import clamped_length, root_facets
-from fem.rotor import from_rpm, in_rpm
+from fem.rotor import from_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
+from workflows.formatting import rounded_rpm
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -665,6 +666,15 @@ class SpeedPoint:
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
 
+    @classmethod
+    def at(cls, omega: float, radius: float, gravity: float, modes: tuple[Mode, ...] = (), **more: Any) -> SpeedPoint:
+        """That of a speed [rad/s] and the damper's radius [m], with its load over g [m/s²]."""
+        return cls(omega, rounded_rpm(omega), radius, omega**2 * radius / gravity, modes, **more)
+
+    def excited_by(self, order: int) -> float:
+        """Frequency of an engine order at this speed [Hz]."""
+        return order * self.rpm / 60
+
     @property
     def followed(self) -> int | None:
         """Which of the modes, from 0, the damper follows, whatever its family; None where it is above those asked for.
@@ -779,11 +789,6 @@ class Results:
     timings: dict[str, float] = field(default_factory=dict)
 
 
-def rounded_rpm(omega: float) -> float:
-    """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{in_rpm(omega):.13g}")
-
-
 def middle_speed(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
@@ -877,13 +882,7 @@ def points(
     frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
     modes = tuple(map(Mode, frequencies, families, errors, _known(damping), branches))
     return tuple(
-        SpeedPoint(
-            omega=speed,
-            rpm=rounded_rpm(speed),
-            radius=radius,
-            load_g=speed**2 * radius / rotor.gravity,
-            modes=modes[n * count : (n + 1) * count],
-        )
+        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count])
         for n, speed in enumerate(omega.tolist())
     )
 

@@ -14,7 +14,7 @@ from workflows.io import provenance, serialise
 from workflows.io.files import as_table, campbell, finite
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
-from workflows.report.templates import from_template, in_percent
+from workflows.report.templates import from_template
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneFile, SceneLike, as_scene_file
 from workflows.solve import limits
@@ -266,7 +266,6 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
         marks=_legend(comparison),
         hollow=any(row["marks"][1] for row in rows(comparison)),
         figure=figure,
-        air=[in_percent(ratio) for ratio in limits.AIR],
     )
     return {
         "compare.csv": as_table(("rpm", "run", *_QUANTITIES, "cutoff_at_rest", *_SAID), map(_record, rows(comparison))),

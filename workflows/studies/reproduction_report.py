@@ -102,7 +102,6 @@ def render(reproduction: Reproduction) -> str:
         figures=draw(reproduction),
         closure=[(_joined(each.text for each in line.assumptions), line) for line in reproduction.closure],
         assumptions=TEXTS["assumptions"],
-        low=14.0,
     )
 
 

@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 import damper
-from fem.rotor import in_rpm
 from workflows.errors import during, read_from
-from workflows.formatting import whole
+from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -102,7 +101,7 @@ class Row:
 
     passage: Passage
     force: float
-    rpm: float
+    omega: float
     frequency: float
     without: float
     least: float
@@ -158,7 +157,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
     return Row(
         passage=passage,
         force=passage.forces[force],
-        rpm=in_rpm(float(passage.omega[speed])),
+        omega=float(passage.omega[speed]),
         frequency=passage.crossing.order * float(passage.omega[speed]) / (2 * np.pi),
         without=without,
         **{name: at(name) for name in _OF_A_ROW},
@@ -268,7 +267,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     forcing = excitation.excitation_of(source)
     resources.check(source)
     stages = stages or Stages()
-    source = excitation.with_forced_effects(source)
+    source = coupling.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.over_speed_range(solver).results(stages=stages)
     met = excitation.solved_crossings(solver, results.speeds, forcing)
@@ -278,19 +277,19 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     def estimates(of: Excitation) -> list[VibrationReduction]:
         found = []
         for each in met:
-            with during(_where(each[0])):
-                found.append(excitation.estimate(solver, results, *each, of))
+            with during(_where(each.crossing)):
+                found.append(excitation.estimate(solver, results, each, of))
         return found
 
     reductions = estimates(forcing)
     followed = with_best_levels(forcing, reductions)
     reductions = reductions if followed.levels == forcing.levels else estimates(followed)
     passages, not_followed = [], []
-    for (crossing, at, resting), reduction in zip(met, reductions, strict=True):
-        with during(_where(crossing)):
-            passage = _passage(solver, at, resting or at, crossing, followed, reduction)
+    for each, reduction in zip(met, reductions, strict=True):
+        with during(_where(each.crossing)):
+            passage = _passage(solver, each, followed, reduction)
         if isinstance(passage, str):
-            not_followed.append((crossing, passage))
+            not_followed.append((each.crossing, passage))
         else:
             passages.append(passage)
     if not passages:
@@ -300,7 +299,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
 
 
 def _where(crossing: Crossing) -> str:
-    return f"order {crossing.order} at {whole(crossing.rpm)} rpm"
+    return f"order {crossing.order} at {turning(crossing.omega)}"
 
 
 NEAR_BEST = 0.9
@@ -323,19 +322,15 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
 
 
 def _passage(
-    solver: StructureSolver,
-    at: SpeedPoint,
-    resting: SpeedPoint,
-    crossing: Crossing,
-    forcing: Excitation,
-    reduction: VibrationReduction,
+    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction
 ) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
+    crossing, at, _ = met
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
-    omega = _speeds(solver, crossing, at, resting)
+    omega = _speeds(solver, met)
     states = _steady_states(solver, crossing, forcing, omega, axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
@@ -369,8 +364,9 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
     return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
 
 
-def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting: SpeedPoint) -> Floats:
+def _speeds(solver: StructureSolver, met: excitation.Meeting) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
+    crossing, at, resting = met
     reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
@@ -379,7 +375,7 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
     per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
     count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
-    return resonance_speeds((resting.omega, crossing.omega), zeta * per_speed, ends, count)
+    return resonance_speeds(((resting or at).omega, crossing.omega), zeta * per_speed, ends, count)
 
 
 def _excited_dampers(

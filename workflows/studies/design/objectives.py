@@ -15,7 +15,6 @@ import numpy as np
 from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
 from damper.curve_measurement import SWEEPS, settled
 from damper.starts import Motions, motions_of
-from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -40,13 +39,13 @@ class Obstacle:
         kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
             `strain`, `deflection`, `slip`, `sticks_out` (the cavity, of a solid blade); or `refused`, for what a
             scene's checks say.
-        rpm: the speed that it is about [rev/min].
+        speed: that it is about [rad/s].
         value: the stress [Pa] or the friction that it takes, or how far a cavity sticks out [m].
         text: of what was refused, or the name of the limit.
     """
 
     kind: str
-    rpm: float = math.nan
+    speed: float = math.nan
     value: float = math.nan
     text: str = ""
 
@@ -92,16 +91,6 @@ class Evaluation:
     sticks_out: float = 0.0
     falling: float = math.nan
     greatest: float = math.nan
-
-    @property
-    def rpm(self) -> float:
-        """The speed at which the value is taken [rev/min]."""
-        return round(in_rpm(self.speed), 9)
-
-    @property
-    def cutoff_rpm(self) -> float:
-        """The speed at which the ball stays at rest up to the largest amplitude [rev/min]."""
-        return in_rpm(self.cutoff_speed)
 
     @property
     def impossible(self) -> bool:

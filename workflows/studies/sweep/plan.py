@@ -18,7 +18,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, parse, unit
+from workflows.scene.load import SceneFile, error_text, instead, parse, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -218,11 +218,10 @@ def _meant(path: str) -> str:
     homes = [name for name in every() if name.rpartition(".")[2] == field]
     if homes:
         return did_you_mean(path, homes) or f": did you mean '{homes[0]}'?"
-    if field in ("speed", "rpm"):
-        return f": did you mean '{SPEEDS}'?"
     if field in ("diameter", "ball_diameter"):
         return ": a ball is given by its radius: did you mean 'damper.radius'?"
-    return did_you_mean(path, (*every(), CLEARANCE)) or f": expected a key of a table, such as {SPEEDS}"
+    meant = instead(path.split(".")) or did_you_mean(path, (*every(), CLEARANCE))
+    return meant or f": expected a key of a table, such as {SPEEDS}"
 
 
 @dataclass(frozen=True)

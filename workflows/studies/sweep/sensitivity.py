@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.io.files import finite
 from workflows.scene.scene import Scene
 from workflows.solve import limits
 from workflows.solve.results import Floats
@@ -165,20 +164,6 @@ def with_indices(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
             parameter=xr.DataArray(np.array(names, dtype=object), dims="parameter"),
         )
     )
-
-
-def document(data: xr.Dataset) -> list[dict[str, Any]]:
-    """Percentiles and indices as plain data, an entry for each quantity and speed."""
-    entries = []
-    for quantity in QUANTITIES:
-        for k, rpm in enumerate(data["rpm"].values):
-            point = data.sel(quantity=quantity).isel({SPEEDS: k})
-            columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
-            indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
-            percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
-            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
-            entries.append(entry)
-    return entries
 
 
 def worth_measuring(data: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:
