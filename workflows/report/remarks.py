@@ -6,12 +6,10 @@ Numbers are found here; the sentences are the texts of the same names in `templa
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, wraps
 from itertools import groupby
-from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -208,7 +206,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
     theory = "" if results.theory is None else kind(results.theory.name).value
-    words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
+    words = templates.texts("assumptions")
     cases = {name: effect.assumed(scene, results.effects[name].on, theory) for name, effect in EFFECTS.items()}
     assumed = {name: words[name][case] for name, case in cases.items() if case in words.get(name, {})}
     strengths = dict.fromkeys(scene.contact_materials) if limits.solids(scene) is not None else ()
@@ -222,9 +220,6 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     }
     lines = templates.said("remarks/assumptions", **of)
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
-
-
-_ASSUMPTIONS = Path(__file__).parents[1] / "templates" / "assumptions.toml"
 
 
 PARTS = {

@@ -54,7 +54,7 @@ def _pages() -> Environment:
 def _texts(*, several: bool) -> Environment:
     def source(name: str) -> str:
         file, text = name.split("/")
-        return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], _file(file)[text])
+        return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], texts(file)[text])
 
     @pass_context
     def say(context: Context, name: str, **values: Any) -> str:
@@ -67,7 +67,8 @@ def _texts(*, several: bool) -> Environment:
 
 
 @cache
-def _file(name: str) -> dict[str, str]:
+def texts(name: str) -> dict[str, Any]:
+    """What a TOML file among the templates holds."""
     return tomllib.loads(_text(f"{name}.toml"))
 
 
@@ -126,6 +127,11 @@ def mm(length: float) -> str:
     return f"{formatting.significant(1e3 * length)} mm"
 
 
+def in_mm(length: float) -> str:
+    """A coordinate in mm."""
+    return formatting.significant(1e3 * length, 4)
+
+
 def in_percent(share: float) -> str:
     """A share in percent."""
     return formatting.significant(100 * share, 2)
@@ -149,5 +155,5 @@ _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
     formatting.apart,
-    *(at_load, at_speed, stretch, capital, millimetres, mm, in_percent, rounded, listed),
+    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
 )

@@ -6,17 +6,17 @@ import re
 import shutil
 import textwrap
 from dataclasses import fields
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, rounded_rpm, share, significant
+from workflows.formatting import aligned, amount, fixed, plain, revolutions, rounded_rpm, share, significant
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
+from workflows.report.templates import from_template
 from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 
 _MODES_AT_MOST = 8
-_ROWS_AT_MOST = 12
 
 
 def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
@@ -150,16 +149,15 @@ def brief(results: Results) -> str:
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
     answer, accuracy = verdict.answer(results), remarks.sentence(results)
-    sentences = " ".join(
-        answer.sentences if accuracy is None or accuracy in answer.sentences else (*answer.sentences, accuracy)
-    )
     heads, *lines = rows(results)
-    left_out = len(lines) - _ROWS_AT_MOST
-    more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
-    table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
-    return (
-        f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
-        f"<table>{table}</table>{more}{''.join(f'<p>{escape(each)}</p>' for each in _legend(results))}"
+    return from_template(
+        "notebook.html.j2",
+        head=_head(results),
+        answer=answer,
+        sentences=answer.sentences if accuracy in (None, *answer.sentences) else (*answer.sentences, accuracy),
+        heads=heads,
+        lines=lines,
+        legend=_legend(results),
     )
 
 
@@ -171,10 +169,6 @@ def _head(results: Results) -> str:
     if len(speeds) == 1:
         return f"{title}: 1 speed, {amount(speeds[0])} rpm"
     return f"{title}: {len(speeds)} speeds, {amount(min(speeds))} to {amount(max(speeds))} rpm"
-
-
-def _row(kind: str, cells: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
 
 
 @lawful()

@@ -17,7 +17,7 @@ from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
 from workflows.report.page import put
-from workflows.report.templates import from_template
+from workflows.report.templates import from_template, in_mm, said
 from workflows.scene import load
 from workflows.scene.scene import Scene
 from workflows.solve import resources
@@ -27,32 +27,14 @@ _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
 
 
-def facts(surface: Surface) -> tuple[tuple[tuple[str, str], ...], dict[str, Any]]:
-    """Name and words of each, and the same in SI for programs."""
-    values = numbers(surface)
-    (x0, x1), (y0, y1) = values["extent"]["x"], values["extent"]["y"]
-    least, middle, most = (significant(1e3 * values["edges"][name]) for name in ("shortest", "median", "longest"))
-    sharp, blunt = values["angles"]["least"], values["angles"]["greatest"]
-    odd = values["angles"]["odd_cells"]
-    words = [
-        ("cells", f"{whole(values['cells'])} {_KINDS[surface.cells[0]]}, {whole(values['points'])} points"),
-        ("extent", f"x {_mm(x0)} to {_mm(x1)} mm, y {_mm(y0)} to {_mm(y1)} mm"),
-        ("root", f"the edge at the smallest x, {_mm(x0)} mm: {whole(values['root']['edges'])} edges, "
-         f"{_mm(values['root']['length'])} mm long"),
-        ("holes", whole(values["holes"])),
-        ("edges of cells", f"{least} mm (shortest), {middle} (median), {most} (longest)"),
-        ("shape of cells", f"angles from {sharp:.0f}° to {blunt:.0f}°; longest side over shortest at most "
-         f"{significant(values['aspect'], 2)}"
-         + (f"; {whole(odd)} cells have an angle below {_SHARP:.0f}° or above {_BLUNT:.0f}°" if odd else "")),
-    ]  # fmt: skip
-    return tuple(words), values
-
-
-_KINDS = {"quad": "quadrilaterals", "triangle": "triangles"}
+def facts(text: str, values: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Name and words of each thing that was read."""
+    lines = said(f"view/{text}", sharp=_SHARP, blunt=_BLUNT, **values)
+    return tuple((name, words) for name, _, words in (line.partition(" | ") for line in lines))
 
 
 def numbers(surface: Surface) -> dict[str, Any]:
-    """The same as plain data: lengths in m, angles in degrees."""
+    """What was read of a plate as plain data: lengths in m, angles in degrees."""
     points, cells = surface.points[:, :2], surface.cells[1]
     corners = points[cells]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
@@ -89,10 +71,6 @@ def _angles(corners: Floats) -> Floats:
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def _mm(metres: float) -> str:
-    return significant(1e3 * metres, 4) if metres else "0"
-
-
 @dataclass(frozen=True, eq=False)
 class ViewData:
     """What is shown.
@@ -126,11 +104,12 @@ def of_plate(
 ) -> ViewData:
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
-    words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
+    known_of = {"points": len(surface.points)} if surface.frame is not None else numbers(surface)
+    words = facts("surface", known_of) if surface.frame is None else ()
     mark = mode_viewer.damper_mark(scene, surface)
     place = mark if surface.mark is None else tuple(surface.mark.tolist())
     if place is not None:
-        told = f"at {', '.join(map(_mm, place))} mm"
+        told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
     return ViewData(
         title=scene.title,
@@ -140,7 +119,7 @@ def of_plate(
         thickness=thickness if isinstance(thickness, float) else None,
         root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
-        numbers={"damper": place, **numbers},
+        numbers={"damper": place, **known_of},
     )
 
 
@@ -161,7 +140,7 @@ def data_of_mesh(path: Path) -> ViewData:
             return solid
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare_surface(mesh)
-    words, numbers = facts(surface)
+    read = numbers(surface)
     return ViewData(
         title=path.name,
         surface=surface,
@@ -169,8 +148,8 @@ def data_of_mesh(path: Path) -> ViewData:
         mark=None,
         thickness=None,
         root="clamped root",
-        facts=(*words, ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
-        numbers=numbers,
+        facts=(*facts("surface", read), ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
+        numbers=read,
     )
 
 
@@ -189,22 +168,14 @@ def _data_of_volume(path: Path) -> ViewData | None:
     outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
     surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
-    extent = ", ".join(f"{axis} {_mm(one)} to {_mm(other)} mm" for axis, (one, other) in zip("xyz", ends, strict=True))
-    cells = " and ".join(f"{whole(len(nodes))} {kind}" for kind, nodes in mesh.cells)
-    words = (
-        ("cells", f"{cells}, {whole(len(mesh.points))} points"),
-        ("extent", extent),
-        ("sets of nodes", ", ".join(mesh.sets) or "none"),
-        ("unit", "coordinates taken as " + ("m" if unit == "m" else "mm: a scene says [blade] unit = 'mm'")),
-    )
-    numbers = {
+    values = {
         "cells": {kind: len(nodes) for kind, nodes in mesh.cells},
         "points": len(mesh.points),
         "extent": dict(zip("xyz", ends, strict=True)),
         "sets": list(mesh.sets),
         "unit": unit,
     }
-    return ViewData(path.name, surface, (), None, None, "", words, numbers)
+    return ViewData(path.name, surface, (), None, None, "", facts("volume", values), values)
 
 
 def _unit(side: float) -> str:

@@ -393,7 +393,7 @@ def _meant(loc: list[str]) -> str:
     table = next((table for table in tables if loc[-1] in table.model_fields), None)
     if table is None:
         return ""
-    inner = _models(table.model_fields[loc[-1]])
+    inner = tables_of(table.model_fields[loc[-1]])
     needs = [name for table in inner for name, key in table.model_fields.items() if key.is_required()]
     needed = f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else ""
     return f": {docstrings.of_fields(table)[loc[-1]]}{needed}"
@@ -415,10 +415,10 @@ def _lookup(data: Any, loc: list[str]) -> object:
 
 
 def _tables() -> dict[str, list[type[BaseModel]]]:
-    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := _models(field))}
+    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := tables_of(field))}
 
 
-def _models(field: Any) -> list[type[BaseModel]]:
+def tables_of(field: Any) -> list[type[BaseModel]]:
     """The tables that a key may hold."""
     models, kinds = [], [field.annotation]
     while kinds:
@@ -434,7 +434,7 @@ def _fields(loc: list[str]) -> list[str]:
         return list(Scene.model_fields)
     tables = _tables().get(loc[0], [])
     for key in loc[1:]:
-        tables = [kind for table in tables if key in table.model_fields for kind in _models(table.model_fields[key])]
+        tables = [kind for table in tables if key in table.model_fields for kind in tables_of(table.model_fields[key])]
     return [name for table in tables for name in table.model_fields]
 
 

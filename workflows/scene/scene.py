@@ -655,6 +655,17 @@ class Scene(Table):
         }
         return self.model_copy(update=new)
 
+    def as_written(self) -> dict[str, Any]:
+        """Plain data that can be read again: a material by its name or by its numbers, not by both."""
+        data = self.model_dump(mode="json", exclude_none=True)
+        for table, name, numbers in (
+            ("material", "name", ("youngs_modulus", "poissons_ratio", "density")),
+            ("damper", "ball_material", ("ball_density",)),
+        ):
+            if name in data.get(table, {}):
+                data[table] = {key: item for key, item in data[table].items() if key not in numbers}
+        return data
+
     @property
     def given(self) -> Structure | None:
         """The structure of which frequency and mass are given."""

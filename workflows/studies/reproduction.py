@@ -5,13 +5,11 @@ Their words are those of `templates/paper.toml`.
 
 import json
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +20,7 @@ from workflows import pipeline
 from workflows.effects.definition import Effect
 from workflows.formatting import significant
 from workflows.progress import Stages
+from workflows.report.templates import texts
 from workflows.scene import load as scene_file
 from workflows.scene import plate_mesh
 from workflows.scene.materials import OSMIUM
@@ -37,9 +36,7 @@ SHOWN = 3
 
 RELEASE = (20e-3, 5e-3)
 
-TEXTS: dict[str, Any] = tomllib.loads(
-    (Path(__file__).parents[1] / "templates" / "paper.toml").read_text(encoding="utf-8")
-)
+TEXTS = texts("paper")
 """Statements, errors and assumptions of the paper in words."""
 
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, instead, parse, unit
+from workflows.scene.load import SceneFile, error_text, instead, parse, tables_of, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -184,15 +184,9 @@ def _fields(table: type[BaseModel], prefix: str = "") -> dict[str, Any]:
     fields = {}
     for name, entry in table.model_fields.items():
         fields[prefix + name] = entry
-        for inner in _tables(entry.annotation):
+        for inner in tables_of(entry):
             fields |= _fields(inner, f"{prefix}{name}.")
     return fields
-
-
-def _tables(kind: Any) -> list[type[BaseModel]]:
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return [kind]
-    return [table for part in getattr(kind, "__args__", ()) for table in _tables(part)]
 
 
 @cache
@@ -545,12 +539,9 @@ def in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]:
 
 
 def plain(scene: Scene) -> Data:
-    """A scene as plain data that keys can be put into: a material by its name or by its numbers, not by both."""
-    data = scene.model_dump(mode="json", exclude_none=True, exclude={"design"})
-    if "name" in data.get("material", {}):
-        data["material"] = {"name": data["material"]["name"]}
-    if "ball_material" in data.get("damper", {}):
-        data["damper"].pop("ball_density", None)
+    """A scene as plain data that keys can be put into."""
+    data = scene.as_written()
+    data.pop("design", None)
     return data
 
 
