@@ -2,6 +2,7 @@
 
 import json
 import os
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from fem.modal_files import document, write
 from fem.modal_model import ModalModel
 from workflows.errors import BadInput
-from workflows.io.folder import replacing_file, unwritable
+from workflows.io.folder import put, writable
 
 
 def named(file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -21,11 +22,9 @@ def named(file: str | os.PathLike[str], key: str = "file") -> Path:
     path = Path(file)
     if path.suffix.lower() not in (".npz", ".json"):
         raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
-    if path.is_dir() or not path.absolute().parent.is_dir():
+    if not path.absolute().parent.is_dir():
         raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
-    if (problem := unwritable(path.absolute())) is not None:
-        raise BadInput(problem, key=key, value=str(file))
-    return path
+    return writable(path, key)
 
 
 def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -34,13 +33,7 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
     Raises:
         BadInput: it cannot be written.
     """
-    path = named(file, key)
-    try:
-        with replacing_file(path) as fresh:
-            write(model, fresh)
-    except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error
-    return path
+    return put(named(file, key), partial(write, model), key)
 
 
 def dumps(model: ModalModel) -> str:

@@ -202,7 +202,10 @@ def thinned(surface: Surface, most: int) -> Thinned:
     if len(surface.points) > most:
         return _thinned(surface, most) if surface.frame is None else _decimated(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    edges = surface.lines if surface.lines is not None else _sides(cells)
+    edges = surface.lines
+    if edges is None:
+        sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+        edges = np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
     return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
 
 
@@ -220,12 +223,6 @@ def _decimated(surface: Surface, most: int) -> Thinned:
     outline = edges(surface.points[nodes], triangles)
     at_root = np.isin(nodes, surface.root)
     return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
-
-
-def _sides(cells: Indices) -> Indices:
-    """The edges of cells (m, 3 or 4), each once, (k, 2)."""
-    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
-    return np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
 
 
 def _thinned(surface: Surface, most: int) -> Thinned:

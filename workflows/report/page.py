@@ -12,7 +12,7 @@ import numpy as np
 
 from workflows.errors import BadInput
 from workflows.io import files, provenance, serialise
-from workflows.io.folder import check, replacing, replacing_file, unwritable
+from workflows.io.folder import check, put, replacing, writable
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks, verdict
 from workflows.report.templates import from_template
@@ -132,23 +132,7 @@ def save_report(results: Results, path: str | os.PathLike[str]) -> Path:
     require_results(results, "save_report")
     _path("save_report", "file", path)
     writable(path)
-    return put(path, render(results, draw(results)))
-
-
-def put(path: str | os.PathLike[str], text: str, key: str = "path") -> Path:
-    """Put a text in the place of a file, whole or not at all; returns the file, resolved.
-
-    Raises:
-        BadInput: it cannot be written; `key` is what named it.
-    """
-    out = writable(path, key)
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        with replacing_file(out) as fresh:
-            fresh.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
-    return out
+    return put(path, lambda fresh: fresh.write_text(render(results, draw(results)), encoding="utf-8"))
 
 
 def load_results(folder: str | os.PathLike[str]) -> Results:
@@ -165,25 +149,6 @@ def _path(who: str, what: str, value: object) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise TypeError(f"{who} takes the name of a {what} second, got {type(value).__name__}")
     return Path(value)
-
-
-def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
-    """The path of a file, resolved; BadInput where there can be none."""
-    try:
-        target = Path(path).resolve()
-        taken, special = target.is_dir(), target.exists() and not target.is_file()
-    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: a loop of links
-        problem = f"cannot be a file: {getattr(error, 'strerror', None) or error}"
-        raise BadInput(problem, key=key, value=str(path)) from error
-    if taken or os.fspath(path).endswith(("/", os.sep)):
-        raise BadInput("is a folder: expected a file, such as 'report.html'", key=key, value=str(path))
-    if special:
-        raise BadInput(
-            "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
-        )
-    if (why := unwritable(target)) is not None:
-        raise BadInput(why, key=key, value=str(path))
-    return target
 
 
 def publish(results: Results, out: Path, stages: Stages) -> Results:

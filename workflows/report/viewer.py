@@ -14,9 +14,9 @@ from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
 from workflows.io import serialise
+from workflows.io.folder import put
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
-from workflows.report.page import put
 from workflows.report.templates import from_template, in_mm, said
 from workflows.scene import load
 from workflows.scene.scene import Scene
@@ -297,4 +297,4 @@ def write(view_data: ViewData, path: Path, first: int = 0, mode: int = 0) -> Pat
     Raises:
         BadInput: it cannot be written.
     """
-    return put(path, page(view_data, first, mode), "--out")
+    return put(path, lambda fresh: fresh.write_text(page(view_data, first, mode), encoding="utf-8"), "--out")

@@ -58,6 +58,12 @@ _SPEEDS_OF_HITS = 16
 _FASTEST = 1000.0
 """Impact speed over that of first yield from which on Johnson's power of it holds."""
 
+_HITS = 10.0, 0.1
+"""Impact speeds [m/s] between which those of blades lie."""
+
+_HYSTERESIS = 1e-4
+"""Lever of rolling friction over the ball's radius that the hysteresis of metals leaves, about."""
+
 _UNNAMED = (
     "requires named materials of ball and floor, the floor's of known strength: expected ball_material and"
     " floor_material, or a number"
@@ -207,6 +213,32 @@ class Damper(Table):
             speeds = (onset * np.geomspace(1.0, _FASTEST, _SPEEDS_OF_HITS)).tolist()
             pairs = tuple((v, min(most, contact.restitution(v, mass, self.radius, *made_of))) for v in speeds)
         return {"restitution": pairs[0][1], "restitution_by_speed": pairs}
+
+    def uncertain(self, made_of: "tuple[Solid, Solid] | None") -> dict[str, tuple[float, float, str]]:
+        """Between which ends, and by which law, those of its values are spread that are hardly ever known well.
+
+        Rolling friction over two decades, since what it is made of (hysteresis, roughness, a dent) is hardly ever
+        measured; restitution within ±0.2, which impact speed and material leave; friction ±30 %, the structure's
+        damping a factor of 2 either way, the clearance along the bending direction within ±0.05 mm, or half of it. What
+        follows from materials ('auto'): restitution as of hits at `_HITS`, rolling friction up to a hundred times what
+        hysteresis alone leaves.
+        """
+        from damper import contact
+
+        e, zeta, gap = self.restitution, self.damping_ratio, self.cavity[0] - 2 * self.radius
+        ends = (max(e - 0.2, 0.0), min(e + 0.2, 1.0)) if isinstance(e, float) else None
+        if e == "auto" and made_of is not None and self.balls is not None:
+            hit = self.balls / self.count, self.radius, *made_of
+            ends = (contact.restitution(_HITS[0], *hit), contact.restitution(_HITS[1], *hit))
+        tolerance, lever = min(5e-5, gap / 2), self.rolling_friction
+        least = lever / 10 if isinstance(lever, float) else _HYSTERESIS * self.radius
+        return {
+            **({} if ends is None else {"restitution": (*ends, "even")}),
+            "friction": (0.7 * self.friction, 1.3 * self.friction, "even"),
+            "damping_ratio": (zeta / 2, min(2 * zeta, 0.99), "log"),
+            "clearance[0]": (gap - tolerance, gap + tolerance, "even"),
+            "rolling_friction": (least, min(100 * least, self.radius), "log"),
+        }
 
     def _hollow(self, floor: tuple[float, float]) -> None:
         """A hollow floor in which the ball finds room, and whose equations are not the paper's."""

@@ -94,16 +94,11 @@ def planform(source: SceneFile) -> Planform:
     if source.mesh is not None:
         return _from_file(source)
     form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)
-    return _with_a_node(form, given_place(source.scene)) if source.scene.point_mass else form
-
-
-def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rectangle:
-    """Grids with a node where the point mass is, None in the middle of the tip: on a node and off one are two problems.
-
-    All have an even number of cells across, and so a node in the middle as they are.
-    """
+    if not source.scene.point_mass:
+        return form
+    # A mass on a node and one off it are two problems; even numbers of cells across have a node in the middle anyway.
     even = tuple(size for size in form.sizes if form.cells(size)[1] % 2 == 0)
-    return replace(form, sizes=even, node=at)
+    return replace(form, sizes=even, node=given_place(source.scene))
 
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:

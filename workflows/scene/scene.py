@@ -142,6 +142,11 @@ class Structure(Table):
     floor_tilt: q.Slopes = (0.0, 0.0)
     """slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along each"""
 
+    @property
+    def level(self) -> bool:
+        """Whether the cavity's floor stays level as the structure moves."""
+        return not any(self.floor_tilt)
+
 
 def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
     expectation = "expected a file such as 'blade.frd', or { '0 rpm' = 'rest.frd', '9000 rpm' = 'fast.frd' }"
@@ -729,7 +734,7 @@ class Scene(Table):
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
         self._require_defaults(_OF_SPACE)
-        self._check_tilt(self.damper, structure.floor_tilt)
+        self._check_tilt(self.damper, structure)
         check_weight(self.damper, structure.mass)
         self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")
 
@@ -741,12 +746,12 @@ class Scene(Table):
             if value is not None and getattr(value, name) != type(value).model_fields[name].default:
                 raise fault(key, f"{why}{instead}")
 
-    def _check_tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
-        if max(map(abs, tilt)) * damper.radius >= 1:
+    def _check_tilt(self, damper: Damper, structure: Structure) -> None:
+        if max(map(abs, structure.floor_tilt)) * damper.radius >= 1:
             raise fault("structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / damper.radius:g} 1/m")
-        if any(tilt) and damper.formulation == "printed":
+        if not structure.level and damper.formulation == "printed":
             raise fault("structure.floor_tilt", "the printed equations support a level floor only: leave this out")
-        if not any(tilt) and self.effects.floor_tilt is True:
+        if structure.level and self.effects.floor_tilt is True:
             raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
 
     @property
@@ -765,6 +770,11 @@ class Scene(Table):
         """Names of the materials of ball and floor, as far as they have one; the floor is the plate's by default."""
         own = None if self.material is None else self.material.name
         return (None, own) if self.damper is None else (self.damper.ball_material, self.damper.floor_material or own)
+
+    @property
+    def ball_count(self) -> int:
+        """Balls of the damper; 1 without one."""
+        return 1 if self.damper is None else self.damper.count
 
     @property
     def budget(self) -> Budget:

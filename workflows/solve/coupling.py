@@ -51,7 +51,7 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
     The floor of the cavity tilts, and a plate moves in its own modes.
     """
     given = source.scene.given
-    tilts: bool | str = True if given is None or any(given.floor_tilt) else "auto"
+    tilts: bool | str = "auto" if given is not None and given.level else True
     return source.changed(effects={"floor_tilt": tilts, "structural_modes": True if given is None else "auto"})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput, during
 from workflows.formatting import turning
 from workflows.progress import Stages
-from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve.results import (
@@ -182,6 +182,7 @@ def particle_damper(
     spec, reduced = scene.damper, point.reduced
     assert spec is not None
     assert reduced is not None
+    terms = (kind.arguments(spec, point.omega, effects[name].on).items() for name, kind in EFFECTS.items())
     try:
         system = copy_fields(
             damper.ParticleDamper,
@@ -192,7 +193,7 @@ def particle_damper(
             centrifugal_acceleration=point.omega**2 * point.pressing,
             lateral_acceleration=(point.omega**2 * point.lean[0], point.omega**2 * point.lean[1]),
             formulation=damper.Formulation(spec.formulation),
-            **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
+            **dict(chain.from_iterable(terms)) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
         name = str(error).partition(" ")[0]
@@ -202,12 +203,6 @@ def particle_damper(
         error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
         require("f1 is that of K1 and M1", "error of f1 [Hz]", error_hz, EXACT * reduced.f1_hz)
     return system
-
-
-def _terms(spec: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
-    """What effects on the ball have to say of a damper, at a speed in rad/s."""
-    arguments = (kind.arguments(spec, omega, effects[name].on) for name, kind in EFFECTS.items())
-    return {argument: value for each in arguments for argument, value in each.items()}
 
 
 def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:

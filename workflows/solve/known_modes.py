@@ -29,6 +29,8 @@ from workflows.solve.results import (
     ErrorParts,
     Floats,
     Mode,
+    ModeAtSeat,
+    SeatDescription,
     SpeedPoint,
     Surface,
     speeds_with_shapes,
@@ -59,39 +61,6 @@ class Seat:
     def load(self, modes: ModesAtSpeed) -> Floats | None:
         """What a unit of the force is on the modes (count,)."""
         return None if self.force is None else self.force[0].displacement(modes.shapes) @ self.force[1]
-
-
-@dataclass(frozen=True)
-class ModeAtSeat:
-    """What a mode does at the damper's place; pairs are along the axes of the cavity.
-
-    Attributes:
-        mass: effective mass [kg]; stiffness: that times omega² [N/m].
-        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
-    """
-
-    number: int
-    family: str
-    frequency_hz: float
-    mass: tuple[float | None, float | None]
-    stiffness: tuple[float | None, float | None]
-    floor_tilt: tuple[float | None, float | None]
-
-    def along(self, axis: int) -> tuple[float | None, ...]:
-        """The three along an axis of the cavity."""
-        return self.mass[axis], self.stiffness[axis], self.floor_tilt[axis]
-
-
-@dataclass(frozen=True)
-class SeatDescription:
-    """How a cavity lies at a speed: place [m], unit vectors of load, floor and axes, and what the modes do there."""
-
-    place: tuple[float, ...]
-    how: str
-    load: tuple[float, ...]
-    normal: tuple[float, ...]
-    axes: tuple[tuple[float, ...], ...]
-    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True, eq=False)

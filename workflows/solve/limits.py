@@ -19,14 +19,12 @@ from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
 from workflows.solve.results import (
     ContactFigures,
-    Floats,
     Grade,
     Pair,
     Reason,
     Reduced,
     Results,
     SpeedPoint,
-    Surface,
     Verdict,
     VibrationReduction,
     copy_fields,
@@ -286,11 +284,8 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
         if not isinstance(plate.thickness, float):
             return None
         heights = np.full(len(results.surface.points), plate.thickness)
-    return _of_a_mesh(results.surface, heights)
-
-
-def _of_a_mesh(surface: Surface, heights: Floats) -> tuple[tuple[float, float], float]:
-    """The same of a mesh: each cell as triangles about its first corner, exact for even thickness."""
+    # Each cell as triangles about its first corner, exact for even thickness.
+    surface = results.surface
     points, cells = surface.points[:, :2], surface.cells[1]
     x = points[:, 0] - points[:, 0].min()
     triangles = np.vstack([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])

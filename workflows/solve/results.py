@@ -579,6 +579,10 @@ class Reduced:
     floor_tilt: Annotated[float, quantity("1/m")]
     """slope of the cavity's floor over its displacement"""
 
+    def turning_share(self, radius: float) -> float:
+        """Share of its drive that the turning floor takes from a ball of a radius [m], 2/5 r kappa."""
+        return 0.4 * radius * abs(self.floor_tilt)
+
 
 @dataclass(frozen=True)
 class CavityMode:
@@ -601,6 +605,39 @@ class CavityMode:
     drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
     pressed: Annotated[float, KEPT] = 0.0
     pushed: Annotated[float, KEPT] = 0.0
+
+
+@dataclass(frozen=True)
+class ModeAtSeat:
+    """What a mode does at the damper's place; pairs are along the axes of the cavity.
+
+    Attributes:
+        mass: effective mass [kg]; stiffness: that times omega² [N/m].
+        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
+    """
+
+    number: int
+    family: str
+    frequency_hz: float
+    mass: tuple[float | None, float | None]
+    stiffness: tuple[float | None, float | None]
+    floor_tilt: tuple[float | None, float | None]
+
+    def along(self, axis: int) -> tuple[float | None, ...]:
+        """The three along an axis of the cavity."""
+        return self.mass[axis], self.stiffness[axis], self.floor_tilt[axis]
+
+
+@dataclass(frozen=True)
+class SeatDescription:
+    """How a cavity lies at a speed: place [m], unit vectors of load, floor and axes, and what the modes do there."""
+
+    place: tuple[float, ...]
+    how: str
+    load: tuple[float, ...]
+    normal: tuple[float, ...]
+    axes: tuple[tuple[float, ...], ...]
+    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True)
@@ -844,15 +881,6 @@ class Cavity(NamedTuple):
     counted: bool
 
 
-def _of_the_cavity(discrete: Discrete, cavity: Cavity, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats:
-    """By how much the frequencies (speeds, modes) are off for the cavities, relative."""
-    from fem.accuracy.neglected_effects import cut
-
-    shifts = cut(discrete.choice.operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
-    left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
-    return np.asarray(left + cavity.weakens * shifts.stiffness)
-
-
 def points(
     source: SceneFile,
     discrete: Discrete,
@@ -860,6 +888,7 @@ def points(
     numbers: Sequence[int],
 ) -> tuple[SpeedPoint, ...]:
     """Modes at the speeds of these numbers in the sweep."""
+    from fem.accuracy.neglected_effects import cut
     from fem.accuracy.theory_selection import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
@@ -869,7 +898,10 @@ def points(
     count = bounds.shape[1]
     known = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
     if discrete.cavity is not None:
-        known["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
+        cavity = discrete.cavity
+        shifts = cut(operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
+        left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
+        known["cavity_mass"] = np.asarray(left + cavity.weakens * shifts.stiffness)[:, :count]
     known["mesh"], known["layers"] = discrete.choice.errors_at(omega), np.full(bounds.shape, discrete.layers)
     known["basis"], known["theory"] = bounds, over_speeds(operators, diagram)[rows, :count]
     nothing = np.full(bounds.shape, np.nan)

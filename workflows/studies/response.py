@@ -378,23 +378,6 @@ def _speeds(solver: StructureSolver, met: excitation.Meeting) -> Floats:
     return resonance_speeds(((resting or at).omega, crossing.omega), zeta * per_speed, ends, count)
 
 
-def _excited_dampers(
-    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
-) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic], list[damper.ParticleDamper]]:
-    """Dampers, what drives them, and their structures without the ball's pull, each speed with all forces."""
-    dampers, harmonics, bare, points = [], [], list[damper.ParticleDamper](), solver.at(omega).points
-    branch, source = excitation.branch_of(points, crossing), solver.source
-    for point in points:
-        own = excitation.modes_of(point, branch)
-        only = None if own is None else excitation.modes_followed(point, own)
-        with read_from(source.name):
-            system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
-        dampers += [system] * len(forcing.levels)
-        bare += [without_pull(system, source.scene, point, only)] * len(forcing.levels)
-        harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
-    return dampers, harmonics, bare
-
-
 def without_pull(
     system: damper.ParticleDamper, scene: Scene, point: SpeedPoint, only: Sequence[CavityMode] | None
 ) -> damper.ParticleDamper:
@@ -413,26 +396,30 @@ def without_pull(
     )
 
 
-def _without_ball(
-    unloaded: Sequence[damper.ParticleDamper], harmonics: Sequence[damper.Harmonic], axis: int
-) -> npt.NDArray[np.complex128]:
-    """Complex amplitudes (n,) at the cavity without the ball."""
-    from damper.equations import structures_by
-    from damper.starts import without_ball
-
-    amplitudes = np.empty(len(harmonics), complex)
-    for k, (system, harmonic) in enumerate(zip(unloaded, harmonics, strict=True)):
-        shape = np.eye(2)[axis] if system.modes is None else np.array([mode.shape[axis] for mode in system.modes])
-        amplitudes[k] = without_ball(structures_by(system, system.parameters), [harmonic])[0] @ shape
-    return amplitudes
-
-
 def _steady_states(
     solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int
 ) -> damper.Forced:
-    """The steady states at some speeds, with progress for a person who waits."""
-    dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
-    starts = tuple(damper.Start)
+    """The steady states at some speeds, each with all forces, with progress for a person who waits.
+
+    Those without the ball are of the structure without its pull.
+    """
+    from damper.equations import structures_by
+    from damper.starts import without_ball
+
+    dampers, harmonics, alone, points = [], [], list[npt.NDArray[np.complex128]](), solver.at(omega).points
+    branch, source, starts = excitation.branch_of(points, crossing), solver.source, tuple(damper.Start)
+    for point in points:
+        own = excitation.modes_of(point, branch)
+        only = None if own is None else excitation.modes_followed(point, own)
+        with read_from(source.name):
+            system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
+        driven = [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
+        bare = without_pull(system, source.scene, point, only)
+        shape = np.eye(2)[axis] if bare.modes is None else np.array([mode.shape[axis] for mode in bare.modes])
+        structures = structures_by(bare, bare.parameters)
+        alone += [without_ball(structures, [harmonic])[0] @ shape for harmonic in driven]
+        dampers += [system] * len(driven)
+        harmonics += driven
     with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
@@ -445,4 +432,4 @@ def _steady_states(
         states = damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-    return replace(states, without=_without_ball(unloaded, harmonics, axis))
+    return replace(states, without=np.array(alone, complex))

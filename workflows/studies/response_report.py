@@ -245,12 +245,6 @@ def place(c: Crossing) -> str:
     return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
-def ball_count(result: Response) -> int:
-    """Balls of the damper."""
-    damper = result.results.scene.damper
-    return 1 if damper is None else damper.count
-
-
 def text(result: Response) -> str:
     """What a person reads on the terminal."""
     every, unit = rows(result), f"{result.excitation.kind}, {result.excitation.unit}"
@@ -259,7 +253,7 @@ def text(result: Response) -> str:
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
     values = {"rows": best_rows(result), "zeta": zeta, "unit": result.excitation.unit}
-    added = templates.said("response/added", ball_count(result), **values) if zeta else []
+    added = templates.said("response/added", result.results.scene.ball_count, **values) if zeta else []
     return "\n".join([result.results.scene.title, *sentences(result), "", *table, *legend(result, every), *added])
 
 
@@ -401,5 +395,5 @@ def render(result: Response, drawn: dict[str, str] | None = None) -> str:
         drawn=drawn or draw(result),
         damping=damping(result),
         mark=remarks.BEYOND,
-        **{each.__name__: each for each in (ball_count, endured, is_beyond, legend, ratio_cell, rows, sentences, tag)},
+        **{each.__name__: each for each in (endured, is_beyond, legend, ratio_cell, rows, sentences, tag)},
     )

@@ -111,8 +111,7 @@ class Space:
 
     def count(self, shares: Floats) -> int:
         """Balls of a design."""
-        damper = self.source.scene.damper
-        return int(self.values(shares).get("damper.count", 1 if damper is None else damper.count))
+        return int(self.values(shares).get("damper.count", self.source.scene.ball_count))
 
     def summary(self, shares: Floats) -> str:
         """A design in words, key by key."""

@@ -340,7 +340,9 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
     bare = [not isinstance(_parsed(part), str) for part in parts[:2]]
     if bare[0] != bare[1] and key.unit and first and second:
         raise ValueError("a number without a unit is in SI: give both the unit, or none")
-    count = _count(parts[2]) if len(parts) == 3 else None
+    if len(parts) == 3 and not (parts[2].isdecimal() and 1 <= int(parts[2][:12]) <= MOST):
+        raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(parts[2])}")
+    count = int(parts[2]) if len(parts) == 3 else None
     if law == "normal":
         if count is not None or second <= 0:
             raise ValueError("expected normal:MEAN:DEVIATION with a deviation above 0")
@@ -369,12 +371,6 @@ def _numbers(key: Key, values: Floats) -> tuple[Value, ...]:
     if np.abs(rounded - values).max(initial=0.0) > 1e-9:
         raise ValueError("expected a COUNT that leads through whole numbers")
     return tuple(int(value) for value in rounded)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text[:12]) <= MOST:
-        raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(text)}")
-    return int(text)
 
 
 def _parsed(text: str) -> object:
