@@ -36,9 +36,10 @@ FILES = rf"({TABLE}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
-FILES_OF_STUDIES = (
-    r"(accuracy|campbell|closure|compare|design|effects|reproduce|response\w*)\.(json|csv|svg|nc)|best\.toml"
-)
+STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")
+"""Names of the JSON files that only folders of studies have."""
+
+FILES_OF_STUDIES = rf"({'|'.join(STUDIES)}|campbell|closure|response_\w+)\.(json|csv|svg|nc)|best\.toml"
 """What studies write besides a page, as a regular expression."""
 
 _STILL = 1e-9

@@ -14,6 +14,7 @@ from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
 from workflows.io import serialise
+from workflows.io.files import STUDIES
 from workflows.io.folder import put
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
@@ -224,15 +225,11 @@ def data_of_scene(scene: str, omega: float | None) -> ViewData:
     return of_plate(source.scene, state.surface, state.points, _known(state.diagram, state.theory))
 
 
-_STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")
-"""Names of the JSON files that only folders of studies have."""
-
-
 def page_of_study(target: str) -> Path | None:
     """The report of a folder that a study, not a run, has written; None where it is none."""
     folder = Path(target)
     try:
-        whose = any((folder / f"{name}.json").is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
+        whose = any((folder / f"{name}.json").is_file() for name in STUDIES) and not (folder / serialise.NAME).exists()
     except (OSError, ValueError):
         return None
     page = folder / "report.html"

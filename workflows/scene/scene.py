@@ -243,6 +243,12 @@ AnyStructure = Annotated[
 ]
 
 
+NO_ORIGIN = (
+    "missing: a point on the spin axis in the {}'s coordinates, such as ['0 m', '0 m', '0 m'] (or hub_radius, from the"
+    " axis to the smallest x)"
+)
+"""What is said of a structure in space whose spin axis is not known."""
+
 _LARGEST_HUB = 20.0
 """Radius [m] at which no blade is clamped: the largest hubs, those of wind turbines, have 3 m."""
 
@@ -691,11 +697,7 @@ class Scene(Table):
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
         if self.blade is not None and self.rotor.origin is None and "hub_radius" not in self.rotor.model_fields_set:
-            raise fault(
-                "rotor.origin",
-                "missing: a point on the spin axis in the mesh's coordinates, such as ['0 m', '0 m', '0 m'] (or"
-                " hub_radius, from the axis to the smallest x)",
-            )
+            raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
         self._require_defaults(_OF_A_MESH)

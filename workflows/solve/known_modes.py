@@ -22,7 +22,7 @@ from workflows.errors import did_you_mean
 from workflows.formatting import percent, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
-from workflows.scene.scene import KnownModes
+from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve.coupling import modes_of, reduced_of
 from workflows.solve.results import (
     Diagram,
@@ -338,11 +338,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
         if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
-            problem = (
-                "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
-                " hub_radius, from the axis to the smallest x)"
-            )
-            raise source.wrong(problem, "[rotor] origin")
+            raise source.wrong(NO_ORIGIN.format("file"), "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
             problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
             raise source.wrong(problem, "[structure] modes")

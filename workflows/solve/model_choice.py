@@ -103,8 +103,7 @@ def chosen_theory(
     spec = scene.plate
     if spec is None:
         return None, None
-    if form is None and spec.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
+    plate_mesh.sides(spec, form)  # those of a mesh have to be given
     if spec.theory != "auto":
         return Theory(spec.theory, "asked for by the scene"), None
     from fem.accuracy.theory_selection import choose_theory

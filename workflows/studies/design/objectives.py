@@ -600,14 +600,10 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     """The goal of a scene as its forced response is computed.
 
     Raises:
-        BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
+        BadInput: what `response` needs is missing, or no order meets a mode it drives.
     """
-    forcing, spec = source.scene.excitation, source.scene.damper
+    forcing = source.scene.excitation
     assert forcing is not None
-    assert spec is not None
-    if spec.damping_ratio == 0:
-        problem = "without damping the amplitude at resonance is unbounded: expected a value above 0, such as 0.001"
-        raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
     points = excitation.over_speed_range(solver).points
     speeds = source.scene.rotor.speeds
