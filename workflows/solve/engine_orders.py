@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.rotor import from_rpm
 from workflows.errors import BadInput
-from workflows.formatting import whole
+from workflows.formatting import turning, whole
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction
 
@@ -89,6 +89,11 @@ class Crossing:
     def omega(self) -> float:
         """Speed [rad/s]."""
         return from_rpm(self.rpm)
+
+    @property
+    def place(self) -> str:
+        """Where it is, in words."""
+        return f"order {self.order} at {turning(self.omega)}"
 
     def moved(self, to: Crossing | SpeedPoint | VibrationReduction) -> Crossing:
         """The same order and mode, at the speed of something else."""

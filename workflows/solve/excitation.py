@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 import damper
-from workflows.errors import read_from
+from workflows.errors import during, read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -193,7 +193,18 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
         state.results(stages=stages),
     )
     met = solved_crossings(solver, state.points, excitation)
-    return tuple(estimate(solver, results, each, excitation) for each in met)
+    return tuple(estimates_at(solver, results, met, excitation))
+
+
+def estimates_at(
+    solver: StructureSolver, results: Results, met: Sequence[Meeting], excitation: Excitation
+) -> list[VibrationReduction]:
+    """The same at crossings that are known; see :func:`estimate`."""
+    found = []
+    for each in met:
+        with during(each.crossing.place):
+            found.append(estimate(solver, results, each, excitation))
+    return found
 
 
 _MET, _CLOSED = 1e-5, 1e-9

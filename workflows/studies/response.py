@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 import damper
 from workflows.errors import during, read_from
-from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -274,19 +273,13 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
 
-    def estimates(of: Excitation) -> list[VibrationReduction]:
-        found = []
-        for each in met:
-            with during(_where(each.crossing)):
-                found.append(excitation.estimate(solver, results, each, of))
-        return found
-
-    reductions = estimates(forcing)
+    reductions = excitation.estimates_at(solver, results, met, forcing)
     followed = with_best_levels(forcing, reductions)
-    reductions = reductions if followed.levels == forcing.levels else estimates(followed)
+    if followed.levels != forcing.levels:
+        reductions = excitation.estimates_at(solver, results, met, followed)
     passages, not_followed = [], []
     for each, reduction in zip(met, reductions, strict=True):
-        with during(_where(each.crossing)):
+        with during(each.crossing.place):
             passage = _passage(solver, each, followed, reduction)
         if isinstance(passage, str):
             not_followed.append((each.crossing, passage))
@@ -296,10 +289,6 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
     return Response(results, followed, tuple(passages), tuple(not_followed), forcing.levels)
-
-
-def _where(crossing: Crossing) -> str:
-    return f"order {crossing.order} at {turning(crossing.omega)}"
 
 
 NEAR_BEST = 0.9
@@ -426,7 +415,7 @@ def _steady_states(
         def progress(number: int) -> None:
             nonlocal done
             for _ in range(number - done):
-                step.advance(_where(crossing))
+                step.advance(crossing.place)
             done = number
 
         states = damper.forced(
