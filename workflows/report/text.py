@@ -5,14 +5,17 @@ from __future__ import annotations
 import re
 import shutil
 import textwrap
+from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
 from workflows.formatting import aligned, amount, fixed, plain, revolutions, rounded_rpm, share, significant
+from workflows.io.files import finite
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
@@ -67,40 +70,57 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
     return [line.replace("\xa0", " ") for line in lines]
 
 
+class Column(NamedTuple):
+    """A column of the tables over speeds: its key in files, its head, a value, how that is written, and its mark."""
+
+    key: str
+    head: str
+    value: Callable[[Results, SpeedPoint], float | None]
+    written: Callable[[float | None], str]
+    mark: Callable[[Results, SpeedPoint], str] = lambda results, point: ""
+
+    def cell(self, results: Results, point: SpeedPoint) -> str:
+        """Of a speed."""
+        return self.written(self.value(results, point)) + self.mark(results, point)
+
+
+COLUMNS = (
+    Column("load_g", "load g", lambda _, p: p.load_g, amount),
+    Column("first_frequency_hz", "first Hz", lambda _, p: verdict.first_frequency(p), partial(fixed, places=2)),
+    Column("cutoff_g", "cut-off g", lambda of, p: limits.cutoff(of, p).g, amount, remarks.cutoff_mark),
+    Column("cutoff_ratio", "/ load", lambda of, p: limits.cutoff(of, p).ratio, significant, remarks.cutoff_mark),
+    Column("sdc", "SDC %", lambda _, p: None if p.damper is None else remarks.lost_at_most(p.damper), share),
+    Column("damping_ratio_percent", "ball ζ %", lambda _, p: _figure(p, "peak", 100), significant, remarks.mark),
+    Column("at_amplitude_mm", "at mm", lambda _, p: _figure(p, "peak_amplitude", 1e3), significant),
+    Column("hits", "hits", lambda _, p: None if p.damper is None else p.damper.impacts, fixed),
+)
+"""Of a damper, beside the speed."""
+
+
+def _figure(point: SpeedPoint, name: str, factor: float) -> float | None:
+    """One of the damper's own figures; None where there is none that is finite."""
+    return None if point.damping_curve is None else finite(factor * getattr(point.damping_curve, name))
+
+
 def rows(results: Results) -> list[tuple[str, ...]]:
     """The table, its heads first: a row a speed."""
     if any(point.damper is not None for point in results.speeds):
         is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
-        hertz = "first Hz" if is_first else f"{verdict.followed_mode(results)} Hz"
-        heads: tuple[str, ...] = ("rpm", "load g", hertz, "cut-off g", "/ load", "SDC %")
-        heads += ("ball ζ %", "at mm", "hits")
-        return [heads, *(_damped(results, point) for point in results.speeds)]
+        named = {} if is_first else {"first Hz": f"{verdict.followed_mode(results)} Hz"}
+        table = [("rpm", *(named.get(each.head, each.head) for each in COLUMNS))]
+        for point in results.speeds:
+            known = COLUMNS if point.damper is not None else COLUMNS[:1]
+            table.append((amount(point.rpm), *(each.cell(results, point) for each in known)))
+        return table
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    table = [
-        (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
-        for p in results.speeds
+    return [
+        heads,
+        *(
+            (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+            for p in results.speeds
+        ),
     ]
-    return [heads, *table]
-
-
-def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
-    damping, figures = point.damper, point.damping_curve
-    if damping is None:
-        return (amount(point.rpm), amount(point.load_g))
-    cutoff = limits.cutoff(results, point)
-    at_rest = remarks.cutoff_mark(results, point)
-    return (
-        amount(point.rpm),
-        amount(point.load_g),
-        fixed(verdict.first_frequency(point), 2),
-        amount(cutoff.g) + at_rest,
-        significant(cutoff.ratio) + at_rest,
-        share(remarks.lost_at_most(damping)),
-        significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
-        significant(1e3 * figures.peak_amplitude if figures else None),
-        fixed(damping.impacts),
-    )
 
 
 def of_modes(model: ModalModel, file: Path | None) -> str:
