@@ -117,9 +117,14 @@ def prose(text: str) -> Markup:
     return Markup(_CODE.sub(r"<code>\1</code>", str(escape(text.replace("'", "\u2019")))))
 
 
+def rounded_rpm(omega: float) -> float:
+    """Revolutions per minute of a speed [rad/s], without the last digits that the conversion leaves behind."""
+    return float(f"{in_rpm(omega):.13g}")
+
+
 def turning(omega: float) -> str:
     """A rotation speed [rad/s] within a sentence: 3500 rpm."""
-    return f"{whole(in_rpm(omega))} rpm"
+    return f"{whole(rounded_rpm(omega))} rpm"
 
 
 def revolutions(speeds: Sequence[float]) -> str:

@@ -14,6 +14,7 @@ import pytest
 import spindamp
 from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, forced, work_bound
 from damper.curve_measurement import _ramped, sweeps_from, undamped
+from fem.rotor import from_rpm
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, on_mesh, refused, write
 from workflows.errors import BadInput
@@ -309,7 +310,7 @@ def test_a_search_that_was_stopped_goes_on(slow, tmp_path):
             raise KeyboardInterrupt
         tried.extend((quick, *row) for row in np.asarray(shares).tolist())
         return [
-            Evaluation(v, v, used=(("mass", v),), why=Obstacle("held", rpm=v)) for v in np.sin(7 * shares).sum(axis=1)
+            Evaluation(v, v, used=(("mass", v),), why=Obstacle("held", speed=v)) for v in np.sin(7 * shares).sum(axis=1)
         ]
 
     def searched(seed=1):
@@ -444,7 +445,7 @@ def test_the_cutoff_is_stated_at_its_speed(slow):
     (good,) = score_of(space)([[0.1, 0.5, 0.5]])
     load = (4000 * math.pi / 30) ** 2 * 0.2
     assert good.works
-    assert good.cutoff_rpm == pytest.approx(4000)
+    assert good.cutoff_speed == pytest.approx(from_rpm(4000))
     assert good.cutoff == pytest.approx(1e-4 / 1.5e-3 * load / (2 * math.pi * 269.5) ** 2, rel=1e-9)
     said = " ".join(report._said("damping", space, Optimum(np.array([0.1, 0.5, 0.5]), good, 1)))
     assert f"at rest below {1e3 * good.cutoff:.3g} mm at most (at 4000 rpm)" in said

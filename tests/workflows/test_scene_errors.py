@@ -117,7 +117,7 @@ def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool,
 def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width: float, said: bool) -> None:
     points = 1e-3 * np.array([[0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]])
     plate = SimpleNamespace(mesh="m.msh", length=None, thickness=0.01)
-    scene = SimpleNamespace(plate=plate, blade=None, damper=None)
+    scene = SimpleNamespace(plate=plate, blade=None, damper=None, ball_count=1)
     found: Any = SimpleNamespace(scene=scene, surface=SimpleNamespace(points=points), speeds=())
     note = remarks.wide(found)
     assert (note is not None) is said

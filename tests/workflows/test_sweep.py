@@ -58,7 +58,7 @@ def test_values_are_read_in_si(text, values):
         ("damper.mas_ratio=1:2:3", "--vary damper.mas_ratio: unknown key: did you mean 'damper.mass_ratio'?"),
         ("mass_ratio=1:2:3", "did you mean 'damper.mass_ratio'?"),
         ("plate.radius=1:2:3", "did you mean"),
-        ("rotor.speed=1:2:3", "did you mean 'rotor.speeds'?"),
+        ("rotor.speed=1:2:3", "expected [rotor] speeds"),
         ("damper.diameter=2 mm,3 mm", "did you mean 'damper.radius'?"),
         ("damper.radius=1 kg:2 kg:3", "--vary damper.radius = '1 kg:2 kg:3': expected a length such as '20 cm'"),
         ("damper.radius=1:2 mm:3", "give both the unit, or none"),

@@ -114,7 +114,7 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     from workflows.studies import response_report
     from workflows.studies.response import respond
 
-    _of_a_scene(_load(scene), respond, response_report, out, json)
+    _study(respond, response_report, out, json, _load(scene))
 
 
 @_commands.command()
@@ -139,7 +139,7 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     from workflows.studies.work_precision import report
     from workflows.studies.work_precision.study import study
 
-    _of_a_scene(_load(scene), study, report, out, json)
+    _study(study, report, out, json, _load(scene))
 
 
 @_commands.command()
@@ -150,7 +150,7 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
     """
     from workflows.studies.work_precision import effects as study
 
-    _of_a_scene(_load(scene), study.effect_study, study, out, json)
+    _study(study.effect_study, study, out, json, _load(scene))
 
 
 @_commands.command()
@@ -260,6 +260,7 @@ def modes(
     """
     from workflows import pipeline
     from workflows.io import modes as files
+    from workflows.report import text
 
     if out is not None:
         files.named(out, "--out")
@@ -267,7 +268,7 @@ def modes(
         model = pipeline.modes(_load(scene), stages)
     if out is not None:
         files.save_modes(model, out, "--out")
-    typer.echo(files.dumps(model) if json else files.text(model, out))
+    typer.echo(files.dumps(model) if json else text.of_modes(model, out))
 
 
 @_commands.command()
@@ -288,9 +289,10 @@ def view(
     """
     import webbrowser
 
-    from workflows.report import mode_viewer, viewer
-    from workflows.report.page import writable
+    from workflows.io.folder import writable
+    from workflows.report import figures, mode_viewer, viewer
     from workflows.scene.load import slug
+    from workflows.scene.scene import as_typed, omega_of
 
     if out is not None:
         target = writable(out, "--out")
@@ -303,8 +305,13 @@ def view(
             raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
         typer.echo(f"open {page}")
         return
-    data = viewer.of(what, rpm)
-    first, number = viewer.chosen(data, rpm, mode)
+    omega, first, number = None if rpm is None else omega_of(rpm), 0, 0
+    data = viewer.of(what, omega)
+    if data.surface.at:
+        row = figures.chosen(data.surface, data.speeds, omega, mode, ("--rpm", "--mode"))
+        first, number = data.surface.at[row], mode - 1
+    elif rpm is not None:
+        raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
     if json:
         if out is not None:
             viewer.write(data, out, first, number)
@@ -392,29 +399,23 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
-def _of_a_scene(
-    source: SceneFile,
-    solve: Callable[[SceneFile, Stages], Result],
+def _study(
+    solve: Callable[..., Result],
     report: StudyReport[Result],
     out: Path | None,
     json: bool,
+    *of: SceneFile,
+    damper: bool = True,
 ) -> Result:
-    """A study of one scene; see `_study`."""
-    return _study(lambda stages: solve(source, stages), report, out, json, damper=source.scene.damper is not None)
-
-
-def _study(
-    solve: Callable[[Stages], Result], report: StudyReport[Result], out: Path | None, json: bool, damper: bool = True
-) -> Result:
-    """Solve, write into `out` if there is one, and print the result, which is returned."""
+    """Solve, write into `out` if there is one, and print the result, which is returned; `of`: a study of one scene."""
     from workflows.io import files, folder
 
     if out is not None:
         folder.check(out, files.FILES_OF_STUDIES)
-    if damper:
+    if damper and all(source.scene.damper is not None for source in of):
         _announce_compiler()
     with Stages(lines=True) as stages:
-        result = solve(stages)
+        result = solve(*of, stages)
         if out is not None:
             with stages("report"):
                 files.write_study(report, result, out)

@@ -22,8 +22,12 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status; without arguments, those of this process, which then ends."""
     _open_streams()
     if arguments is None:
-        _collect_seldom()
-        _one_thread()
+        # Rubbish is looked for less often than Python does, and not while the process ends: a sixth of a run, for 8 MB.
+        gc.set_threshold(300_000)
+        atexit.register(gc.freeze)
+        if "OMP_NUM_THREADS" not in os.environ:
+            # Numpy's last bits, and with them chaotic ring-downs, depend on the number of threads; sweeps use one too.
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         with folder.orderly_end(to_the_end=arguments is None):
             return _run(arguments)
@@ -93,21 +97,6 @@ def _fail(message: str, status: int) -> int:
     except OSError:  # no room for the message: the status still says it
         _silence("stderr")
     return status
-
-
-def _one_thread() -> None:
-    """Let numpy's linear algebra use one thread, unless the user says how many: its last bits depend on their number.
-
-    A chaotic ring-down depends on the last bits, and sweeps use one thread too. Nothing is slower for it.
-    """
-    if "OMP_NUM_THREADS" not in os.environ:
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
-def _collect_seldom() -> None:
-    """Look for rubbish less often than Python does, and not while the process ends: a sixth of a run, for 8 MB."""
-    gc.set_threshold(300_000)
-    atexit.register(gc.freeze)
 
 
 def _open_streams() -> None:

@@ -35,13 +35,11 @@ def beam_like(scene: Scene, form: Planform | None) -> Beam:
     plate, material = scene.plate, scene.material
     assert plate is not None
     assert material is not None
-    if form is None and plate.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
-    length, width = (plate.length, plate.width) if form is None else form.sides
+    length, width = plate_mesh.sides(plate, form)
     thickness = plate_mesh.thickness_range(plate, form)[1]
-    mass = material.density * float(length or 0.0) * float(width or 0.0) * thickness
-    square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * float(length or 1.0) ** 4)
-    return Beam(float(length or 0.0), mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
+    mass = material.density * length * width * thickness
+    square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * length**4)
+    return Beam(length, mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
 
 
 def _rolling_resistance(case: Case) -> Called:

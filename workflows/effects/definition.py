@@ -10,6 +10,7 @@ from pydantic import InstanceOf
 
 from fem.meshes.mesh_sequence import Planform
 from workflows.scene.damper import Damper
+from workflows.scene.plate import Material, Plate
 from workflows.scene.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -70,6 +71,13 @@ class Case:
         return any(speed > 0 for speed in self.scene.rotor.speeds)
 
     @property
+    def plate(self) -> tuple[Plate, Material]:
+        """The scene's with what it is made of; effects of spinning are asked where there is one."""
+        assert self.scene.plate is not None
+        assert self.scene.material is not None
+        return self.scene.plate, self.scene.material
+
+    @property
     def damper(self) -> Damper:
         """The scene's; effects of a damper are asked where there is one."""
         assert self.scene.damper is not None
@@ -100,6 +108,7 @@ class Definition:
         arguments: its terms: of `damper.ParticleDamper`, from [damper], the speed [rad/s] and whether it is on. The
             terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
         on_the_mesh: whether the mesh is chosen with it.
+        spins: whether only a plate that spins is asked.
         costs: what it calls that nothing else needs.
     """
 
@@ -112,6 +121,7 @@ class Definition:
     assumed: Callable[[Scene, bool, str], str] = lambda scene, on, theory: "on" if on else "off"
     arguments: Callable[[Damper, float, bool], dict[str, Any]] = lambda damper, omega, on: {}
     on_the_mesh: bool = True
+    spins: bool = False
     costs: tuple[str, ...] = ()
 
 

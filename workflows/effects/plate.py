@@ -44,10 +44,6 @@ def _stress_stiffening(case: Case) -> Called:
 def _spin_softening(case: Case) -> Called:
     """Wherever a plate spins."""
     rotor = case.scene.rotor
-    if case.scene.plate is None:
-        return GIVEN
-    if not case.spins:
-        return AT_REST
     if abs(math.sin(rotor.stagger)) > 1e-9:
         return Called(True, "the plate is staggered: its bending moves across the spin axis")
     if abs(math.sin(rotor.precone)) > 1e-9:
@@ -65,15 +61,10 @@ def _coriolis(case: Case) -> Called:
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
-    scene = case.scene
-    if scene.plate is None or scene.material is None:
-        return GIVEN
-    return _moved_by_coriolis(scene, case.form, case.on["large_deflection"]) if case.spins else AT_REST
-
-
-def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Called:
+    scene, (plate, material) = case.scene, case.plate
     target, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
-    moved = _by_stretching(scene, form)
+    wave = math.sqrt(material.youngs_modulus / material.density)
+    moved = 2.0 * (fastest / (0.5 * math.pi * wave / plate_mesh.sides(plate, case.form)[0])) ** 2
     if moved > target:
         why = f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved, 1)} % at most"
         return Called(
@@ -86,7 +77,7 @@ def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bo
             False, f"coupled to the plate's stretching it moves frequencies by {_percent(moved, 1)} % at most"
         )
     try:
-        shift = _solved_with_coriolis(scene, form, large_deflection)
+        shift = _solved_with_coriolis(scene, case.form, case.on["large_deflection"])
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
         return Called(False, f"the modes have no solution on a coarse mesh: {error}")
     if shift is None:
@@ -95,17 +86,6 @@ def _moved_by_coriolis(scene: Scene, form: Planform | None, large_deflection: bo
     why = f"at {turning(omega)} it moves frequencies by up to {_percent(largest, 1)} %"
     beside = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
     return Called(largest > target, f"{why}, {beside}", LeftOut(shift.omega, shift.shifts))
-
-
-def _by_stretching(scene: Scene, form: Planform | None) -> float:
-    plate, material = scene.plate, scene.material
-    length = None if plate is None else plate.length
-    if form is not None:
-        length = form.sides[0]
-    if length is None or material is None:
-        raise ValueError("the length of a plate from a mesh is needed")
-    stretching = 0.5 * math.pi * math.sqrt(material.youngs_modulus / material.density) / length
-    return 2.0 * (max(scene.rotor.speeds) / stretching) ** 2
 
 
 def _solved_with_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
@@ -144,33 +124,11 @@ def _large_deflection(case: Case) -> Called:
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
-    if case.scene.plate is None:
-        return GIVEN
-    if not case.spins:
-        return AT_REST
-    if case.scene.effects.stress_stiffening is False:
+    scene, target = case.scene, case.scene.accuracy.frequency
+    if scene.effects.stress_stiffening is False:
         return Called(False, "it is part of stress_stiffening, which is off")
-    return _moved_by_deflection(case.scene, case.form)
-
-
-def _deflection_refused(scene: Scene) -> Refusal | None:
-    """The bent state is found from the stresses that stiffen it."""
-    stiffened = scene.effects.stress_stiffening is not False
-    return None if stiffened else Refusal("needs stress_stiffening, which is false")
-
-
-def _deflection_assumed(scene: Scene, on: bool, theory: str) -> str:
-    """The state that the modes are those about."""
-    if scene.plate is None:
-        return ""
-    return "off" if not on else "moderate" if theory == "kirchhoff" else "on"
-
-
-def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
-    target = scene.accuracy.frequency
+    plate_mesh.sides(case.plate[0], case.form)  # those of a mesh have to be given
     strain = strain_of_a_flat_blade(scene)
-    if form is None and scene.plate is not None and scene.plate.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
     if strain is not None and (moved := moved_by_strain(scene, strain)) <= target:
         reason = (
             f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
@@ -178,7 +136,7 @@ def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
         )
         return Called(False, reason, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
     try:
-        bent = _solved_with_deflection(scene, form)
+        bent = _solved_with_deflection(scene, case.form)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
         return Called(True, f"the static state has no solution on a coarse mesh: {error}")
     if bent is None:
@@ -193,6 +151,19 @@ def _moved_by_deflection(scene: Scene, form: Planform | None) -> Called:
     if bent.shift > scene.budget.left_out:
         return Called(True, f"{state}; the modes are those about that state", moves)
     return Called(False, f"{state}, less than the {significant(100 * target)} % asked for", moves)
+
+
+def _deflection_refused(scene: Scene) -> Refusal | None:
+    """The bent state is found from the stresses that stiffen it."""
+    stiffened = scene.effects.stress_stiffening is not False
+    return None if stiffened else Refusal("needs stress_stiffening, which is false")
+
+
+def _deflection_assumed(scene: Scene, on: bool, theory: str) -> str:
+    """The state that the modes are those about."""
+    if scene.plate is None:
+        return ""
+    return "off" if not on else "moderate" if theory == "kirchhoff" else "on"
 
 
 def strain_of_a_flat_blade(scene: Scene) -> float | None:
@@ -237,12 +208,15 @@ EFFECTS = {
     "stress_stiffening": Definition(
         "plate", _stress_stiffening, "stress stiffening", costs=("fem.assembly._held", "fem.assembly._stiffening")
     ),
-    "spin_softening": Definition("plate", _spin_softening, "spin softening", costs=("fem.rotor.Rotor.projector",)),
+    "spin_softening": Definition(
+        "plate", _spin_softening, "spin softening", spins=True, costs=("fem.rotor.Rotor.projector",)
+    ),
     "coriolis": Definition(
         "plate",
         _coriolis,
         "Coriolis forces",
         after=("large_deflection",),
+        spins=True,
         on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
         costs=("fem.rotor.Rotor.spin", "fem.modes.solve_gyroscopic"),
     ),
@@ -252,6 +226,7 @@ EFFECTS = {
         "large deflection",
         refused=_deflection_refused,
         part_of="stress_stiffening",
+        spins=True,
         assumed=_deflection_assumed,
         costs=("fem.statics.equilibrium", "fem.statics.newton"),
     ),

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from fem.meshes.mesh_sequence import Planform
 from workflows.effects import ball, plate
-from workflows.effects.definition import NO_DAMPER, Called, Case, Effect
+from workflows.effects.definition import AT_REST, GIVEN, NO_DAMPER, Called, Case, Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -41,11 +41,13 @@ def called_for(
     calls: dict[str, Called] = {}
     on: dict[str, bool] = {}
     for name in sorted(names, key=lambda name: len(EFFECTS[name].after)):
-        case = Case(scene, form, on)
-        if EFFECTS[name].of == "damper" and scene.damper is None:
+        kind, case = EFFECTS[name], Case(scene, form, on)
+        if kind.of == "damper" and scene.damper is None:
             calls[name] = NO_DAMPER
+        elif kind.spins and name not in solid and not (scene.plate is not None and case.spins):
+            calls[name] = GIVEN if scene.plate is None else AT_REST
         else:
-            calls[name] = solid[name] if name in solid else EFFECTS[name].called_for(case)
+            calls[name] = solid[name] if name in solid else kind.called_for(case)
         switch = getattr(scene.effects, name)
         on[name] = calls[name].called if switch == "auto" else switch is True
     return {name: calls[name] for name in names}

@@ -36,9 +36,10 @@ FILES = rf"({TABLE}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""
 
 
-FILES_OF_STUDIES = (
-    r"(accuracy|campbell|closure|compare|design|effects|reproduce|response\w*)\.(json|csv|svg|nc)|best\.toml"
-)
+STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")
+"""Names of the JSON files that only folders of studies have."""
+
+FILES_OF_STUDIES = rf"({'|'.join(STUDIES)}|campbell|closure|response_\w+)\.(json|csv|svg|nc)|best\.toml"
 """What studies write besides a page, as a regular expression."""
 
 _STILL = 1e-9
@@ -63,7 +64,7 @@ def campbell(results: Results) -> list[Curve]:
     for branch in branches(results):
         points = [(results.speeds[at].rpm, results.speeds[at].modes[place].frequency_hz) for at, place in branch.places]
         rpm, frequency = np.array(points).T
-        name = f"campbell_{_slug(branch.family)}_{branch.number}"
+        name = f"campbell_{''.join(c if c.isalnum() else '_' for c in branch.family)}_{branch.number}"
         curves.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
     return curves
 
@@ -153,10 +154,6 @@ def speed_tag(point: SpeedPoint) -> str:
     return f"{point.rpm:.13g}rpm"
 
 
-def _slug(text: str) -> str:
-    return "".join(c if c.isalnum() else "_" for c in text)
-
-
 _SPEED = "rpm"
 """The dimension of speeds."""
 
@@ -202,7 +199,9 @@ def _write_netcdf(results: Results, variables: Mapping[str, _Variable], path: Pa
 
     content = io.BytesIO()
     with h5netcdf.File(content, "w") as file:
-        file.dimensions = _sizes(variables)
+        file.dimensions = dict(
+            pair for dims, each, _ in variables.values() for pair in zip(dims, each.shape, strict=True)
+        )
         for name, (dims, values, attributes) in variables.items():
             missing = np.nan if values.dtype.kind == "f" else None
             kind = h5py.string_dtype() if values.dtype.kind == "O" else values.dtype
@@ -240,10 +239,6 @@ def _variables(results: Results) -> dict[str, _Variable]:
     for each in variables:
         sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
     return {each.quantity.name: _variable(each, sizes) for each in variables}
-
-
-def _sizes(variables: Mapping[str, _Variable]) -> dict[str, int]:
-    return {name: size for dims, values, _ in variables.values() for name, size in zip(dims, values.shape, strict=True)}
 
 
 def global_attributes(results: Results) -> dict[str, str]:

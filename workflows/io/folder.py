@@ -222,6 +222,8 @@ def replacing(folder: Path) -> Iterator[Path]:
     Raises:
         BadInput: see :func:`check`, and whenever the file system refuses (no space left, say).
     """
+    from filelock import FileLock
+
     target = check(folder)
     scratch: Path | None = None
     try:
@@ -234,7 +236,8 @@ def replacing(folder: Path) -> Iterator[Path]:
         for path in scratch.iterdir():
             if path.is_file() and not path.is_symlink():
                 _sync(path)
-        with _one_at_a_time():
+        user = getattr(os, "getuid", lambda: 0)()
+        with FileLock(Path(tempfile.gettempdir()) / f"spindamp-{user}.lock"):  # one run of this user at a time
             _carry_over(target, scratch)
             _copy_permissions(scratch, target)
             _sync(scratch)
@@ -260,24 +263,46 @@ def replacing_file(path: Path) -> Iterator[Path]:
         aside.unlink(missing_ok=True)
 
 
-@contextmanager
-def _one_at_a_time() -> Iterator[None]:
-    """One run of this user at a time on this machine; a killed run gives its lock back by itself."""
-    from filelock import FileLock
+def put(path: str | os.PathLike[str], write: Callable[[Path], object], key: str = "path") -> Path:
+    """Put what is written in the place of a file, whole or not at all; returns the file, resolved.
 
-    user = getattr(os, "getuid", lambda: 0)()
-    with FileLock(Path(tempfile.gettempdir()) / f"spindamp-{user}.lock"):
-        yield
+    Raises:
+        BadInput: it cannot be written; `key` is what named it.
+    """
+    out = writable(path, key)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with replacing_file(out) as fresh:
+            write(fresh)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
+    return out
+
+
+def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
+    """The path of a file, resolved; BadInput where there can be none."""
+    try:
+        target = Path(path).resolve()
+        taken, special = target.is_dir(), target.exists() and not target.is_file()
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: a loop of links
+        problem = f"cannot be a file: {getattr(error, 'strerror', None) or error}"
+        raise BadInput(problem, key=key, value=str(path)) from error
+    if taken or os.fspath(path).endswith(("/", os.sep)):
+        raise BadInput("is a folder: expected a file, such as 'report.html'", key=key, value=str(path))
+    if special:
+        raise BadInput(
+            "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
+        )
+    if (why := unwritable(target)) is not None:
+        raise BadInput(why, key=key, value=str(path))
+    return target
 
 
 def _prefix(target: Path) -> str:
     """How the names of scratch folders begin; short enough for a file system that takes the folder's own name."""
-    name = target.name if len(os.fsencode(target.name)) <= _LONGEST_NAME else _digest(target.name)
+    name, written = target.name, os.fsencode(target.name)
+    name = name if len(written) <= _LONGEST_NAME else hashlib.sha256(written).hexdigest()[:16]
     return f".{name}.{platform.node()[:64]}-"
-
-
-def _digest(name: str) -> str:
-    return hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
 
 
 def _remove_leftovers(target: Path) -> None:

@@ -1,17 +1,16 @@
-"""The neutral file of a structure's modes, and what is printed of them."""
+"""The neutral file of a structure's modes."""
 
 import json
 import os
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from fem.modal_files import document, write
-from fem.modal_model import ModalModel, families
+from fem.modal_model import ModalModel
 from workflows.errors import BadInput
-from workflows.formatting import aligned, amount, fixed
-from workflows.io.folder import replacing_file, unwritable
-from workflows.solve.results import rounded_rpm
+from workflows.io.folder import put, writable
 
 
 def named(file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -23,11 +22,9 @@ def named(file: str | os.PathLike[str], key: str = "file") -> Path:
     path = Path(file)
     if path.suffix.lower() not in (".npz", ".json"):
         raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
-    if path.is_dir() or not path.absolute().parent.is_dir():
+    if not path.absolute().parent.is_dir():
         raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
-    if (problem := unwritable(path.absolute())) is not None:
-        raise BadInput(problem, key=key, value=str(file))
-    return path
+    return writable(path, key)
 
 
 def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file") -> Path:
@@ -36,31 +33,10 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
     Raises:
         BadInput: it cannot be written.
     """
-    path = named(file, key)
-    try:
-        with replacing_file(path) as fresh:
-            write(model, fresh)
-    except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(file)) from error
-    return path
+    return put(named(file, key), partial(write, model), key)
 
 
 def dumps(model: ModalModel) -> str:
     """The neutral file as JSON."""
     plain = {name: each.tolist() if isinstance(each, np.ndarray) else each for name, each in document(model).items()}
     return json.dumps(plain, allow_nan=False)
-
-
-def text(model: ModalModel, file: Path | None) -> str:
-    """What a person reads: frequencies and families at each speed."""
-    rows = [("rpm", "mode", "Hz", "family")]
-    for modes in model.speeds:
-        names = families(model, modes)
-        rows += [
-            (fixed(rounded_rpm(modes.omega)) if k == 0 else "", str(k + 1), amount(float(hz)), name)
-            for k, (hz, name) in enumerate(zip(modes.frequencies_hz, names, strict=True))
-        ]
-    lines = [f"Real modes, without Coriolis forces, at {len(model.points)} nodes", "", *aligned(rows)]
-    if file is not None:
-        lines += ["", f'name it in a scene: [structure] modes = "{file}"']
-    return "\n".join(lines)

@@ -127,9 +127,9 @@ def _seated(space: SpaceStructure, source: SceneFile) -> list[str]:
     for mode in seated.modes:
         idle = [(each or 0.0) > _IDLE * min(mass or math.inf for mass in mode.mass) for each in mode.mass]
         cells = [
-            DASH if (value := pair[axis]) is None or idle[axis] else significant(scale * value, digits)
+            DASH if value is None or idle[axis] else significant(scale * value, digits)
             for axis in range(2)
-            for pair, scale, digits in ((mode.mass, 1e3, 5), (mode.stiffness, 1e-3, 4), (mode.floor_tilt, 1.0, 4))
+            for value, scale, digits in zip(mode.along(axis), (1e3, 1e-3, 1.0), (5, 4, 4), strict=True)
         ]
         rows.append((str(mode.number), significant(mode.frequency_hz, 5), mode.family, *cells))
     directions = [(1.0, each) for each in (seated.load, seated.normal, *seated.axes)]

@@ -25,7 +25,6 @@ from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import non_file_kind, parse
-from workflows.scene.scene import Scene
 from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, require_results
 from workflows.versions import versions
 
@@ -327,7 +326,7 @@ def write_unpublished(results: Results, file: h5netcdf.File) -> None:
             return {"begin": begin, "dtype": value.dtype.str, "shape": value.shape}
         return {f.name: getattr(value, f.name) for f in fields(value)}
 
-    text = json.dumps(_unpublished(results) | {"scene": _scene(results.scene)}, default=plain)
+    text = json.dumps(_unpublished(results) | {"scene": results.scene.as_written()}, default=plain)
     group = file.create_group(_GROUP)
     group.attrs["format"] = _FORMAT
     for name, content in (
@@ -375,18 +374,6 @@ def _holds_records(annotation: Any) -> bool:
 def _fields(record: type) -> dict[str, FieldInfo]:
     hints = get_type_hints(record, include_extras=True)
     return {field.name: FieldInfo.from_annotation(hints[field.name]) for field in fields(record)}
-
-
-def _scene(scene: Scene) -> dict[str, Any]:
-    """The scene as one that can be read again: a material by its name has no numbers beside it."""
-    data = scene.model_dump(mode="json", exclude_none=True)
-    for table, name, numbers in (
-        ("material", "name", ("youngs_modulus", "poissons_ratio", "density")),
-        ("damper", "ball_material", ("ball_density",)),
-    ):
-        if name in data.get(table, {}):
-            data[table] = {key: item for key, item in data[table].items() if key not in numbers}
-    return data
 
 
 def read(folder: str | os.PathLike[str]) -> Results:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from base64 import b64encode
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.rotor import from_rpm
 from workflows.errors import BadInput
-from workflows.formatting import amount, significant
+from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
@@ -100,32 +101,16 @@ SHOWN = {
 
 def report(results: Results) -> dict[str, str]:
     """Every figure of a run as an SVG element of its report; empty where there is nothing to draw."""
-    drawn = {
-        "campbell": campbell(results),
-        "mesh": mesh(results),
-        "velocity": velocity(results),
-        "capacity": capacity(results),
-        "working": damping_ratio(results),
-        "path": cavity_path(results),
-    }
-    values = {"campbell": _frequencies, "working": _damping_ratios}
-    return {
-        name: ""
-        if figure is None
-        else plots.svg(
-            figure,
-            name,
-            SHOWN[name] + (_at_which_speed(results) if name == "path" else ""),
-            values[name](results, figure) if name in values else (),
-            frames=name == "path",
-        )
-        for name, figure in drawn.items()
-    }
-
-
-def _at_which_speed(results: Results) -> str:
-    shown_path = path_shown(results)
-    return "" if shown_path is None else f" at {amount(shown_path[1].rpm)} rpm, seen from above"
+    values, page = {"campbell": _frequencies, "working": _damping_ratios}, {}
+    draws = (campbell, mesh, velocity, capacity, damping_ratio, cavity_path)
+    for (name, description), draw in zip(SHOWN.items(), draws, strict=True):
+        figure, page[name] = draw(results), ""
+        if figure is not None:
+            if name == "path" and (path := path_shown(results)) is not None:
+                description += f" at {amount(path[1].rpm)} rpm, seen from above"
+            named = values[name](results, figure) if name in values else ()
+            page[name] = plots.svg(figure, name, description, named, frames=name == "path")
+    return page
 
 
 def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
@@ -205,7 +190,9 @@ def capacity(results: Results) -> Figure | None:
     panels = 2 if any(damping.intrinsic_sdc for damping in dampings) else 1
     figure, drawn = plots.canvas(3.1, panels)
     whole, part = drawn[0], drawn[-1]
-    edges = _pieces(lines)
+    low, high = min(float(line.x.min()) for line in lines), max(float(line.x.max()) for line in lines)
+    scale = "log" if high > 3 * low > 0 else "linear"
+    edges = np.asarray((np.geomspace if scale == "log" else np.linspace)(low, high, _CYCLES_AT_MOST + 1))
     for line, damping, colour in zip(lines, dampings, plots.shades(len(lines)), strict=True):
         if panels == 2:
             _cycles(whole, line, 100 * line.y, edges, colour)
@@ -214,7 +201,7 @@ def capacity(results: Results) -> Figure | None:
             part.axvline(damping.cutoff_g, ymax=0.035, color=colour, lw=1.6)
     _title(whole, part, lines, results)
     for axes in drawn:
-        axes.set(xlabel="amplitude of the acceleration, g", xscale=_scale(lines))
+        axes.set(xlabel="amplitude of the acceleration, g", xscale=scale)
     plots.legend(figure, part, title="load")
     return figure
 
@@ -273,18 +260,6 @@ def _stop(axes: Axes, stop: float, end: float) -> None:
     )
 
 
-def _scale(lines: list[files.Curve]) -> str:
-    low, high = min(float(line.x.min()) for line in lines), max(float(line.x.max()) for line in lines)
-    return "log" if high > 3 * low > 0 else "linear"
-
-
-def _pieces(lines: list[files.Curve]) -> Floats:
-    """Ends of the pieces in which long ring-downs are drawn."""
-    low, high = min(float(line.x.min()) for line in lines), max(float(line.x.max()) for line in lines)
-    spaced = np.geomspace if _scale(lines) == "log" else np.linspace
-    return np.asarray(spaced(low, high, _CYCLES_AT_MOST + 1))
-
-
 def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colour: str) -> None:
     """What each cycle takes; of many cycles the mean, between the least and the most."""
     if not is_band(line.y):
@@ -298,7 +273,7 @@ def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colou
 def _title(whole: Axes, part: Axes, lines: list[files.Curve], results: Results) -> None:
     """Titles, the range of the axis, and what the paper reports."""
     top = 100 * max(float(line.y.max()) for line in lines)
-    if part is not whole and any(paper.row(results.scene, point.load_g) for point in results.speeds):
+    if part is not whole and paper.is_known(results.scene, (point.load_g for point in results.speeds)):
         low, high = (100 * value for value in paper.SDC_RANGE)
         whole.axhspan(low, high, color=plots.RULE, lw=0)
         middle = (0.97, (low + high) / 2)
@@ -418,11 +393,16 @@ def frequency(point: SpeedPoint) -> float:
 
 def cavity_path(results: Results) -> Figure | None:
     """The ball from above, and over time with the structure's motion below; None where no ball moved."""
+    from matplotlib.figure import Figure
+
     shown_path, spec = path_shown(results), results.scene.damper
     if shown_path is None or spec is None:
         return None
     path, point = shown_path
-    figure, (above, ball, structure) = _square_above(2.6, 2)
+    figure = Figure(figsize=(plots.WIDTH, 5.6))
+    figure.set_layout_engine("constrained", hspace=0.08)
+    grid = figure.add_gridspec(3, 1, height_ratios=(2.6, 1.25, 1.25))  # a square, and two panels below it
+    above, ball, structure = (figure.add_subplot(grid[k]) for k in range(3))
     _from_above(above, path, spec.cavity, spec.radius, _LINED / frequency(point))
     _over_time(ball, path, path.ball)
     for i in files.moving_axes(path.ball):
@@ -580,16 +560,6 @@ def oscillations(y: Floats) -> int:
     return int(np.count_nonzero(np.diff(signs))) // 2
 
 
-def _square_above(side: float, panels: int) -> tuple[Figure, list[Axes]]:
-    """A figure with a square `side` inches high, and panels below it."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(plots.WIDTH, side + 1.5 * panels))
-    figure.set_layout_engine("constrained", hspace=0.08)
-    grid = figure.add_gridspec(panels + 1, 1, height_ratios=(side, *([1.25] * panels)))
-    return figure, [figure.add_subplot(grid[k]) for k in range(panels + 1)]
-
-
 @dataclass(frozen=True, eq=False)
 class ModeView:
     """A mode in three dimensions, the plate at rest in outline; the last line of a notebook's cell shows its picture.
@@ -694,8 +664,8 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        row = surface.row(middle_speed(self.results.speeds))
-        row = chosen(surface, self.results.speeds, row, rpm, number, ("rpm", "number"))
+        omega = None if rpm is None else from_rpm(rpm)
+        row = chosen(surface, self.results.speeds, omega, number, ("rpm", "number"))
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
         title = f"mode {number}, {mode.family}, {mode.frequency_hz:.2f} Hz at {amount(point.rpm)} rpm"
@@ -716,19 +686,19 @@ class Plots:
 
 
 def chosen(
-    surface: Surface, speeds: Sequence[SpeedPoint], row: int, rpm: float | None, number: int, keys: tuple[str, str]
+    surface: Surface, speeds: tuple[SpeedPoint, ...], omega: float | None, number: int, keys: tuple[str, str]
 ) -> int:
-    """Which of the speeds kept is meant, `row` where none is named; `number`: of a mode there, from 1.
+    """Which of the speeds kept is meant [rad/s], the middle one where none is named; `number`: of a mode, from 1.
 
     Raises:
         BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
     """
-    speeds_shown = [speeds[number].rpm for number in surface.at]
-    if rpm is not None:
-        row = min(range(len(speeds_shown)), key=lambda k: abs(speeds_shown[k] - rpm))
-        if abs(speeds_shown[row] - rpm) > _SAME * max(rpm, 1.0):
-            problem = f"expected a speed with shapes: {', '.join(map(amount, speeds_shown))} rpm"
-            raise BadInput(problem, key=keys[0], value=as_typed(rpm))
+    row, kept = surface.row(middle_speed(speeds)), [speeds[at] for at in surface.at]
+    if omega is not None:
+        row = min(range(len(kept)), key=lambda k: abs(kept[k].omega - omega))
+        if abs(kept[row].omega - omega) > _SAME * max(omega, from_rpm(1.0)):
+            problem = f"expected a speed with shapes: {', '.join(amount(point.rpm) for point in kept)} rpm"
+            raise BadInput(problem, key=keys[0], value=as_typed(rounded_rpm(omega)))
     if not 1 <= number <= surface.shapes.shape[1]:
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row

@@ -123,10 +123,12 @@ def of_surface(
     data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
     data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
     if few:
-        data["speeds"] = [_speed(speeds[at], surface.shapes.shape[1]) for at in surface.at]
+        for point in (speeds[at] for at in surface.at):
+            modes = [{"hz": m.frequency_hz, "family": m.family, "branch": m.branch} for m in point.modes]
+            data["speeds"].append({"rpm": point.rpm, "modes": modes[: surface.shapes.shape[1]]})
         data["first"] = [surface.row(first[0]), first[1]]
         data["shapes"] = vectors(few)
-    return View(_for_a_page(data), len(surface.points), len(drawn.kept), bool(few))
+    return View(for_a_page(data), len(surface.points), len(drawn.kept), bool(few))
 
 
 def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:
@@ -171,13 +173,7 @@ def _shapes(surface: Surface, nodes: Indices) -> tuple[Floats, Floats]:
     return shapes[:, nodes] * scale, np.zeros((0, len(nodes), 3)) if behind is None else behind[:, nodes] * scale
 
 
-def _speed(point: SpeedPoint, count: int) -> dict[str, Any]:
-    """What the selectors say of a speed's modes with a shape: numbers as in `results.json`."""
-    modes = [{"hz": mode.frequency_hz, "family": mode.family, "branch": mode.branch} for mode in point.modes[:count]]
-    return {"rpm": point.rpm, "modes": modes}
-
-
-def _for_a_page(data: dict[str, Any]) -> str:
+def for_a_page(data: dict[str, Any]) -> str:
     """JSON that ends no script element."""
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
@@ -206,7 +202,10 @@ def thinned(surface: Surface, most: int) -> Thinned:
     if len(surface.points) > most:
         return _thinned(surface, most) if surface.frame is None else _decimated(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-    edges = surface.lines if surface.lines is not None else _sides(cells)
+    edges = surface.lines
+    if edges is None:
+        sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+        edges = np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
     return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
 
 
@@ -226,17 +225,13 @@ def _decimated(surface: Surface, most: int) -> Thinned:
     return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
 
 
-def _sides(cells: Indices) -> Indices:
-    """The edges of cells (m, 3 or 4), each once, (k, 2)."""
-    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
-    return np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
-
-
 def _thinned(surface: Surface, most: int) -> Thinned:
     from scipy.spatial import Delaunay, KDTree
 
     places = surface.points[:, :2]
-    spacing = np.sqrt(_area(places, surface.cells[1]) / (0.8 * most))
+    x, y = places[surface.cells[1]].transpose(2, 0, 1)
+    area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum()
+    spacing = np.sqrt(float(area) / (0.8 * most))
     rims = [_along(places, loop, spacing) for loop in loops(surface.outline)]
     rim = np.concatenate(rims)
     inner = np.setdiff1d(_one_a_square(places, spacing), surface.outline)
@@ -249,11 +244,6 @@ def _thinned(surface: Surface, most: int) -> Thinned:
     triangles = triangles[_inside(middles, places[nodes][outline])]
     at_root = np.isin(nodes, surface.root)
     return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
-
-
-def _area(places: Floats, cells: Indices) -> float:
-    x, y = places[cells].transpose(2, 0, 1)
-    return float(0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum())
 
 
 def loops(outline: Indices) -> list[Indices]:

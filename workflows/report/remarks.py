@@ -6,12 +6,10 @@ Numbers are found here; the sentences are the texts of the same names in `templa
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, wraps
 from itertools import groupby
-from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -47,9 +45,8 @@ LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene
 
 def said(text: str, results: Results, **values: Any) -> list[str]:
     """Sentences of a text on some values, and on what every one may name."""
-    damper = results.scene.damper
-    known = {"carrier": carrier(results.scene), "limit": limits.endured(results), "damper": damper}
-    return templates.said(text, 1 if damper is None else damper.count, **known, **values)
+    known = {"carrier": carrier(results.scene), "limit": limits.endured(results), "damper": results.scene.damper}
+    return templates.said(text, results.scene.ball_count, **known, **values)
 
 
 def phrase(text: str, results: Results, **values: Any) -> str:
@@ -224,7 +221,7 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     """Pairs of an assumption and where it comes from."""
     scene = results.scene
     theory = "" if results.theory is None else kind(results.theory.name).value
-    words = tomllib.loads(_ASSUMPTIONS.read_text(encoding="utf-8"))
+    words = templates.texts("assumptions")
     cases = {name: effect.assumed(scene, results.effects[name].on, theory) for name, effect in EFFECTS.items()}
     assumed = {name: words[name][case] for name, case in cases.items() if case in words.get(name, {})}
     strengths = dict.fromkeys(scene.contact_materials) if limits.solids(scene) is not None else ()
@@ -233,14 +230,11 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
         "effects": {of: [assumed[name] for name in assumed if EFFECTS[name].of == of] for of in ("plate", "damper")},
         "known": KNOWN,
         "strengths": [name for name in strengths if name is not None and KNOWN[name].strength],
-        "table_two": any(paper.row(scene, point.load_g) for point in results.speeds),
+        "table_two": paper.is_known(scene, (point.load_g for point in results.speeds)),
         "kirchhoff": _is(results, "kirchhoff"),
     }
     lines = templates.said("remarks/assumptions", **of)
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
-
-
-_ASSUMPTIONS = Path(__file__).parents[1] / "templates" / "assumptions.toml"
 
 
 PARTS = {
@@ -282,8 +276,8 @@ def met(results: Results) -> bool:
 
 def misfit(scene: Scene, points: Sequence[SpeedPoint]) -> list[str]:
     """That the cavity has to fit, which sticks out of a structure in space."""
-    far, balls = max((point.sticks_out for point in points), default=0.0), scene.damper and scene.damper.count
-    return templates.said("answer/misfit", balls or 1, carrier=carrier(scene), far=far) if far else []
+    far = max((point.sticks_out for point in points), default=0.0)
+    return templates.said("answer/misfit", scene.ball_count, carrier=carrier(scene), far=far) if far else []
 
 
 def carrier(scene: Scene) -> str:
@@ -481,7 +475,7 @@ def level_structure(results: Results) -> Values:
     """What a scene without a plate does not tell."""
     structure = results.scene.given
     loaded = any(p.load_g > 0 for p, _, _ in ring_downs(results))
-    return {} if structure is not None and not any(structure.floor_tilt) and loaded else None
+    return {} if structure is not None and structure.level and loaded else None
 
 
 @remark
@@ -636,10 +630,10 @@ def pendulum(results: Results) -> Values:
 def turning_floor(results: Results) -> Values:
     """The floor's turning, which is left out: (1/5) m (s' - r kappa u')² of the spin makes 2/5 r kappa of the drive."""
     damper, target = results.scene.damper, results.scene.accuracy.damping
-    if damper is None or not results.effects["floor_tilt"].on:
+    if damper is None or not coupling.tilts(results.effects):
         return None
-    tilts = [abs(r.floor_tilt) for p, r, _ in ring_downs(results) if p.load_g > 0]
-    share = 0.4 * damper.radius * max(tilts, default=0.0)
+    shares = [reduced.turning_share(damper.radius) for p, reduced, _ in ring_downs(results) if p.load_g > 0]
+    share = max(shares, default=0.0)
     return {"share": share} if share > target else None
 
 

@@ -26,8 +26,7 @@ def from_template(template: str, css: str = "", **values: Any) -> str:
         css: style beside that of every page.
         values: what it shows.
     """
-    style = (_TEMPLATES / "report.css").read_text(encoding="utf-8") + css
-    return _pages().get_template(template).render(css=style, **values)
+    return _pages().get_template(template).render(css=_text("report.css") + css, **values)
 
 
 def said(text: str, balls: int = 1, **values: Any) -> list[str]:
@@ -55,7 +54,7 @@ def _pages() -> Environment:
 def _texts(*, several: bool) -> Environment:
     def source(name: str) -> str:
         file, text = name.split("/")
-        return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], _file(file)[text])
+        return _BY_NUMBER.sub(lambda of: of[2].replace("#", "{{ balls }}") if several else of[1], texts(file)[text])
 
     @pass_context
     def say(context: Context, name: str, **values: Any) -> str:
@@ -68,8 +67,14 @@ def _texts(*, several: bool) -> Environment:
 
 
 @cache
-def _file(name: str) -> dict[str, str]:
-    return tomllib.loads((_TEMPLATES / f"{name}.toml").read_text(encoding="utf-8"))
+def texts(name: str) -> dict[str, Any]:
+    """What a TOML file among the templates holds."""
+    return tomllib.loads(_text(f"{name}.toml"))
+
+
+def _text(name: str) -> str:
+    """A file that stands beside the templates, such as a script in a page."""
+    return (_TEMPLATES / name).read_text(encoding="utf-8")
 
 
 def _environment(loader: BaseLoader, *, autoescape: bool) -> Environment:
@@ -78,23 +83,18 @@ def _environment(loader: BaseLoader, *, autoescape: bool) -> Environment:
         loader=loader, autoescape=autoescape, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {each.__name__: each for each in _FILTERS}
-    environment.globals |= {"limits": limits, "AIR": limits.AIR, "inf": math.inf}
+    environment.globals |= {"limits": limits, "AIR": limits.AIR, "inf": math.inf, "script": _text}
     return environment
-
-
-def script(name: str) -> str:
-    """A script that stands in a page."""
-    return (_TEMPLATES / name).read_text(encoding="utf-8")
 
 
 def at_load(point: SpeedPoint) -> str:
     """Where in the range of speeds, within a sentence."""
-    return f"at {formatting.whole(point.rpm)} rpm" if point.load_g > 0 else "at rest"
+    return f"at {formatting.turning(point.omega)}" if point.load_g > 0 else "at rest"
 
 
 def at_speed(point: SpeedPoint) -> str:
     """A speed with its load."""
-    return f"{formatting.whole(point.rpm)} rpm ({formatting.whole(point.load_g)} g)"
+    return f"{formatting.turning(point.omega)} ({formatting.whole(point.load_g)} g)"
 
 
 def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
@@ -127,6 +127,11 @@ def mm(length: float) -> str:
     return f"{formatting.significant(1e3 * length)} mm"
 
 
+def in_mm(length: float) -> str:
+    """A coordinate in mm."""
+    return formatting.significant(1e3 * length, 4)
+
+
 def in_percent(share: float) -> str:
     """A share in percent."""
     return formatting.significant(100 * share, 2)
@@ -150,5 +155,5 @@ _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
     formatting.apart,
-    *(at_load, at_speed, stretch, capital, millimetres, mm, in_percent, rounded, listed),
+    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
 )

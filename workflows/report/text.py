@@ -5,17 +5,21 @@ from __future__ import annotations
 import re
 import shutil
 import textwrap
+from collections.abc import Callable
 from dataclasses import fields
-from html import escape
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, plain, prose, revolutions, share, significant
+from workflows.formatting import aligned, amount, fixed, plain, revolutions, rounded_rpm, share, significant
+from workflows.io.files import finite
 from workflows.laws import lawful
 from workflows.progress import Stages
 from workflows.report import remarks, verdict
+from workflows.report.templates import from_template
 from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
@@ -25,7 +29,6 @@ if TYPE_CHECKING:
 
 
 _MODES_AT_MOST = 8
-_ROWS_AT_MOST = 12
 
 
 def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
@@ -61,40 +64,69 @@ def _wrapped(paragraph: str, mark: str = "") -> list[str]:
     return [line.replace("\xa0", " ") for line in lines]
 
 
+class Column(NamedTuple):
+    """A column of the tables over speeds: its key in files, its head, a value, how that is written, and its mark."""
+
+    key: str
+    head: str
+    value: Callable[[Results, SpeedPoint], float | None]
+    written: Callable[[float | None], str]
+    mark: Callable[[Results, SpeedPoint], str] = lambda results, point: ""
+
+    def cell(self, results: Results, point: SpeedPoint) -> str:
+        """Of a speed."""
+        return self.written(self.value(results, point)) + self.mark(results, point)
+
+
+COLUMNS = (
+    Column("load_g", "load g", lambda _, p: p.load_g, amount),
+    Column("first_frequency_hz", "first Hz", lambda _, p: verdict.first_frequency(p), partial(fixed, places=2)),
+    Column("cutoff_g", "cut-off g", lambda of, p: limits.cutoff(of, p).g, amount, remarks.cutoff_mark),
+    Column("cutoff_ratio", "/ load", lambda of, p: limits.cutoff(of, p).ratio, significant, remarks.cutoff_mark),
+    Column("sdc", "SDC %", lambda _, p: None if p.damper is None else remarks.lost_at_most(p.damper), share),
+    Column("damping_ratio_percent", "ball ζ %", lambda _, p: _figure(p, "peak", 100), significant, remarks.mark),
+    Column("at_amplitude_mm", "at mm", lambda _, p: _figure(p, "peak_amplitude", 1e3), significant),
+    Column("hits", "hits", lambda _, p: None if p.damper is None else p.damper.impacts, fixed),
+)
+"""Of a damper, beside the speed."""
+
+
+def _figure(point: SpeedPoint, name: str, factor: float) -> float | None:
+    """One of the damper's own figures; None where there is none that is finite."""
+    return None if point.damping_curve is None else finite(factor * getattr(point.damping_curve, name))
+
+
 def rows(results: Results) -> list[tuple[str, ...]]:
     """The table, its heads first: a row a speed."""
     if any(point.damper is not None for point in results.speeds):
         is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
-        hertz = "first Hz" if is_first else f"{verdict.followed_mode(results)} Hz"
-        heads: tuple[str, ...] = ("rpm", "load g", hertz, "cut-off g", "/ load", "SDC %")
-        heads += ("ball ζ %", "at mm", "hits")
-        return [heads, *(_damped(results, point) for point in results.speeds)]
+        named = {} if is_first else {"first Hz": f"{verdict.followed_mode(results)} Hz"}
+        table = [("rpm", *(named.get(each.head, each.head) for each in COLUMNS))]
+        for point in results.speeds:
+            known = COLUMNS if point.damper is not None else COLUMNS[:1]
+            table.append((amount(point.rpm), *(each.cell(results, point) for each in known)))
+        return table
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    table = [
-        (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
-        for p in results.speeds
+    return [
+        heads,
+        *(
+            (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
+            for p in results.speeds
+        ),
     ]
-    return [heads, *table]
 
 
-def _damped(results: Results, point: SpeedPoint) -> tuple[str, ...]:
-    damping, figures = point.damper, point.damping_curve
-    if damping is None:
-        return (amount(point.rpm), amount(point.load_g))
-    cutoff = limits.cutoff(results, point)
-    at_rest = remarks.cutoff_mark(results, point)
-    return (
-        amount(point.rpm),
-        amount(point.load_g),
-        fixed(verdict.first_frequency(point), 2),
-        amount(cutoff.g) + at_rest,
-        significant(cutoff.ratio) + at_rest,
-        share(remarks.lost_at_most(damping)),
-        significant(100 * figures.peak if figures else 0.0) + remarks.mark(results, point),
-        significant(1e3 * figures.peak_amplitude if figures else None),
-        fixed(damping.impacts),
-    )
+def of_modes(model: ModalModel, file: Path | None) -> str:
+    """Frequencies and families at each speed of the modes that a neutral file has."""
+    table: list[tuple[str, ...]] = [("rpm", "mode", "Hz", "family")]
+    for modes in model.speeds:
+        table += [
+            (fixed(rounded_rpm(modes.omega)) if k == 0 else "", str(k + 1), amount(float(hz)), name)
+            for k, (hz, name) in enumerate(zip(modes.frequencies_hz, families(model, modes), strict=True))
+        ]
+    lines = [f"Real modes, without Coriolis forces, at {len(model.points)} nodes", "", *aligned(table)]
+    return "\n".join([*lines, *(["", f'name it in a scene: [structure] modes = "{file}"'] if file is not None else [])])
 
 
 class Shown(Results):
@@ -131,16 +163,15 @@ def brief(results: Results) -> str:
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
     answer, accuracy = verdict.answer(results), remarks.sentence(results)
-    sentences = " ".join(
-        answer.sentences if accuracy is None or accuracy in answer.sentences else (*answer.sentences, accuracy)
-    )
     heads, *lines = rows(results)
-    left_out = len(lines) - _ROWS_AT_MOST
-    more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
-    table = _row("th", heads) + "".join(_row("td", row) for row in lines[:_ROWS_AT_MOST])
-    return (
-        f"<p>{escape(_head(results))}</p><p><b>{prose(answer.verdict)}.</b> {prose(sentences)}</p>"
-        f"<table>{table}</table>{more}{''.join(f'<p>{escape(each)}</p>' for each in remarks.legend(results))}"
+    return from_template(
+        "notebook.html.j2",
+        head=_head(results),
+        answer=answer,
+        sentences=answer.sentences if accuracy in (None, *answer.sentences) else (*answer.sentences, accuracy),
+        heads=heads,
+        lines=lines,
+        legend=remarks.legend(results),
     )
 
 
@@ -152,10 +183,6 @@ def _head(results: Results) -> str:
     if len(speeds) == 1:
         return f"{title}: 1 speed, {amount(speeds[0])} rpm"
     return f"{title}: {len(speeds)} speeds, {amount(min(speeds))} to {amount(max(speeds))} rpm"
-
-
-def _row(kind: str, cells: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
 
 
 @lawful()

@@ -7,7 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
-from workflows.formatting import whole
+from workflows.formatting import turning
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
@@ -185,7 +185,7 @@ def answer(results: Results) -> Answer:
     (first, *rest), *others = orders
     alike = "; ".join([f"{main[0].lower()}{main[1:]}".replace(": ", ", ", 1), *clauses])
     told = [each for each in results.reductions if not each.reason]
-    rough = [f"{each.order} ({whole(each.rpm)} rpm)" for each in told if each.loose]
+    rough = [f"{each.order} ({turning(each.omega)})" for each in told if each.loose]
     estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
     crossings = [" ".join(each) for each in (rest, *others) if each]
     by_itself = f"Compared with the damping by air alone: {alike}."

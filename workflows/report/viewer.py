@@ -14,12 +14,13 @@ from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
 from workflows.io import serialise
+from workflows.io.files import STUDIES
+from workflows.io.folder import put
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
-from workflows.report.page import put
-from workflows.report.templates import from_template, script
+from workflows.report.templates import from_template, in_mm, said
 from workflows.scene import load
-from workflows.scene.scene import Scene, as_typed, omega_of
+from workflows.scene.scene import Scene
 from workflows.solve import resources
 from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
 
@@ -27,45 +28,28 @@ _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
 
 
-def facts(surface: Surface) -> tuple[tuple[tuple[str, str], ...], dict[str, Any]]:
-    """Name and words of each, and the same in SI for programs."""
-    values = numbers(surface)
-    (x0, x1), (y0, y1) = values["extent"]["x"], values["extent"]["y"]
-    least, middle, most = (significant(1e3 * values["edges"][name]) for name in ("shortest", "median", "longest"))
-    sharp, blunt = values["angles"]["least"], values["angles"]["greatest"]
-    odd = values["angles"]["odd_cells"]
-    words = [
-        ("cells", f"{whole(values['cells'])} {_KINDS[surface.cells[0]]}, {whole(values['points'])} points"),
-        ("extent", f"x {_mm(x0)} to {_mm(x1)} mm, y {_mm(y0)} to {_mm(y1)} mm"),
-        ("root", f"the edge at the smallest x, {_mm(x0)} mm: {whole(values['root']['edges'])} edges, "
-         f"{_mm(values['root']['length'])} mm long"),
-        ("holes", whole(values["holes"])),
-        ("edges of cells", f"{least} mm (shortest), {middle} (median), {most} (longest)"),
-        ("shape of cells", f"angles from {sharp:.0f}° to {blunt:.0f}°; longest side over shortest at most "
-         f"{significant(values['aspect'], 2)}"
-         + (f"; {whole(odd)} cells have an angle below {_SHARP:.0f}° or above {_BLUNT:.0f}°" if odd else "")),
-    ]  # fmt: skip
-    return tuple(words), values
-
-
-_KINDS = {"quad": "quadrilaterals", "triangle": "triangles"}
+def facts(text: str, values: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Name and words of each thing that was read."""
+    lines = said(f"view/{text}", sharp=_SHARP, blunt=_BLUNT, **values)
+    return tuple((name, words) for name, _, words in (line.partition(" | ") for line in lines))
 
 
 def numbers(surface: Surface) -> dict[str, Any]:
-    """The same as plain data: lengths in m, angles in degrees."""
+    """What was read of a plate as plain data: lengths in m, angles in degrees."""
     points, cells = surface.points[:, :2], surface.cells[1]
     corners = points[cells]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     angles = _angles(corners)
     low, high = points.min(axis=0), points.max(axis=0)
     ends = points[surface.root]
+    held = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     bad = (angles < _SHARP).any(axis=1) | (angles > _BLUNT).any(axis=1)
     return {
         "kind": surface.cells[0],
         "cells": len(cells),
         "points": len(points),
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
-        "root": {"x": float(low[0]), "edges": len(ends), "length": float(_length(ends))},
+        "root": {"x": float(low[0]), "edges": len(ends), "length": float(held.sum())},
         "holes": len(mode_viewer.loops(surface.outline)) - 1,
         "edges": {
             "shortest": float(sides.min()),
@@ -86,14 +70,6 @@ def _angles(corners: Floats) -> Floats:
     on, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     cosine = (on * back).sum(axis=2) / np.linalg.norm(on, axis=2) / np.linalg.norm(back, axis=2)
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
-
-
-def _length(ends: Floats) -> float:
-    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
-
-
-def _mm(metres: float) -> str:
-    return significant(1e3 * metres, 4) if metres else "0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,11 +105,12 @@ def of_plate(
 ) -> ViewData:
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
     thickness = None if scene.plate is None else scene.plate.thickness
-    words, numbers = facts(surface) if surface.frame is None else ((), {"points": len(surface.points)})
+    known_of = {"points": len(surface.points)} if surface.frame is not None else numbers(surface)
+    words = facts("surface", known_of) if surface.frame is None else ()
     mark = mode_viewer.damper_mark(scene, surface)
     place = mark if surface.mark is None else tuple(surface.mark.tolist())
     if place is not None:
-        told = f"at {', '.join(map(_mm, place))} mm"
+        told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
     return ViewData(
         title=scene.title,
@@ -143,23 +120,8 @@ def of_plate(
         thickness=thickness if isinstance(thickness, float) else None,
         root=figures.held(scene) if len(surface.root) else "",
         facts=(*known, *words),
-        numbers={"damper": place, **numbers},
+        numbers={"damper": place, **known_of},
     )
-
-
-def chosen(view_data: ViewData, rpm: float | None, mode: int) -> tuple[int, int]:
-    """Which speed of the run (`SpeedPoint`) and which mode, from 0, are asked for; the middle speed by default.
-
-    Raises:
-        BadInput: there is no such mode, or no shape was kept at that speed.
-    """
-    at = view_data.surface.at
-    if not at:
-        if rpm is not None:
-            raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
-        return 0, 0
-    row = figures.chosen(view_data.surface, view_data.speeds, (len(at) - 1) // 2, rpm, mode, ("--rpm", "--mode"))
-    return at[row], mode - 1
 
 
 _LONGEST = 5.0
@@ -179,7 +141,7 @@ def data_of_mesh(path: Path) -> ViewData:
             return solid
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare_surface(mesh)
-    words, numbers = facts(surface)
+    read = numbers(surface)
     return ViewData(
         title=path.name,
         surface=surface,
@@ -187,8 +149,8 @@ def data_of_mesh(path: Path) -> ViewData:
         mark=None,
         thickness=None,
         root="clamped root",
-        facts=(*words, ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
-        numbers=numbers,
+        facts=(*facts("surface", read), ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
+        numbers=read,
     )
 
 
@@ -207,22 +169,14 @@ def _data_of_volume(path: Path) -> ViewData | None:
     outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
     surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
-    extent = ", ".join(f"{axis} {_mm(one)} to {_mm(other)} mm" for axis, (one, other) in zip("xyz", ends, strict=True))
-    cells = " and ".join(f"{whole(len(nodes))} {kind}" for kind, nodes in mesh.cells)
-    words = (
-        ("cells", f"{cells}, {whole(len(mesh.points))} points"),
-        ("extent", extent),
-        ("sets of nodes", ", ".join(mesh.sets) or "none"),
-        ("unit", "coordinates taken as " + ("m" if unit == "m" else "mm: a scene says [blade] unit = 'mm'")),
-    )
-    numbers = {
+    values = {
         "cells": {kind: len(nodes) for kind, nodes in mesh.cells},
         "points": len(mesh.points),
         "extent": dict(zip("xyz", ends, strict=True)),
         "sets": list(mesh.sets),
         "unit": unit,
     }
-    return ViewData(path.name, surface, (), None, None, "", words, numbers)
+    return ViewData(path.name, surface, (), None, None, "", facts("volume", values), values)
 
 
 def _unit(side: float) -> str:
@@ -252,7 +206,7 @@ def _known(diagram: Diagram, theory: Theory | None) -> tuple[tuple[str, str], ..
     return (("mesh", diagram.mesh), *((("theory", theory.name),) if theory is not None else ()))
 
 
-def data_of_scene(scene: str, rpm: float | None) -> ViewData:
+def data_of_scene(scene: str, omega: float | None) -> ViewData:
     """The plate of a scene with its modes.
 
     Raises:
@@ -261,8 +215,8 @@ def data_of_scene(scene: str, rpm: float | None) -> ViewData:
     source = load.load(scene)
     if source.scene.given is not None:
         raise source.wrong("the table is missing: view needs a plate, a blade or known modes", "[plate]")
-    if rpm is not None:
-        source = source.changed(rotor={"speeds": (omega_of(rpm),)})
+    if omega is not None:
+        source = source.changed(rotor={"speeds": (omega,)})
     resources.check(source)
     with Stages() as stages:
         state = pipeline.structure(source, stages)
@@ -272,23 +226,19 @@ def data_of_scene(scene: str, rpm: float | None) -> ViewData:
     return of_plate(source.scene, state.surface, state.points, (*told, *_known(state.diagram, state.theory)))
 
 
-_STUDIES = ("accuracy", "compare", "design", "effects", "reproduce", "response", "sweep")
-"""Names of the JSON files that only folders of studies have."""
-
-
 def page_of_study(target: str) -> Path | None:
     """The report of a folder that a study, not a run, has written; None where it is none."""
     folder = Path(target)
     try:
-        whose = any((folder / f"{name}.json").is_file() for name in _STUDIES) and not (folder / serialise.NAME).exists()
+        whose = any((folder / f"{name}.json").is_file() for name in STUDIES) and not (folder / serialise.NAME).exists()
     except (OSError, ValueError):
         return None
     page = folder / "report.html"
     return page if whose and page.is_file() else None
 
 
-def of(target: str, rpm: float | None = None) -> ViewData:
-    """What a folder of results, a scene or a mesh file shows; `rpm`: the one speed that a scene is solved at.
+def of(target: str, omega: float | None = None) -> ViewData:
+    """What a folder of results, a scene or a mesh file shows; `omega`: the one speed that a scene is solved at [rad/s].
 
     Raises:
         BadInput: it is none of these, or it has no plate.
@@ -305,7 +255,7 @@ def of(target: str, rpm: float | None = None) -> ViewData:
         return data_of_mesh(path)
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
-    return data_of_scene(target, rpm)
+    return data_of_scene(target, omega)
 
 
 _ROOM = mode_viewer.Room(12_000, 600_000)
@@ -328,7 +278,7 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
             above, None if view_data.mark is None else (view_data.mark[0], view_data.mark[1]), view_data.root
         )
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    return from_template("view.html.j2", view_data=view_data, view=seen, still=still, script=script("viewer.js"))
+    return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
 
 
 def thinned(seen: mode_viewer.View) -> str:
@@ -345,4 +295,4 @@ def write(view_data: ViewData, path: Path, first: int = 0, mode: int = 0) -> Pat
     Raises:
         BadInput: it cannot be written.
     """
-    return put(path, page(view_data, first, mode), "--out")
+    return put(path, lambda fresh: fresh.write_text(page(view_data, first, mode), encoding="utf-8"), "--out")

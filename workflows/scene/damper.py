@@ -1,16 +1,73 @@
 """The tables of the damper: [damper], [release]."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
+from workflows.errors import BadInput
 from workflows.scene import materials
 from workflows.scene import quantities as q
-from workflows.scene.quantities import ROUNDING, Table, fault
+from workflows.scene.quantities import ROUNDING, Table, fault, wrong
+
+if TYPE_CHECKING:
+    from damper.contact import Solid
 
 HEAVIEST = 10.0
 """Mass of all balls over the structure's up to which they damp it, and are not what is damped."""
+
+
+_PAIRS, _EXAMPLE = 16, "[['0.1 m/s', 0.9], ['10 m/s', 0.5]]"
+
+
+def _restitution(value: object, info: ValidationInfo) -> float | str | tuple[tuple[float, float], ...]:
+    if value == "auto":
+        return "auto"
+    if isinstance(value, str):
+        raise wrong(f"expected a number from 0 to 1, 'auto', or pairs such as {_EXAMPLE}")
+    if not isinstance(value, list | tuple):
+        return _share(value)
+    if not 1 <= len(value) <= _PAIRS or not all(isinstance(each, list | tuple) and len(each) == 2 for each in value):
+        raise wrong(f"expected up to {_PAIRS} pairs of an impact speed and a restitution, such as {_EXAMPLE}")
+    pairs = tuple((q.si(q.SPEED, speed, info), _share(e)) for speed, e in value)
+    if any(speed <= before for (before, _), (speed, _) in pairwise(((0.0, 0.0), *pairs))):
+        raise wrong("expected impact speeds above 0, ascending")
+    return pairs
+
+
+def _share(value: object) -> float:
+    number = q.plain_number(value)
+    if not 0 <= number <= 1:
+        raise wrong(f"expected at {'least 0' if number < 0 else 'most 1'}")
+    return number
+
+
+_ONE_OR_PAIRS = {
+    "anyOf": [
+        {"type": "number", "minimum": 0, "maximum": 1},
+        {"const": "auto"},
+        q.array_schema({"type": "array", "minItems": 2}, most=_PAIRS),
+    ]
+}
+
+_SPEEDS_OF_HITS = 16
+"""Pairs of impact speed and restitution that stand for the law of dents."""
+
+_FASTEST = 1000.0
+"""Impact speed over that of first yield from which on Johnson's power of it holds."""
+
+_HITS = 10.0, 0.1
+"""Impact speeds [m/s] between which those of blades lie."""
+
+_HYSTERESIS = 1e-4
+"""Lever of rolling friction over the ball's radius that the hysteresis of metals leaves, about."""
+
+_UNNAMED = (
+    "requires named materials of ball and floor, the floor's of known strength: expected ball_material and"
+    " floor_material, or a number"
+)
 
 
 class Damper(Table):
@@ -50,7 +107,9 @@ class Damper(Table):
     housing: Annotated[q.Mass, q.Positive] | None = None
     """mass of a housing that holds the cavity outside the plate, a point mass at the damper's place; without it the
     cavity must fit the plate"""
-    restitution: q.Restitution
+    restitution: Annotated[
+        float | str | tuple[tuple[float, float], ...], BeforeValidator(_restitution), WithJsonSchema(_ONE_OR_PAIRS)
+    ]
     """e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the logarithm of the
     speed; 'auto': by the strength of ball and floor"""
     friction: Annotated[q.Number, q.NotNegative, Field(le=1e6)]
@@ -125,6 +184,61 @@ class Damper(Table):
     def density(self, mass: float) -> float:
         """Of each ball where all of them weigh so much [kg/m³]."""
         return mass / self.count / (4 / 3 * math.pi * self.radius**3)
+
+    @property
+    def lossless(self) -> bool:
+        """Whether a wall hit loses nothing."""
+        return self.restitution == 1
+
+    def hits(self, mass: float, made_of: "tuple[Solid, Solid] | None") -> dict[str, Any]:
+        """The law of impact as `damper` takes it: restitution at low speeds, and pairs of impact speed and restitution.
+
+        Args:
+            mass: of a ball [kg].
+            made_of: ball and floor; None where that is not known.
+
+        Raises:
+            BadInput: the law is to follow from materials that are not known.
+        """
+        pairs = self.restitution
+        if isinstance(pairs, float):
+            return {"restitution": pairs}
+        if isinstance(pairs, str):
+            from damper import contact
+
+            onset = math.nan if made_of is None else contact.yield_speed(mass, self.radius, *made_of)
+            if made_of is None or math.isnan(onset):
+                raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
+            most = math.sqrt(1 - contact.HYSTERESIS)
+            speeds = (onset * np.geomspace(1.0, _FASTEST, _SPEEDS_OF_HITS)).tolist()
+            pairs = tuple((v, min(most, contact.restitution(v, mass, self.radius, *made_of))) for v in speeds)
+        return {"restitution": pairs[0][1], "restitution_by_speed": pairs}
+
+    def uncertain(self, made_of: "tuple[Solid, Solid] | None") -> dict[str, tuple[float, float, str]]:
+        """Between which ends, and by which law, those of its values are spread that are hardly ever known well.
+
+        Rolling friction over two decades, since what it is made of (hysteresis, roughness, a dent) is hardly ever
+        measured; restitution within ±0.2, which impact speed and material leave; friction ±30 %, the structure's
+        damping a factor of 2 either way, the clearance along the bending direction within ±0.05 mm, or half of it. What
+        follows from materials ('auto'): restitution as of hits at `_HITS`, rolling friction up to a hundred times what
+        hysteresis alone leaves.
+        """
+        from damper import contact
+
+        e, zeta, gap = self.restitution, self.damping_ratio, self.cavity[0] - 2 * self.radius
+        ends = (max(e - 0.2, 0.0), min(e + 0.2, 1.0)) if isinstance(e, float) else None
+        if e == "auto" and made_of is not None and self.balls is not None:
+            hit = self.balls / self.count, self.radius, *made_of
+            ends = (contact.restitution(_HITS[0], *hit), contact.restitution(_HITS[1], *hit))
+        tolerance, lever = min(5e-5, gap / 2), self.rolling_friction
+        least = lever / 10 if isinstance(lever, float) else _HYSTERESIS * self.radius
+        return {
+            **({} if ends is None else {"restitution": (*ends, "even")}),
+            "friction": (0.7 * self.friction, 1.3 * self.friction, "even"),
+            "damping_ratio": (zeta / 2, min(2 * zeta, 0.99), "log"),
+            "clearance[0]": (gap - tolerance, gap + tolerance, "even"),
+            "rolling_friction": (least, min(100 * least, self.radius), "log"),
+        }
 
     def _hollow(self, floor: tuple[float, float]) -> None:
         """A hollow floor in which the ball finds room, and whose equations are not the paper's."""

@@ -372,12 +372,19 @@ def _unknown(error: Any, loc: list[str]) -> str:
     shape = hints["also_called"].get(loc[-1], loc[-1])
     if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
         return f": {hints['shape'][shape]}"
-    if instead := hints["keys"].get(".".join(loc)) or hints["keys"].get(loc[-1]):
-        return f": {instead}"
+    if hint := instead(loc):
+        return hint
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
     return did_you_mean(loc[-1], _fields(loc[:-1])) or _belongs(loc[-1])
+
+
+def instead(loc: list[str]) -> str:
+    """What a scene has instead of a key that people take for one; empty where nothing is known."""
+    keys = _hints()["keys"]
+    hint = keys.get(".".join(loc)) or keys.get(loc[-1])
+    return f": {hint}" if hint else ""
 
 
 def _meant(loc: list[str]) -> str:
@@ -386,7 +393,7 @@ def _meant(loc: list[str]) -> str:
     table = next((table for table in tables if loc[-1] in table.model_fields), None)
     if table is None:
         return ""
-    inner = _models(table.model_fields[loc[-1]])
+    inner = tables_of(table.model_fields[loc[-1]])
     needs = [name for table in inner for name, key in table.model_fields.items() if key.is_required()]
     needed = f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else ""
     return f": {docstrings.of_fields(table)[loc[-1]]}{needed}"
@@ -408,10 +415,10 @@ def _lookup(data: Any, loc: list[str]) -> object:
 
 
 def _tables() -> dict[str, list[type[BaseModel]]]:
-    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := _models(field))}
+    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := tables_of(field))}
 
 
-def _models(field: Any) -> list[type[BaseModel]]:
+def tables_of(field: Any) -> list[type[BaseModel]]:
     """The tables that a key may hold."""
     models, kinds = [], [field.annotation]
     while kinds:
@@ -427,7 +434,7 @@ def _fields(loc: list[str]) -> list[str]:
         return list(Scene.model_fields)
     tables = _tables().get(loc[0], [])
     for key in loc[1:]:
-        tables = [kind for table in tables if key in table.model_fields for kind in _models(table.model_fields[key])]
+        tables = [kind for table in tables if key in table.model_fields for kind in tables_of(table.model_fields[key])]
     return [name for table in tables for name in table.model_fields]
 
 

@@ -1,5 +1,6 @@
 """Table II of the paper, and whether a scene is the plate it speaks of."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from workflows.scene.scene import Scene
@@ -27,6 +28,11 @@ TABLE_II = (
     TableRow(49348, 336.7, 5028, 0.10),
     TableRow(67168, 373.5, 6819, 0.10),
 )
+
+
+def is_known(scene: Scene, loads_g: Iterable[float]) -> bool:
+    """Whether Table II has any of these loads."""
+    return any(row(scene, load_g) for load_g in loads_g)
 
 
 def row(scene: Scene, load_g: float) -> TableRow | None:

@@ -37,6 +37,19 @@ def plate_thickness(plate: Plate, place: tuple[float, float], form: Planform | N
     return thickness_at(plate.thickness, place, getattr(form, "thickness", None))
 
 
+def sides(plate: Plate, form: Planform | None = None) -> tuple[float, float]:
+    """Length and width [m].
+
+    Raises:
+        ValueError: they are those of a mesh, whose planform is not given.
+    """
+    if form is not None:
+        return form.sides
+    if plate.length is None or plate.width is None:
+        raise ValueError("the planform of a plate from a mesh is needed")
+    return plate.length, plate.width
+
+
 def thickness_range(plate: Plate, form: Planform | None = None) -> tuple[float, float, float]:
     """Least, mean and greatest thickness [m].
 
@@ -45,12 +58,11 @@ def thickness_range(plate: Plate, form: Planform | None = None) -> tuple[float, 
     """
     if isinstance(plate.thickness, float):
         return (plate.thickness,) * 3
-    if plate.length is not None and plate.width is not None:
-        least, greatest = extremes(plate.thickness, plate.length, plate.width)
-        return least, volume(plate)[0] / plate.length / plate.width, greatest
-    if form is None:
-        raise ValueError("the planform of a plate from a mesh is needed")
-    return spread(profile(plate, form), form.mesh(form.sizes[0]))
+    length, width = sides(plate, form)
+    if form is not None and plate.length is None:
+        return spread(profile(plate, form), form.mesh(form.sizes[0]))
+    least, greatest = extremes(plate.thickness, length, width)
+    return least, volume(plate)[0] / length / width, greatest
 
 
 @functools.cache
@@ -94,16 +106,11 @@ def planform(source: SceneFile) -> Planform:
     if source.mesh is not None:
         return _from_file(source)
     form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)
-    return _with_a_node(form, given_place(source.scene)) if source.scene.point_mass else form
-
-
-def _with_a_node(form: fem.Rectangle, at: tuple[float, float] | None) -> fem.Rectangle:
-    """Grids with a node where the point mass is, None in the middle of the tip: on a node and off one are two problems.
-
-    All have an even number of cells across, and so a node in the middle as they are.
-    """
+    if not source.scene.point_mass:
+        return form
+    # A mass on a node and one off it are two problems; even numbers of cells across have a node in the middle anyway.
     even = tuple(size for size in form.sizes if form.cells(size)[1] % 2 == 0)
-    return replace(form, sizes=even, node=at)
+    return replace(form, sizes=even, node=given_place(source.scene))
 
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:

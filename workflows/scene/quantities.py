@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -99,19 +98,11 @@ _COMMON = (
 _FACTORS = {
     ("mm", "m"): 1e-3,
     ("cm", "m"): 1e-2,
-    ("m", "m"): 1.0,
     ("g", "kg"): 1e-3,
-    ("kg", "kg"): 1.0,
     ("deg", "rad"): 0.017453292519943295,
     ("rpm", "rad/s"): 0.10471975511965977,
-    ("rad/s", "rad/s"): 1.0,
-    ("Hz", "Hz"): 1.0,
-    ("Pa", "Pa"): 1.0,
     ("MPa", "Pa"): 1e6,
     ("GPa", "Pa"): 1e9,
-    ("N", "N"): 1.0,
-    ("kg/m^3", "kg/m^3"): 1.0,
-    ("m/s^2", "m/s^2"): 1.0,
 }
 """What pint says of the commonest units: to load it takes longer than all else that reads a scene."""
 
@@ -144,7 +135,7 @@ def _registry() -> pint.UnitRegistry[float]:
 @cache
 def _factor(unit: str, si: str) -> float | None:
     """The number that takes `unit` to `si`; None where the dimensions differ."""
-    known = _FACTORS.get((unit, si))
+    known = 1.0 if unit == si else _FACTORS.get((unit, si))
     return _by_pint(unit, si) if known is None else known
 
 
@@ -338,25 +329,18 @@ def several(
     return BeforeValidator(validate), WithJsonSchema({"anyOf": [*schema.get("anyOf", [schema]), array]} | unit)
 
 
-def list_of(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
-    """What annotates a list of quantities."""
-    return several(partial(si, kind), quantity_schema(kind), f"expected a list such as {_two(kind)}")
-
-
-def _pair(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
-    return several(partial(si, kind), quantity_schema(kind), f"expected a list of two, such as {_two(kind)}", 2, 2)
-
-
-def _triple(kind: Kind) -> tuple[BeforeValidator, WithJsonSchema]:
-    expectation = f"expected a list of three, such as ['{kind.example}', '{kind.example}', '{kind.example}']"
-    return several(partial(si, kind), quantity_schema(kind), expectation, 3, 3)
+def _list(kind: Kind, count: int | None = None) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates a list of quantities: of so many, or of any number."""
+    number = {None: "", 2: " of two,", 3: " of three,"}[count]
+    expectation = f"expected a list{number} such as [{', '.join([repr(kind.example)] * (count or 2))}]"
+    return several(partial(si, kind), quantity_schema(kind), expectation, count or 1, count)
 
 
 def _direction(value: object) -> tuple[float, ...]:
     items = value if isinstance(value, list | tuple) else []
     if len(items) != 3 or not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
         raise wrong("expected a direction of three numbers such as [0, 0, 1]")
-    numbers = tuple(map(_number, items))
+    numbers = tuple(map(plain_number, items))
     if not any(numbers):
         raise wrong("expected a direction such as [0, 0, 1]: all three are 0")
     return numbers
@@ -421,7 +405,8 @@ _length_unit = partial(_unit_of, LENGTH, "length such as 'mm'")
 _mass_unit = partial(_unit_of, MASS, "mass such as 'kg' or 't'")
 
 
-def _number(value: object) -> float:
+def plain_number(value: object) -> float:
+    """A finite number without a unit."""
     if isinstance(value, str) and (share := re.fullmatch(r"([0-9.]+) ?%", value)) is not None:
         raise wrong(f"expected a number: {value} is {float(share[1]) / 100:g}")
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -440,7 +425,7 @@ def _cycles(value: object) -> float | str:
         return "auto"
     if isinstance(value, str):
         raise wrong(f"expected 'auto' or a number of vibration cycles{did_you_mean(value, ['auto'])}")
-    number = _number(value)
+    number = plain_number(value)
     if not 0 < number <= 1e9:
         raise wrong("expected 'auto' or a number of vibration cycles above 0 and at most 1e9")
     return number
@@ -448,28 +433,6 @@ def _cycles(value: object) -> float | str:
 
 def _auto_length(value: object, info: ValidationInfo) -> float | str:
     return "auto" if value == "auto" else si(LENGTH, value, info)
-
-
-def _restitution(value: object, info: ValidationInfo) -> float | str | tuple[tuple[float, float], ...]:
-    if value == "auto":
-        return "auto"
-    if isinstance(value, str):
-        raise wrong(f"expected a number from 0 to 1, 'auto', or pairs such as {_PAIRS_EXAMPLE}")
-    if not isinstance(value, list | tuple):
-        return _share(value)
-    if not 1 <= len(value) <= _PAIRS or not all(isinstance(each, list | tuple) and len(each) == 2 for each in value):
-        raise wrong(f"expected up to {_PAIRS} pairs of an impact speed and a restitution, such as {_PAIRS_EXAMPLE}")
-    pairs = tuple((si(SPEED, speed, info), _share(e)) for speed, e in value)
-    if any(speed <= before for (before, _), (speed, _) in pairwise(((0.0, 0.0), *pairs))):
-        raise wrong("expected impact speeds above 0, ascending")
-    return pairs
-
-
-def _share(value: object) -> float:
-    number = _number(value)
-    if not 0 <= number <= 1:
-        raise wrong(f"expected at {'least 0' if number < 0 else 'most 1'}")
-    return number
 
 
 def _line(value: str) -> str:
@@ -488,21 +451,10 @@ def _switch(value: object) -> bool | str:
 
 _CYCLES_SCHEMA = {"anyOf": [{"const": "auto"}, {"type": "number", "exclusiveMinimum": 0}]}
 
-_PAIRS, _PAIRS_EXAMPLE = 16, "[['0.1 m/s', 0.9], ['10 m/s', 0.5]]"
-_RESTITUTION_SCHEMA = {
-    "anyOf": [
-        {"type": "number", "minimum": 0, "maximum": 1},
-        {"const": "auto"},
-        array_schema({"type": "array", "minItems": 2}, most=_PAIRS),
-    ]
-}
 _AUTO_LENGTH_SCHEMA = quantity_schema(LENGTH) | {"examples": ["auto", LENGTH.example]}
 
-Restitution = Annotated[
-    float | str | tuple[tuple[float, float], ...], BeforeValidator(_restitution), WithJsonSchema(_RESTITUTION_SCHEMA)
-]
 AutoLength = Annotated[float | str, BeforeValidator(_auto_length), WithJsonSchema(_AUTO_LENGTH_SCHEMA)]
-Number = Annotated[float, BeforeValidator(_number)]
+Number = Annotated[float, BeforeValidator(plain_number)]
 Length = Annotated[float, *_quantity(LENGTH)]
 Mass = Annotated[float, *_quantity(MASS)]
 Angle = Annotated[float, *_quantity(ANGLE)]
@@ -517,9 +469,9 @@ Acceleration = Annotated[float, *_quantity(ACCELERATION)]
 Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
 Slopes = Annotated[tuple[float, float], *_one_or_two(SLOPE, zero=True)]
-LengthPair = Annotated[tuple[float, float], *_pair(LENGTH)]
-LengthTriple = Annotated[tuple[float, float, float], *_triple(LENGTH)]
-Lengths = Annotated[tuple[float, ...], *list_of(LENGTH)]
+LengthPair = Annotated[tuple[float, float], *_list(LENGTH, 2)]
+LengthTriple = Annotated[tuple[float, float, float], *_list(LENGTH, 3)]
+Lengths = Annotated[tuple[float, ...], *_list(LENGTH)]
 Direction = Annotated[
     tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(array_schema({"type": "number"}, 3, 3))
 ]
@@ -530,7 +482,7 @@ Place = Annotated[
     BeforeValidator(_place),
     WithJsonSchema({"anyOf": [*_LENGTHS, *_NODES], "x-si": "m"}),
 ]
-LoadPair = Annotated[tuple[float, float], *_pair(LOAD)]
+LoadPair = Annotated[tuple[float, float], *_list(LOAD, 2)]
 Cycles = Annotated[float | str, BeforeValidator(_cycles), WithJsonSchema(_CYCLES_SCHEMA)]
 Switch = Annotated[
     bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})

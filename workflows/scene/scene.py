@@ -142,6 +142,11 @@ class Structure(Table):
     floor_tilt: q.Slopes = (0.0, 0.0)
     """slope of the cavity's floor over the displacement: one for both of the damper's axes, or one along each"""
 
+    @property
+    def level(self) -> bool:
+        """Whether the cavity's floor stays level as the structure moves."""
+        return not any(self.floor_tilt)
+
 
 def _modes(value: object, info: ValidationInfo) -> str | dict[str, str]:
     expectation = "expected a file such as 'blade.frd', or { '0 rpm' = 'rest.frd', '9000 rpm' = 'fast.frd' }"
@@ -237,6 +242,12 @@ AnyStructure = Annotated[
     Annotated[Structure, Tag(_GIVEN)] | Annotated[KnownModes, Tag(_KNOWN)], Discriminator(_kind_of_structure)
 ]
 
+
+NO_ORIGIN = (
+    "missing: a point on the spin axis in the {}'s coordinates, such as ['0 m', '0 m', '0 m'] (or hub_radius, from the"
+    " axis to the smallest x)"
+)
+"""What is said of a structure in space whose spin axis is not known."""
 
 _LARGEST_HUB = 20.0
 """Radius [m] at which no blade is clamped: the largest hubs, those of wind turbines, have 3 m."""
@@ -552,11 +563,19 @@ _OF_A_PLATE = {
 
 
 _OF_A_MESH = {
+    "rotor.radius": "the file knows where its nodes are: give origin, a point on the axis",
     "excitation.pressure": "modes do not describe the surface that a pressure acts on: expected force or base",
     "damper.housing": "the modes already include all that the structure carries: leave this out",
     "design.place": "only plates allow a range of places: leave this out",
 }
 """Keys that a structure of known modes leaves as they are, and why."""
+
+
+_OF_SPACE = dict.fromkeys(
+    ("rotor.axis", "rotor.origin", "damper.direction", "damper.normal", "excitation.at"),
+    "belongs to a structure in space, such as one of known modes",
+)
+"""Keys of structures in space alone, and what is said of them elsewhere."""
 
 
 class Scene(Table):
@@ -647,6 +666,17 @@ class Scene(Table):
         }
         return self.model_copy(update=new)
 
+    def as_written(self) -> dict[str, Any]:
+        """Plain data that can be read again: a material by its name or by its numbers, not by both."""
+        data = self.model_dump(mode="json", exclude_none=True)
+        for table, name, numbers in (
+            ("material", "name", ("youngs_modulus", "poissons_ratio", "density")),
+            ("damper", "ball_material", ("ball_density",)),
+        ):
+            if name in data.get(table, {}):
+                data[table] = {key: item for key, item in data[table].items() if key not in numbers}
+        return data
+
     @property
     def given(self) -> Structure | None:
         """The structure of which frequency and mass are given."""
@@ -667,15 +697,9 @@ class Scene(Table):
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
         if self.blade is not None and self.rotor.origin is None and "hub_radius" not in self.rotor.model_fields_set:
-            raise fault(
-                "rotor.origin",
-                "missing: a point on the spin axis in the mesh's coordinates, such as ['0 m', '0 m', '0 m'] (or"
-                " hub_radius, from the axis to the smallest x)",
-            )
+            raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
-        if self.rotor.radius is not None:
-            raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
         self._require_defaults(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
@@ -690,23 +714,11 @@ class Scene(Table):
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
-        if self.rotor.radius is not None:
-            raise fault("rotor.radius", "belongs to a [structure]; a plate takes hub_radius and [damper] at")
-        self._forbid_space_keys()
+        self._require_defaults({"rotor.radius": "belongs to a [structure]; a plate takes hub_radius and [damper] at"})
+        self._require_defaults(_OF_SPACE)
         at = None if self.damper is None else self.damper.at
         if at is not None and (not isinstance(at, tuple) or len(at) != 2):
             raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
-
-    def _forbid_space_keys(self) -> None:
-        """The keys of structures in space alone are left out."""
-        for table, names in {
-            "rotor": ("axis", "origin"),
-            "damper": ("direction", "normal"),
-            "excitation": ("at",),
-        }.items():
-            for name in names:
-                if getattr(getattr(self, table), name, None) is not None:
-                    raise fault(f"{table}.{name}", "belongs to a structure in space, such as one of known modes")
 
     def _check_damper(self) -> None:
         if self.damper is None and self.release is not None:
@@ -723,8 +735,8 @@ class Scene(Table):
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-        self._forbid_space_keys()
-        self._check_tilt(self.damper, structure.floor_tilt)
+        self._require_defaults(_OF_SPACE)
+        self._check_tilt(self.damper, structure)
         check_weight(self.damper, structure.mass)
         self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")
 
@@ -736,12 +748,12 @@ class Scene(Table):
             if value is not None and getattr(value, name) != type(value).model_fields[name].default:
                 raise fault(key, f"{why}{instead}")
 
-    def _check_tilt(self, damper: Damper, tilt: tuple[float, float]) -> None:
-        if max(map(abs, tilt)) * damper.radius >= 1:
+    def _check_tilt(self, damper: Damper, structure: Structure) -> None:
+        if max(map(abs, structure.floor_tilt)) * damper.radius >= 1:
             raise fault("structure.floor_tilt", f"expected less than 1 / radius of the ball, {1 / damper.radius:g} 1/m")
-        if any(tilt) and damper.formulation == "printed":
+        if not structure.level and damper.formulation == "printed":
             raise fault("structure.floor_tilt", "the printed equations support a level floor only: leave this out")
-        if not any(tilt) and self.effects.floor_tilt is True:
+        if structure.level and self.effects.floor_tilt is True:
             raise fault("effects.floor_tilt", "structure.floor_tilt is 0: give the slope, or leave this out")
 
     @property
@@ -760,6 +772,11 @@ class Scene(Table):
         """Names of the materials of ball and floor, as far as they have one; the floor is the plate's by default."""
         own = None if self.material is None else self.material.name
         return (None, own) if self.damper is None else (self.damper.ball_material, self.damper.floor_material or own)
+
+    @property
+    def ball_count(self) -> int:
+        """Balls of the damper; 1 without one."""
+        return 1 if self.damper is None else self.damper.count
 
     @property
     def budget(self) -> Budget:

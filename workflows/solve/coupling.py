@@ -16,7 +16,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields, rounded_rpm
+from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields
 
 if TYPE_CHECKING:
     import damper
@@ -32,8 +32,27 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     stiffness = m1 * (2 * math.pi * f1) ** 2
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
-    load = omega**2 * rotor.radius / rotor.gravity
-    return SpeedPoint(omega, rounded_rpm(omega), rotor.radius, load, (), reduced=reduced)
+    return SpeedPoint.at(omega, rotor.radius, rotor.gravity, reduced=reduced)
+
+
+def tilts(effects: dict[str, Effect]) -> bool:
+    """Whether the floor of the cavity tilts as the structure bends."""
+    return effects["floor_tilt"].on
+
+
+def tilting(effects: dict[str, Effect]) -> dict[str, Effect]:
+    """The same effects on a floor that tilts."""
+    return effects | {"floor_tilt": Effect(True, "")}
+
+
+def with_forced_effects(source: SceneFile) -> SceneFile:
+    """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
+
+    The floor of the cavity tilts, and a plate moves in its own modes.
+    """
+    given = source.scene.given
+    tilts: bool | str = "auto" if given is not None and given.level else True
+    return source.changed(effects={"floor_tilt": tilts, "structural_modes": True if given is None else "auto"})
 
 
 def ball_mass(scene: Scene, m2: float) -> float:
@@ -54,16 +73,16 @@ def structure(
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
     """
-    reduced, tilts = point.reduced, effects["floor_tilt"].on
+    reduced, tilted = point.reduced, tilts(effects)
     assert reduced is not None
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
-    if scene.given is None and (tilts or hollow):
+    if scene.given is None and (tilted or hollow):
         stagger = scene.rotor.stagger if point.stagger is None else point.stagger
         turning = {"rotation": point.omega, "stagger": stagger}
     if effects["structural_modes"].on and point.cavity_modes:
         modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
-        return _of_modes(scene, point, modes, tilts=tilts) | turning
+        return _of_modes(scene, point, modes, tilts=tilted) | turning
     both = (1.0, 1.0)
     tilt = (reduced.floor_tilt,) * 2
     if scene.given is not None:
@@ -72,7 +91,7 @@ def structure(
     return {
         "modal_mass": reduced.M2,
         "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
-        "floor_tilt": tilt if tilts else (0.0, 0.0),
+        "floor_tilt": tilt if tilted else (0.0, 0.0),
         **turning,
     }
 

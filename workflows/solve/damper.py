@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from workflows.effects.selection import EFFECTS
 from workflows.errors import BadInput, during
 from workflows.formatting import turning
 from workflows.progress import Stages
-from workflows.scene.damper import Damper
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve.results import (
@@ -151,10 +151,10 @@ def most_cycles(system: damper.ParticleDamper) -> int:
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
     """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
-    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
+    if coupling.tilts(effects) or point.tilt_share == 0.0 or scene.damper is None:
         return None
     consistent = scene.changed(damper={"formulation": "consistent"})
-    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
+    return particle_damper(consistent, coupling.tilting(effects), point)
 
 
 def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:
@@ -183,6 +183,7 @@ def particle_damper(
     spec, reduced = scene.damper, point.reduced
     assert spec is not None
     assert reduced is not None
+    terms = (kind.arguments(spec, point.omega, effects[name].on).items() for name, kind in EFFECTS.items())
     try:
         system = copy_fields(
             damper.ParticleDamper,
@@ -193,21 +194,16 @@ def particle_damper(
             centrifugal_acceleration=point.omega**2 * point.pressing,
             lateral_acceleration=(point.omega**2 * point.lean[0], point.omega**2 * point.lean[1]),
             formulation=damper.Formulation(spec.formulation),
-            **_terms(spec, effects, point.omega) | _of_contact(scene, effects, point),
+            **dict(chain.from_iterable(terms)) | _of_contact(scene, effects, point),
         )
     except ValueError as error:
-        tilts = scene.given is not None and str(error).startswith("floor_tilt")
-        raise BadInput(str(error), key="[structure] floor_tilt" if tilts else "[damper]") from error
+        name = str(error).partition(" ")[0]
+        of_structure = scene.given is not None and name in type(scene.given).model_fields
+        raise BadInput(str(error), key=f"[structure] {name}" if of_structure else "[damper]") from error
     if system.modes is None:
         error_hz = abs(system.stuck_frequency / (2 * math.pi) - reduced.f1_hz)
         require("f1 is that of K1 and M1", "error of f1 [Hz]", error_hz, EXACT * reduced.f1_hz)
     return system
-
-
-def _terms(spec: Damper, effects: dict[str, Effect], omega: float) -> dict[str, Any]:
-    """What effects on the ball have to say of a damper, at a speed in rad/s."""
-    arguments = (kind.arguments(spec, omega, effects[name].on) for name, kind in EFFECTS.items())
-    return {argument: value for each in arguments for argument, value in each.items()}
 
 
 def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> dict[str, Any]:
@@ -216,9 +212,12 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     Raises:
         BadInput: their materials are not known.
     """
-    hits = limits.hits(scene, point)
-    if scene.damper is not None and scene.damper.rolling_friction == "auto":
-        if limits.solids(scene) is None:
+    spec, reduced, made_of = scene.damper, point.reduced, limits.solids(scene)
+    assert spec is not None
+    assert reduced is not None
+    hits = spec.hits((reduced.M1 - reduced.M2) / spec.count, made_of)
+    if spec.rolling_friction == "auto":
+        if made_of is None:
             problem = "requires named materials of ball and floor: expected ball_material and floor_material"
             raise BadInput(problem, key="[damper] rolling_friction", value="auto")
         hits["rolling_friction"] = limits.lever(scene, point) if effects["rolling_resistance"].on else 0.0
@@ -234,6 +233,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
+    left = None if system.modes is None else motion.modal_energies
+    numbers = [] if left is None else [mode.number for mode in coupling.damper_modes(scene, point)]
     return copy_fields(
         Damping,
         motion,
@@ -250,21 +251,10 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
         energy=copy_fields(Energy, motion.energy),
-        modal_energies=_modal_energies(scene, system, point, motion),
+        modal_energies={} if left is None else dict(zip(numbers, left.tolist(), strict=True)),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
     )
-
-
-def _modal_energies(
-    scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, motion: damper.RingDown
-) -> dict[int, float]:
-    if system.modes is None or motion.modal_energies is None:
-        return {}
-    return {
-        mode.number: float(e)
-        for mode, e in zip(coupling.damper_modes(scene, point), motion.modal_energies, strict=True)
-    }
 
 
 def _history(motion: damper.RingDown) -> History:

@@ -10,9 +10,9 @@ import numpy as np
 
 from fem.rotor import from_rpm
 from workflows.errors import BadInput
-from workflows.formatting import whole
+from workflows.formatting import turning, whole
 from workflows.scene.scene import Scene
-from workflows.solve.results import Mode, Results, SpeedPoint
+from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,14 @@ class Crossing:
         """Speed [rad/s]."""
         return from_rpm(self.rpm)
 
-    def moved(self, rpm: float) -> Crossing:
-        """The same order and mode, at another speed [rev/min]."""
-        return replace(self, rpm=rpm, frequency_hz=self.order * rpm / 60)
+    @property
+    def place(self) -> str:
+        """Where it is, in words."""
+        return f"order {self.order} at {turning(self.omega)}"
+
+    def moved(self, to: Crossing | SpeedPoint | VibrationReduction) -> Crossing:
+        """The same order and mode, at the speed of something else."""
+        return replace(self, rpm=to.rpm, frequency_hz=self.order * to.rpm / 60)
 
 
 def crossings(results: Results) -> list[Crossing]:
@@ -104,10 +109,8 @@ def crossings(results: Results) -> list[Crossing]:
         return []
     met = []
     for each in of_points(results.speeds, orders(results.scene)):
-        solved = [
-            known.rpm for known in results.reductions if (known.order, known.mode) == (each.order, each.branch + 1)
-        ]
-        met.append(each.moved(min(solved, key=lambda rpm: abs(rpm - each.rpm), default=each.rpm)))
+        solved = [known for known in results.reductions if (known.order, known.mode) == (each.order, each.branch + 1)]
+        met.append(each.moved(min(solved, key=lambda known: abs(known.rpm - each.rpm), default=each)))
     return met
 
 

@@ -10,13 +10,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 import damper
-from workflows.errors import read_from
+from workflows.errors import during, read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -118,17 +118,6 @@ _ACROSS, _FEW_ACROSS = 61, 13
 """Speeds over the whole range, by which crossings are found; fewer where each speed is solved by itself."""
 
 
-def with_forced_effects(source: SceneFile) -> SceneFile:
-    """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
-
-    The floor of the cavity tilts, and a plate moves in its own modes.
-    """
-    structure = source.scene.given
-    tilts: bool | str = True if structure is None or any(structure.floor_tilt) else "auto"
-    modes: bool | str = True if source.scene.given is None else "auto"
-    return source.changed(effects={"floor_tilt": tilts, "structural_modes": modes})
-
-
 def over_speed_range(solver: StructureSolver) -> StructureState:
     """The structure over the whole range of a scene's speeds."""
     speeds = solver.source.scene.rotor.speeds
@@ -199,9 +188,23 @@ def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction
     excitation, spec = state.source.scene.excitation, state.source.scene.damper
     if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
         return ()
-    solver, results = state.solver.with_switches(with_forced_effects(state.source)), state.results(stages=stages)
+    solver, results = (
+        state.solver.with_switches(coupling.with_forced_effects(state.source)),
+        state.results(stages=stages),
+    )
     met = solved_crossings(solver, state.points, excitation)
-    return tuple(estimate(solver, results, *each, excitation) for each in met)
+    return tuple(estimates_at(solver, results, met, excitation))
+
+
+def estimates_at(
+    solver: StructureSolver, results: Results, met: Sequence[Meeting], excitation: Excitation
+) -> list[VibrationReduction]:
+    """The same at crossings that are known; see :func:`estimate`."""
+    found = []
+    for each in met:
+        with during(each.crossing.place):
+            found.append(estimate(solver, results, each, excitation))
+    return found
 
 
 _MET, _CLOSED = 1e-5, 1e-9
@@ -209,9 +212,15 @@ _MET, _CLOSED = 1e-5, 1e-9
 bracket of squared speeds that jumps over the order."""
 
 
-def solved_crossings(
-    solver: StructureSolver, points: Sequence[SpeedPoint], excitation: Excitation
-) -> list[tuple[Crossing, SpeedPoint, SpeedPoint | None]]:
+class Meeting(NamedTuple):
+    """A crossing, the structure there, and the structure where the ball at rest moves it to; None: it is not known."""
+
+    crossing: Crossing
+    at: SpeedPoint
+    resting: SpeedPoint | None
+
+
+def solved_crossings(solver: StructureSolver, points: Sequence[SpeedPoint], excitation: Excitation) -> list[Meeting]:
     """Crossings between the speeds of some points, with the structure there, and where the ball at rest moves them to.
 
     The latter is the last of the points where the order meets the frequency beyond it, and None where another mode
@@ -221,20 +230,14 @@ def solved_crossings(
     between = [engine_orders.ends(points, crossing) for crossing in estimated]
     modes = [partial(_nearest, crossing.order, ends) for crossing, ends in zip(estimated, between, strict=True)]
     solved = _meetings(solver, estimated, modes, [(low, high) for (low, _), (high, _) in between])
-    met = [(crossing.moved(at.rpm), at) for crossing, at in zip(estimated, solved, strict=True) if at is not None]
+    met = [(crossing.moved(at), at) for crossing, at in zip(estimated, solved, strict=True) if at is not None]
     leading = [(crossing, at) for crossing, at in met if modes_at_crossing(at, crossing)[2]]
     slowest, fastest = (of(points, key=lambda point: point.omega) for of in (min, max))
     hertz = partial(_resting_hertz, solver.source.scene)
     sides = [(at, slowest if hertz(at) < crossing.frequency_hz else fastest) for crossing, at in leading]
     moved = _meetings(solver, [crossing for crossing, _ in leading], [hertz] * len(leading), sides)
     resting = {crossing: point for (crossing, _), point in zip(leading, moved, strict=True)}
-    return [(crossing, at, resting.get(crossing)) for crossing, at in met]
-
-
-def crossed_hertz(at: SpeedPoint, crossing: Crossing) -> float:
-    """Frequency of the mode that is crossed, without the ball, at the speed of a point [Hz]."""
-    branch = branch_of((at,), crossing)
-    return engine_orders.frequency_of(at, next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0))
+    return [Meeting(crossing, at, resting.get(crossing)) for crossing, at in met]
 
 
 def _nearest(order: int, ends: Sequence[tuple[SpeedPoint, int]], point: SpeedPoint) -> float:
@@ -243,7 +246,7 @@ def _nearest(order: int, ends: Sequence[tuple[SpeedPoint, int]], point: SpeedPoi
     numbers = sorted(number for _, number in ends)
     between = known.get(point.omega, range(numbers[0], numbers[-1] + 1))
     every = [engine_orders.frequency_of(point, number) for number in between]
-    return min(every, key=lambda hertz: abs(hertz - order * point.rpm / 60))
+    return min(every, key=lambda hertz: abs(hertz - point.excited_by(order)))
 
 
 def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
@@ -269,7 +272,7 @@ def _meetings(
     """
 
     def side(k: int, point: SpeedPoint) -> tuple[float, float]:
-        return point.omega**2, hertz[k](point) ** 2 - (crossings[k].order * point.rpm / 60) ** 2
+        return point.omega**2, hertz[k](point) ** 2 - point.excited_by(crossings[k].order) ** 2
 
     brackets = {k: (side(k, a), side(k, b)) for k, (a, b) in enumerate(ends)}
     found = dict[int, SpeedPoint | None]()
@@ -280,7 +283,7 @@ def _meetings(
         at = solver.at(sorted(set(tries.values())), followed=False).by_speed
         for k, ((a, u), (b, v)) in left.items():
             point = at[tries[k]]
-            if k in last or abs(hertz[k](point) / (crossings[k].order * point.rpm / 60) - 1) <= _MET:
+            if k in last or abs(hertz[k](point) / point.excited_by(crossings[k].order) - 1) <= _MET:
                 found[k] = point
             elif abs(b - a) <= _CLOSED * b:
                 found[k] = None
@@ -290,26 +293,18 @@ def _meetings(
     return [found[k] for k in range(len(ends))]
 
 
-def estimate(
-    solver: StructureSolver,
-    results: Results,
-    crossing: Crossing,
-    at: SpeedPoint,
-    resting: SpeedPoint | None,
-    excitation: Excitation,
-) -> VibrationReduction:
+def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation: Excitation) -> VibrationReduction:
     """What the ball does at a crossing, from free vibration.
 
     Args:
         solver: of the structure, with the effects of forced motion.
         results: the structure over the range of speeds.
-        crossing: of an order with a mode.
-        at: the structure there.
-        resting: the same where the ball at rest moves the crossing to; None: it is not known.
+        met: where an order meets a mode.
         excitation: its kind and levels.
     """
+    crossing, at, resting = met
     bare = damper_at(solver, at, crossing, excitation)
-    system = bare if resting is None else damper_at(solver, resting, crossing.moved(resting.rpm), excitation)
+    system = bare if resting is None else damper_at(solver, resting, crossing.moved(resting), excitation)
     none = copy_fields(VibrationReduction, crossing, mode=crossing.branch + 1)
     if isinstance(bare, str) or isinstance(system, str):
         return replace(none, reason=Reason.NOT_DRIVEN, detail=bare if isinstance(bare, str) else str(system))
@@ -320,27 +315,17 @@ def estimate(
         reason = Reason.OTHER_MODE
     if reason is None and system.floor_radius is not None and not is_well_held(system):
         reason = Reason.SWINGS
-    if reason is None and resting is not None and _is_missed(solver.source.scene, crossing, resting):
-        reason = Reason.OUTSIDE
+    if reason is None and resting is not None:  # which stays outside the half-power band where the speeds end before
+        off = _resting_hertz(solver.source.scene, resting) / resting.excited_by(crossing.order) - 1
+        reason = Reason.OUTSIDE if abs(off) > max(system.damping_ratio, _MET) else None
     if reason is not None:
         return replace(none, reason=reason)
     with solver.stages("damper"):
-        balance = _Balance.of(system, resting or at, bare, at, crossing, excitation)
+        balance = _Balance.of(system, bare, met, excitation)
         known, amplitude = _over_levels(balance, limit, excitation.levels)
     if math.isfinite(amplitude) and limits.slides(results, at, amplitude):
         return replace(none, reason=Reason.SLIP)
     return replace(none, **known, loose=not is_well_held(system))
-
-
-def _is_missed(scene: Scene, crossing: Crossing, resting: SpeedPoint) -> bool:
-    """Whether the order stays outside the half-power band of the resonance with the ball at rest.
-
-    Then the speeds end before the order meets it, and the vibration within them is less for that, not for the ball's
-    damping.
-    """
-    zeta = 0.0 if scene.damper is None else scene.damper.damping_ratio
-    off = _resting_hertz(scene, resting) / (crossing.order * resting.rpm / 60) - 1
-    return abs(off) > max(zeta, _MET)
 
 
 HELD, HELD_IN_A_BOWL = 0.3, 1.0
@@ -380,23 +365,20 @@ class _Balance:
 
     @classmethod
     def of(
-        cls,
-        system: damper.ParticleDamper,
-        resting: SpeedPoint,
-        bare: damper.ParticleDamper,
-        at: SpeedPoint,
-        crossing: Crossing,
-        excitation: Excitation,
+        cls, system: damper.ParticleDamper, bare: damper.ParticleDamper, met: Meeting, excitation: Excitation
     ) -> _Balance:
         """That of a damper where the ball at rest moves a crossing to, beside the structure that is bare, at it."""
+        crossing, at, there = met.crossing, met.at, met.resting or met.at
         unit, alone = (
-            harmonic_of(each, crossing, point, excitation, 1.0) for each, point in ((system, resting), (bare, at))
+            harmonic_of(each, crossing, point, excitation, 1.0) for each, point in ((system, there), (bare, at))
         )
+        branch = branch_of((at,), crossing)
+        crossed = next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0)
         free, frequency = free_vibration(system), system.stuck_frequency
         moves = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
-        moves *= coupling.resting_share(system, resting) if modes_at_crossing(resting, crossing)[1] == 0 else 1.0
+        moves *= coupling.resting_share(system, there) if modes_at_crossing(there, crossing)[1] == 0 else 1.0
         twice_zeta = free.dashpot / math.sqrt(system.stiffness[0] * system.modal_mass)
-        stiffness = bare.modal_mass * (2 * math.pi * crossed_hertz(at, crossing)) ** 2
+        stiffness = bare.modal_mass * (2 * math.pi * engine_orders.frequency_of(at, crossed)) ** 2
         without = force_at_cavity(bare, alone, ball=False) / (twice_zeta * stiffness)
         return cls(free, force_at_cavity(system, unit), frequency, without, moves)
 

@@ -22,16 +22,17 @@ from workflows.errors import did_you_mean
 from workflows.formatting import percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
-from workflows.scene.scene import KnownModes
+from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve.coupling import modes_of, reduced_of
 from workflows.solve.results import (
     Diagram,
     ErrorParts,
     Floats,
     Mode,
+    ModeAtSeat,
+    SeatDescription,
     SpeedPoint,
     Surface,
-    rounded_rpm,
     speeds_with_shapes,
 )
 
@@ -60,35 +61,6 @@ class Seat:
     def load(self, modes: ModesAtSpeed) -> Floats | None:
         """What a unit of the force is on the modes (count,)."""
         return None if self.force is None else self.force[0].displacement(modes.shapes) @ self.force[1]
-
-
-@dataclass(frozen=True)
-class ModeAtSeat:
-    """What a mode does at the damper's place; pairs are along the axes of the cavity.
-
-    Attributes:
-        mass: effective mass [kg]; stiffness: that times omega² [N/m].
-        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
-    """
-
-    number: int
-    family: str
-    frequency_hz: float
-    mass: tuple[float | None, float | None]
-    stiffness: tuple[float | None, float | None]
-    floor_tilt: tuple[float | None, float | None]
-
-
-@dataclass(frozen=True)
-class SeatDescription:
-    """How a cavity lies at a speed: place [m], unit vectors of load, floor and axes, and what the modes do there."""
-
-    place: tuple[float, ...]
-    how: str
-    load: tuple[float, ...]
-    normal: tuple[float, ...]
-    axes: tuple[tuple[float, ...], ...]
-    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,13 +110,10 @@ class SpaceStructure:
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
         rests = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
-        point = SpeedPoint(
-            omega=omega,
-            rpm=rounded_rpm(omega),
-            radius=self.radius,
-            load_g=omega**2 * self.radius / scene.rotor.gravity,
-            modes=tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes])),
-            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
+        known = tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes]))
+        stress = None if self.root_stress is None else omega**2 * self.root_stress
+        point = replace(
+            SpeedPoint.at(omega, self.radius, scene.rotor.gravity, known, root_stress=stress),
             static_displacement=rests[0],
             tip_rotation=rests[1],
         )
@@ -374,11 +343,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
         if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
-            problem = (
-                "missing: a point on the spin axis in the file's coordinates, such as ['0 m', '0 m', '0 m'] (or"
-                " hub_radius, from the axis to the smallest x)"
-            )
-            raise source.wrong(problem, "[rotor] origin")
+            raise source.wrong(NO_ORIGIN.format("file"), "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
             problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
             raise source.wrong(problem, "[structure] modes")

@@ -7,27 +7,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from damper import contact as contacts
 from damper.contact import Contact, Solid
-from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
 from workflows.solve.results import (
     ContactFigures,
-    Floats,
     Grade,
     Pair,
     Reason,
     Reduced,
     Results,
     SpeedPoint,
-    Surface,
     Verdict,
     VibrationReduction,
     copy_fields,
@@ -118,38 +115,6 @@ def lever(scene: Scene, point: SpeedPoint) -> float:
     return 0.0 if pressed is None else contacts.rolling_lever(pressed)
 
 
-_SPEEDS_OF_HITS = 16
-"""Pairs of impact speed and restitution that stand for the law of dents."""
-
-_FASTEST = 1000.0
-"""Impact speed over that of first yield from which on Johnson's power of it holds."""
-
-
-def hits(scene: Scene, point: SpeedPoint) -> dict[str, Any]:
-    """Restitution of a damper: its value at low speeds, and pairs of impact speed and restitution."""
-    damper, made_of = scene.damper, solids(scene)
-    if damper is None or isinstance(damper.restitution, float):
-        return {} if damper is None else {"restitution": damper.restitution}
-    pairs = damper.restitution
-    if isinstance(pairs, str):
-        if made_of is None or point.reduced is None:
-            raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
-        mass = (point.reduced.M1 - point.reduced.M2) / damper.count
-        onset = contacts.yield_speed(mass, damper.radius, *made_of)
-        if math.isnan(onset):
-            raise BadInput(_UNNAMED, key="[damper] restitution", value="auto")
-        most = math.sqrt(1 - contacts.HYSTERESIS)
-        speeds = (onset * np.geomspace(1.0, _FASTEST, _SPEEDS_OF_HITS)).tolist()
-        pairs = tuple((v, min(most, contacts.restitution(v, mass, damper.radius, *made_of))) for v in speeds)
-    return {"restitution": pairs[0][1], "restitution_by_speed": pairs}
-
-
-_UNNAMED = (
-    "requires named materials of ball and floor, the floor's of known strength: expected ball_material and"
-    " floor_material, or a number"
-)
-
-
 def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
     """Of the ball at rest on its floor; None without a load, or where the materials are not known.
 
@@ -236,7 +201,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
     limit = endured(results)
     if figures.peak > ROUNDING and limit is not None and figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
-    lossless = damper is not None and damper.restitution == 1 and figures.cutoff == 0
+    lossless = damper is not None and damper.lossless and figures.cutoff == 0
     return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
 
 
@@ -326,11 +291,8 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
         if not isinstance(plate.thickness, float):
             return None
         heights = np.full(len(results.surface.points), plate.thickness)
-    return _of_a_mesh(results.surface, heights)
-
-
-def _of_a_mesh(surface: Surface, heights: Floats) -> tuple[tuple[float, float], float]:
-    """The same of a mesh: each cell as triangles about its first corner, exact for even thickness."""
+    # Each cell as triangles about its first corner, exact for even thickness.
+    surface = results.surface
     points, cells = surface.points[:, :2], surface.cells[1]
     x = points[:, 0] - points[:, 0].min()
     triangles = np.vstack([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])
@@ -529,7 +491,8 @@ def _tip(results: Results, amplitude: float, length: float) -> float:
     damper = results.scene.damper
     if damper is None or damper.on_plate is None:
         return amplitude
-    inward = min(max(_from_root(results, damper.on_plate[0]) / length, 1e-3), 1.0)
+    begin = 0.0 if results.surface is None else float(results.surface.points[:, 0].min())
+    inward = min(max((damper.on_plate[0] - begin) / length, 1e-3), 1.0)
     return amplitude * _shape(1.0) / _shape(inward)
 
 
@@ -551,10 +514,6 @@ def span(results: Results) -> float | None:
     if plate is None or plate.length is not None:
         return None if plate is None else plate.length
     return None if results.surface is None else float(np.ptp(results.surface.points[:, 0]))
-
-
-def _from_root(results: Results, x: float) -> float:
-    return x if results.surface is None else x - float(results.surface.points[:, 0].min())
 
 
 def _shape(x: float) -> float:

@@ -90,12 +90,6 @@ CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
 
 
-def theory_model(theory: str, scene: Scene) -> str:
-    """What a scene's theory is in `fem`: Mindlin's plates are clamped as solids are, on a root that holds them."""
-    clamped = scene.plate is not None and scene.plate.root is None
-    return "mindlin/held" if theory == "mindlin" and clamped else theory
-
-
 def chosen_theory(
     scene: Scene, form: Planform | None = None, large_deflection: bool = False
 ) -> tuple[Theory | None, fem.Operators | None]:
@@ -109,8 +103,7 @@ def chosen_theory(
     spec = scene.plate
     if spec is None:
         return None, None
-    if form is None and spec.mesh is not None:
-        raise ValueError("the planform of a plate from a mesh is needed")
+    plate_mesh.sides(spec, form)  # those of a mesh have to be given
     if spec.theory != "auto":
         return Theory(spec.theory, "asked for by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
@@ -181,6 +174,7 @@ def model(source: SceneFile, choice: ModelChoice) -> str:
 def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
     """The theory's name with the layers of a solid, and the error that these leave."""
     scene = source.scene
-    if theory.name != "solid" or scene.plate is None:
-        return theory_model(theory.name, scene), 0.0
+    if theory.name != "solid" or scene.plate is None:  # Mindlin's plates are clamped as solids are
+        clamped = scene.plate is not None and scene.plate.root is None
+        return "mindlin/held" if theory.name == "mindlin" and clamped else theory.name, 0.0
     return solid_theory(form.sides[0], plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)

@@ -17,7 +17,6 @@ from fem.meshes.mesh_sequence import CELLS_PER_MODE, Planform, Rectangle, begun_
 from fem.theory.registry import THEORIES, theory_of
 from workflows.effects.definition import Effect
 from workflows.scene.load import SceneFile
-from workflows.scene.scene import Scene
 from workflows.solve.results import SHAPES_AT_MOST
 
 BASE = 2.5e8
@@ -100,7 +99,9 @@ def parts(source: SceneFile) -> list[Part]:
         listed.append(_of_the_mesh(source, of_a_plate(scene.plate.theory, unknowns, modes)))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
         listed.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
-        listed.append(Part(of_lines(scene), "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds"))
+        listed.append(
+            Part(speeds * (modes + 4.0) * _LINE, "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds")
+        )
     if scene.release is not None:
         stop_cycles = scene.release.cycles
         cycles = speeds * float(_AUTO_CYCLES if isinstance(stop_cycles, str) else stop_cycles)
@@ -212,11 +213,6 @@ def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
     along, across = form.cells(begun_with(form, modes))  # no mesh is made, for which scikit-fem would be loaded
     counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
     return _in_all(_of_each(model, quads=True), counts)
-
-
-def of_lines(scene: Scene) -> float:
-    """Bytes that the modes at all speeds take in the results and their text."""
-    return len(scene.rotor.speeds) * (scene.rotor.modes + 4.0) * _LINE
 
 
 def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool = False) -> float:

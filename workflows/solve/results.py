@@ -18,9 +18,10 @@ from pydantic_core import core_schema
 
 import fem
 from fem.meshes.planform import clamped_length, root_facets
-from fem.rotor import from_rpm, in_rpm
+from fem.rotor import from_rpm
 from workflows.effects.definition import Effect, LeftOut
 from workflows.effects.selection import NAMES
+from workflows.formatting import rounded_rpm
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -599,6 +600,10 @@ class Reduced:
     floor_tilt: Annotated[float, quantity("1/m")]
     """slope of the cavity's floor over its displacement"""
 
+    def turning_share(self, radius: float) -> float:
+        """Share of its drive that the turning floor takes from a ball of a radius [m], 2/5 r kappa."""
+        return 0.4 * radius * abs(self.floor_tilt)
+
 
 @dataclass(frozen=True)
 class CavityMode:
@@ -621,6 +626,39 @@ class CavityMode:
     drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
     pressed: Annotated[float, KEPT] = 0.0
     pushed: Annotated[float, KEPT] = 0.0
+
+
+@dataclass(frozen=True)
+class ModeAtSeat:
+    """What a mode does at the damper's place; pairs are along the axes of the cavity.
+
+    Attributes:
+        mass: effective mass [kg]; stiffness: that times omega² [N/m].
+        floor_tilt: the floor's slope over the displacement [1/m]; all three None where the place does not move so.
+    """
+
+    number: int
+    family: str
+    frequency_hz: float
+    mass: tuple[float | None, float | None]
+    stiffness: tuple[float | None, float | None]
+    floor_tilt: tuple[float | None, float | None]
+
+    def along(self, axis: int) -> tuple[float | None, ...]:
+        """The three along an axis of the cavity."""
+        return self.mass[axis], self.stiffness[axis], self.floor_tilt[axis]
+
+
+@dataclass(frozen=True)
+class SeatDescription:
+    """How a cavity lies at a speed: place [m], unit vectors of load, floor and axes, and what the modes do there."""
+
+    place: tuple[float, ...]
+    how: str
+    load: tuple[float, ...]
+    normal: tuple[float, ...]
+    axes: tuple[tuple[float, ...], ...]
+    modes: tuple[ModeAtSeat, ...]
 
 
 @dataclass(frozen=True)
@@ -689,6 +727,15 @@ class SpeedPoint:
     sticks_out: Annotated[float, KEPT] = field(default=0.0, repr=False)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
+
+    @classmethod
+    def at(cls, omega: float, radius: float, gravity: float, modes: tuple[Mode, ...] = (), **more: Any) -> SpeedPoint:
+        """That of a speed [rad/s] and the damper's radius [m], with its load over g [m/s²]."""
+        return cls(omega, rounded_rpm(omega), radius, omega**2 * radius / gravity, modes, **more)
+
+    def excited_by(self, order: int) -> float:
+        """Frequency of an engine order at this speed [Hz]."""
+        return order * self.rpm / 60
 
     @property
     def followed(self) -> int | None:
@@ -804,11 +851,6 @@ class Results:
     timings: dict[str, float] = field(default_factory=dict)
 
 
-def rounded_rpm(omega: float) -> float:
-    """Revolutions per minute, without the last digits that the conversion leaves behind."""
-    return float(f"{in_rpm(omega):.13g}")
-
-
 def middle_speed(points: tuple[SpeedPoint, ...]) -> int:
     """Which speed the pictures show: the middle one."""
     return sorted(range(len(points)), key=lambda i: points[i].rpm)[(len(points) - 1) // 2]
@@ -864,15 +906,6 @@ class Cavity(NamedTuple):
     counted: bool
 
 
-def _of_the_cavity(discrete: Discrete, cavity: Cavity, diagram: fem.Campbell, numbers: Sequence[int]) -> Floats:
-    """By how much the frequencies (speeds, modes) are off for the cavities, relative."""
-    from fem.accuracy.neglected_effects import cut
-
-    shifts = cut(discrete.choice.operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
-    left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
-    return np.asarray(left + cavity.weakens * shifts.stiffness)
-
-
 def points(
     source: SceneFile,
     discrete: Discrete,
@@ -880,6 +913,7 @@ def points(
     numbers: Sequence[int],
 ) -> tuple[SpeedPoint, ...]:
     """Modes at the speeds of these numbers in the sweep."""
+    from fem.accuracy.neglected_effects import cut
     from fem.accuracy.theory_selection import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
@@ -889,7 +923,10 @@ def points(
     count = bounds.shape[1]
     known = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
     if discrete.cavity is not None:
-        known["cavity_mass"] = _of_the_cavity(discrete, discrete.cavity, diagram, numbers)[:, :count]
+        cavity = discrete.cavity
+        shifts = cut(operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
+        left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
+        known["cavity_mass"] = np.asarray(left + cavity.weakens * shifts.stiffness)[:, :count]
     known["mesh"], known["layers"] = discrete.choice.errors_at(omega), np.full(bounds.shape, discrete.layers)
     known["basis"], known["theory"] = bounds, over_speeds(operators, diagram)[rows, :count]
     nothing = np.full(bounds.shape, np.nan)
@@ -902,13 +939,7 @@ def points(
     frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
     modes = tuple(map(Mode, frequencies, families, errors, _known(damping), branches))
     return tuple(
-        SpeedPoint(
-            omega=speed,
-            rpm=rounded_rpm(speed),
-            radius=radius,
-            load_g=speed**2 * radius / rotor.gravity,
-            modes=modes[n * count : (n + 1) * count],
-        )
+        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count])
         for n, speed in enumerate(omega.tolist())
     )
 

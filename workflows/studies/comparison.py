@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from workflows.errors import BadInput
-from workflows.formatting import DASH, aligned, amount, fixed, readable, significant, whole
+from workflows.formatting import DASH, aligned, readable, whole
 from workflows.io import provenance, serialise
-from workflows.io.files import as_table, campbell, finite
+from workflows.io.files import as_table, campbell
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
-from workflows.report.templates import from_template, in_percent
+from workflows.report.templates import from_template
+from workflows.report.text import COLUMNS
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneFile, SceneLike, as_scene_file
 from workflows.solve import limits
@@ -113,43 +114,25 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return entries
 
 
-_QUANTITIES = {
-    "load_g": "load g",
-    "first_frequency_hz": "first Hz",
-    "cutoff_g": "cut-off g",
-    "damping_ratio_percent": "ball ζ %",
-    "at_amplitude_mm": "at mm",
-}
-"""What is put side by side at each speed: its key, and the head of its column."""
+_KEYS = ("load_g", "first_frequency_hz", "cutoff_g", "damping_ratio_percent", "at_amplitude_mm")
+"""Of the columns of a run's table that are put side by side at each speed."""
 
-_HEADS = ("rpm", "run", *_QUANTITIES.values())
+_COLUMNS = [column for column in COLUMNS if column.key in _KEYS]
+_HEADS = ("rpm", "run", *(column.head for column in _COLUMNS))
 
 _SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
 """What marks of a damping ratio say, in files."""
 
 
-def _figures(results: Results, point: SpeedPoint | None) -> dict[str, Any]:
-    """The figures of a run at a speed, None where it has none, and the marks of its cut-off and its damping."""
-    if point is None:
-        return dict.fromkeys(_QUANTITIES) | {"marks": ("", "")}
-    own = point.damping_curve
-    return {
-        "load_g": point.load_g,
-        "first_frequency_hz": verdict.first_frequency(point),
-        "cutoff_g": limits.cutoff(results, point).g,
-        "damping_ratio_percent": None if own is None else 100 * own.peak,
-        "at_amplitude_mm": None if own is None else finite(1e3 * own.peak_amplitude),
-        "marks": (remarks.cutoff_mark(results, point), remarks.mark(results, point)),
-    }
-
-
 def rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """A row for each speed and run, in the order of the speeds."""
-    return [
-        {"rpm": rpm, "run": name} | _figures(results, point)
-        for rpm, points in comparison.points
-        for name, results, point in zip(comparison.names, comparison.results, points, strict=True)
-    ]
+    """A row for each speed and run, in the order of the speeds; None where a run has no figure, and the marks."""
+    table = []
+    for rpm, points in comparison.points:
+        for name, results, point in zip(comparison.names, comparison.results, points, strict=True):
+            values = [None if point is None else each.value(results, point) for each in _COLUMNS]
+            marks = ["" if point is None else each.mark(results, point) for each in _COLUMNS]
+            table.append({"rpm": rpm, "run": name} | dict(zip(_KEYS, values, strict=True)) | {"marks": marks})
+    return table
 
 
 def headline(results: Results) -> str:
@@ -175,11 +158,8 @@ def _legend(comparison: Comparison) -> list[str]:
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
-    frequency = fixed(row["first_frequency_hz"], 2)
-    at_rest, beyond = row["marks"]
-    cutoff, damping = amount(row["cutoff_g"]) + at_rest, significant(row["damping_ratio_percent"]) + beyond
-    amplitude = significant(row["at_amplitude_mm"])
-    return (whole(row["rpm"]), row["run"], amount(row["load_g"]), frequency, cutoff, damping, amplitude)
+    cells = (each.written(row[each.key]) + mark for each, mark in zip(_COLUMNS, row["marks"], strict=True))
+    return (whole(row["rpm"]), row["run"], *cells)
 
 
 _ITEMS = 6
@@ -228,7 +208,7 @@ def document(comparison: Comparison) -> dict[str, Any]:
 
 def _record(row: dict[str, Any]) -> dict[str, Any]:
     """A row with what its marks stand for."""
-    at_rest, mark = row["marks"]
+    _, _, at_rest, mark, _ = row["marks"]
     said = {"cutoff_at_rest": bool(at_rest)} | dict(zip(_SAID, (mark == each for each in _SAID.values()), strict=True))
     return {name: value for name, value in row.items() if name != "marks"} | said
 
@@ -266,12 +246,11 @@ def files(comparison: Comparison) -> dict[str, str | bytes]:
         heads=_HEADS,
         rows=[_cells(row) for row in rows(comparison)],
         marks=_legend(comparison),
-        hollow=any(row["marks"][1] for row in rows(comparison)),
+        hollow=any(row["marks"][3] for row in rows(comparison)),
         figure=figure,
-        air=[in_percent(ratio) for ratio in limits.AIR],
     )
     return {
-        "compare.csv": as_table(("rpm", "run", *_QUANTITIES, "cutoff_at_rest", *_SAID), map(_record, rows(comparison))),
+        "compare.csv": as_table(("rpm", "run", *_KEYS, "cutoff_at_rest", *_SAID), map(_record, rows(comparison))),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }

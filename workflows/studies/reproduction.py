@@ -5,13 +5,11 @@ Their words are those of `templates/paper.toml`.
 
 import json
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +20,7 @@ from workflows import pipeline
 from workflows.effects.definition import Effect
 from workflows.formatting import significant
 from workflows.progress import Stages
+from workflows.report.templates import texts
 from workflows.scene import load as scene_file
 from workflows.scene import plate_mesh
 from workflows.scene.materials import OSMIUM
@@ -37,9 +36,7 @@ SHOWN = 3
 
 RELEASE = (20e-3, 5e-3)
 
-TEXTS: dict[str, Any] = tomllib.loads(
-    (Path(__file__).parents[1] / "templates" / "paper.toml").read_text(encoding="utf-8")
-)
+TEXTS = texts("paper")
 """Statements, errors and assumptions of the paper in words."""
 
 
@@ -130,19 +127,8 @@ RELEASES = (12e-3, 16e-3, 20e-3, 24e-3)
 RADII = (0.6e-3, 0.8e-3, 1.0e-3, 1.1e-3)
 
 
-@dataclass(frozen=True, eq=False)
-class Sweeps:
+def sweeps(study: PaperRun) -> dict[str, Family]:
     """The families of curves behind Figs. 3 to 7."""
-
-    load: Family
-    mass: Family
-    cavity: Family
-    release: Family
-    radius: Family
-
-
-def sweeps(study: PaperRun) -> Sweeps:
-    """Compute every curve."""
 
     def varied(label: str, values: tuple[float, ...], changes: Callable[[float], dict[str, Any]]) -> Family:
         """A curve at 10000 rpm for each value, from its own release; the label shows it scaled."""
@@ -163,13 +149,13 @@ def sweeps(study: PaperRun) -> Sweeps:
         ]
         for formulation, points in study.points.items()
     }
-    return Sweeps(
-        load=load,
-        mass=varied("{1:.1f} %", MASS_RATIOS, lambda ratio: {"mass_ratio": ratio}),
-        cavity=varied("{0:g} mm", CLEARANCES, lambda gap: {"mass_ratio": 0.012, "cavity": (2e-3 + gap, 2e-3 + gap)}),
-        release=varied("{0:g} mm", RELEASES, lambda x: {"release": (x, x / 4)}),
-        radius=varied("{0:g} mm", RADII, lambda radius: {"mass_ratio": 0.01, "ball_radius": radius}),
-    )
+    return {
+        "load": load,
+        "mass": varied("{1:.1f} %", MASS_RATIOS, lambda ratio: {"mass_ratio": ratio}),
+        "cavity": varied("{0:g} mm", CLEARANCES, lambda gap: {"mass_ratio": 0.012, "cavity": (2e-3 + gap, 2e-3 + gap)}),
+        "release": varied("{0:g} mm", RELEASES, lambda x: {"release": (x, x / 4)}),
+        "radius": varied("{0:g} mm", RADII, lambda radius: {"mass_ratio": 0.01, "ball_radius": radius}),
+    }
 
 
 Value = float | int | str | list[float] | None
@@ -371,7 +357,7 @@ def _steps(study: PaperRun) -> Claim:
     return _claim("S2-steps", (100 * stepped[0], 100 * stepped[1]), verdict, **shown)
 
 
-def of_figures(study: PaperRun, sweeps: Sweeps) -> Iterator[Claim]:
+def of_figures(study: PaperRun, sweeps: dict[str, Family]) -> Iterator[Claim]:
     """Section III, figures 2 to 7: the ball over load, mass, cavity, release and radius."""
     dampings = [study.points[f][SHOWN].damper for f in FORMULATIONS]
     ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
@@ -379,34 +365,34 @@ def of_figures(study: PaperRun, sweeps: Sweeps) -> Iterator[Claim]:
     decays = bool((peaks[:100] < peaks[0] / math.e).any())
     yield _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
 
-    tops, levels = _peaks(sweeps.load), _levels(sweeps.load)
-    curve = sweeps.load["consistent"][0]
+    tops, levels = _peaks(sweeps["load"]), _levels(sweeps["load"])
+    curve = sweeps["load"]["consistent"][0]
     own = 100 * float(curve.sdc[-1] - curve.ball[-1])
     yield _claim("F3-level", tops, judge(min(tops[1]) >= 14), own=own)
     drop = [values[0] - values[-1] for values in levels]
     falls = all(a > b for a, b in pairwise(levels[1]))
     yield _claim("F3-trend", drop, judge(falls and drop[1] > 1, partly=falls))
-    after = [max(abs(float(c.ball[-1])) for c in sweeps.load[f]) for f in FORMULATIONS]
+    after = [max(abs(float(c.ball[-1])) for c in sweeps["load"][f]) for f in FORMULATIONS]
     yield _claim("F3-stops", after, judge(max(after) < 1e-9))
 
-    levels = _levels(sweeps.mass)
+    levels = _levels(sweeps["mass"])
     fits = [float(np.corrcoef(MASS_RATIOS, values)[0, 1]) ** 2 for values in levels]  # R² of the best line
     yield _claim("F4-linear", fits, judge(fits[1] > 0.99, partly=fits[1] > 0.9))
     growth = [values[-1] / values[0] for values in levels]
     yield _claim("F4-rises", growth, judge(growth[1] > 1))
 
-    levels = _levels(sweeps.cavity)
-    changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(sweeps.cavity)))
+    levels = _levels(sweeps["cavity"])
+    changes, totals = ([100 * (v[-1] / v[0] - 1) for v in values] for values in (levels, _peaks(sweeps["cavity"])))
     verdict = judge(abs(changes[1]) <= 5, partly=abs(totals[1]) <= 5)
     yield _claim("F5-weak", changes, verdict, total=totals[1])
     yield _claim("F5-sense", (v[0] / v[-1] for v in levels), judge(levels[1][0] >= levels[1][-1]))
-    spread = _overlaps(sweeps.cavity, total=True)
+    spread = _overlaps(sweeps["cavity"], total=True)
     verdict = judge(spread[1] < 0.02, partly=spread[1] < 0.1)
     yield _claim("F5-overlap", (100 * spread[0], 100 * spread[1]), verdict)
 
-    spread, ball = _overlaps(sweeps.release, total=True), _overlaps(sweeps.release, total=False)
+    spread, ball = _overlaps(sweeps["release"], total=True), _overlaps(sweeps["release"], total=False)
     yield _claim("F6-weak", (100 * spread[0], 100 * spread[1]), judge(0 < spread[1] < 0.05), own=100 * ball[1])
-    ratios = [values[-1] / values[0] for values in _levels(sweeps.radius)]
+    ratios = [values[-1] / values[0] for values in _levels(sweeps["radius"])]
     yield _claim("F7-radius", ratios, judge(0.8 < ratios[1] < 1.25))
     yield _claim("A-experiments", (None, None), Verdict.UNTESTABLE)
 
@@ -531,7 +517,7 @@ class Reproduction:
     """Everything the report shows."""
 
     study: PaperRun
-    sweeps: Sweeps
+    sweeps: dict[str, Family]
     claims: tuple[Claim, ...]
     slips: tuple[PaperError, ...]
     closure: tuple[Closure, ...]

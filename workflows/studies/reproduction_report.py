@@ -20,11 +20,11 @@ def draw(reproduction: Reproduction) -> list[Picture]:
     """All six."""
     families = reproduction.sweeps
     capacity = {
-        3: ("Seven centrifugal loads; the grey band is what the paper reports.", families.load),
-        4: ("Mass ratios at 21932 g.", families.mass),
-        5: ("Clearances of the cavity at 21932 g, mass ratio 1.2 %.", families.cavity),
-        6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families.release),
-        7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families.radius),
+        3: ("Seven centrifugal loads; the grey band is what the paper reports.", families["load"]),
+        4: ("Mass ratios at 21932 g.", families["mass"]),
+        5: ("Clearances of the cavity at 21932 g, mass ratio 1.2 %.", families["cavity"]),
+        6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families["release"]),
+        7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families["radius"]),
     }
     drawn = {2: ("Velocity over time at 10000 rpm. Dashed: from here on the ball rests.", _velocity(reproduction))}
     drawn |= {number: (caption, _capacity(family, number)) for number, (caption, family) in capacity.items()}
@@ -102,7 +102,6 @@ def render(reproduction: Reproduction) -> str:
         figures=draw(reproduction),
         closure=[(_joined(each.text for each in line.assumptions), line) for line in reproduction.closure],
         assumptions=TEXTS["assumptions"],
-        low=14.0,
     )
 
 

@@ -9,9 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 import damper
-from fem.rotor import in_rpm
 from workflows.errors import during, read_from
-from workflows.formatting import whole
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -102,7 +100,7 @@ class Row:
 
     passage: Passage
     force: float
-    rpm: float
+    omega: float
     frequency: float
     without: float
     least: float
@@ -158,7 +156,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
     return Row(
         passage=passage,
         force=passage.forces[force],
-        rpm=in_rpm(float(passage.omega[speed])),
+        omega=float(passage.omega[speed]),
         frequency=passage.crossing.order * float(passage.omega[speed]) / (2 * np.pi),
         without=without,
         **{name: at(name) for name in _OF_A_ROW},
@@ -268,39 +266,29 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
     forcing = excitation.excitation_of(source)
     resources.check(source)
     stages = stages or Stages()
-    source = excitation.with_forced_effects(source)
+    source = coupling.with_forced_effects(source)
     solver = StructureSolver(source, stages)
     results = excitation.over_speed_range(solver).results(stages=stages)
     met = excitation.solved_crossings(solver, results.speeds, forcing)
     if not met:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
 
-    def estimates(of: Excitation) -> list[VibrationReduction]:
-        found = []
-        for each in met:
-            with during(_where(each[0])):
-                found.append(excitation.estimate(solver, results, *each, of))
-        return found
-
-    reductions = estimates(forcing)
+    reductions = excitation.estimates_at(solver, results, met, forcing)
     followed = with_best_levels(forcing, reductions)
-    reductions = reductions if followed.levels == forcing.levels else estimates(followed)
+    if followed.levels != forcing.levels:
+        reductions = excitation.estimates_at(solver, results, met, followed)
     passages, not_followed = [], []
-    for (crossing, at, resting), reduction in zip(met, reductions, strict=True):
-        with during(_where(crossing)):
-            passage = _passage(solver, at, resting or at, crossing, followed, reduction)
+    for each, reduction in zip(met, reductions, strict=True):
+        with during(each.crossing.place):
+            passage = _passage(solver, each, followed, reduction)
         if isinstance(passage, str):
-            not_followed.append((crossing, passage))
+            not_followed.append((each.crossing, passage))
         else:
             passages.append(passage)
     if not passages:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name, driven=False)
     results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
     return Response(results, followed, tuple(passages), tuple(not_followed), forcing.levels)
-
-
-def _where(crossing: Crossing) -> str:
-    return f"order {crossing.order} at {whole(crossing.rpm)} rpm"
 
 
 NEAR_BEST = 0.9
@@ -323,21 +311,17 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
 
 
 def _passage(
-    solver: StructureSolver,
-    at: SpeedPoint,
-    resting: SpeedPoint,
-    crossing: Crossing,
-    forcing: Excitation,
-    reduction: VibrationReduction,
+    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction
 ) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow."""
+    crossing, at, _ = met
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
     share = coupling.resting_share(system, at) if axis == 0 else 1.0
     figures = damper_stage.figures(system)
-    omega = _speeds(solver, crossing, at, resting)
+    omega = _speeds(solver, met)
     states = _steady_states(solver, crossing, forcing, omega, axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
@@ -371,8 +355,9 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
     return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
 
 
-def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting: SpeedPoint) -> Floats:
+def _speeds(solver: StructureSolver, met: excitation.Meeting) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
+    crossing, at, resting = met
     reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
     shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
     zeta = 0.0 if spec is None else spec.damping_ratio
@@ -381,24 +366,7 @@ def _speeds(solver: StructureSolver, crossing: Crossing, at: SpeedPoint, resting
     ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
     per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
     count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
-    return resonance_speeds((resting.omega, crossing.omega), zeta * per_speed, ends, count)
-
-
-def _excited_dampers(
-    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats
-) -> tuple[list[damper.ParticleDamper], list[damper.Harmonic], list[damper.ParticleDamper]]:
-    """Dampers, what drives them, and their structures without the ball's pull, each speed with all forces."""
-    dampers, harmonics, bare, points = [], [], list[damper.ParticleDamper](), solver.at(omega).points
-    branch, source = excitation.branch_of(points, crossing), solver.source
-    for point in points:
-        own = excitation.modes_of(point, branch)
-        only = None if own is None else excitation.modes_followed(point, own)
-        with read_from(source.name):
-            system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
-        dampers += [system] * len(forcing.levels)
-        bare += [without_pull(system, source.scene, point, only)] * len(forcing.levels)
-        harmonics += [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
-    return dampers, harmonics, bare
+    return resonance_speeds(((resting or at).omega, crossing.omega), zeta * per_speed, ends, count)
 
 
 def without_pull(
@@ -419,36 +387,40 @@ def without_pull(
     )
 
 
-def _without_ball(
-    unloaded: Sequence[damper.ParticleDamper], harmonics: Sequence[damper.Harmonic], axis: int
-) -> npt.NDArray[np.complex128]:
-    """Complex amplitudes (n,) at the cavity without the ball."""
-    from damper.equations import structures_by
-    from damper.starts import without_ball
-
-    amplitudes = np.empty(len(harmonics), complex)
-    for k, (system, harmonic) in enumerate(zip(unloaded, harmonics, strict=True)):
-        shape = np.eye(2)[axis] if system.modes is None else np.array([mode.shape[axis] for mode in system.modes])
-        amplitudes[k] = without_ball(structures_by(system, system.parameters), [harmonic])[0] @ shape
-    return amplitudes
-
-
 def _steady_states(
     solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int
 ) -> damper.Forced:
-    """The steady states at some speeds, with progress for a person who waits."""
-    dampers, harmonics, unloaded = _excited_dampers(solver, crossing, forcing, omega)
-    starts = tuple(damper.Start)
+    """The steady states at some speeds, each with all forces, with progress for a person who waits.
+
+    Those without the ball are of the structure without its pull.
+    """
+    from damper.equations import structures_by
+    from damper.starts import without_ball
+
+    dampers, harmonics, alone, points = [], [], list[npt.NDArray[np.complex128]](), solver.at(omega).points
+    branch, source, starts = excitation.branch_of(points, crossing), solver.source, tuple(damper.Start)
+    for point in points:
+        own = excitation.modes_of(point, branch)
+        only = None if own is None else excitation.modes_followed(point, own)
+        with read_from(source.name):
+            system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
+        driven = [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
+        bare = without_pull(system, source.scene, point, only)
+        shape = np.eye(2)[axis] if bare.modes is None else np.array([mode.shape[axis] for mode in bare.modes])
+        structures = structures_by(bare, bare.parameters)
+        alone += [without_ball(structures, [harmonic])[0] @ shape for harmonic in driven]
+        dampers += [system] * len(driven)
+        harmonics += driven
     with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
         def progress(number: int) -> None:
             nonlocal done
             for _ in range(number - done):
-                step.advance(_where(crossing))
+                step.advance(crossing.place)
             done = number
 
         states = damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-    return replace(states, without=_without_ball(unloaded, harmonics, axis))
+    return replace(states, without=np.array(alone, complex))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -195,16 +194,12 @@ def _added(result: Response) -> list[str]:
     unit, near, sentences = result.excitation.unit, list[float](), list[str]()
     for level in sorted({*result.excitation.levels} - {*result.requested_levels}):
         here = [row for row in rows(result) if row.force == level and best_level(row.passage.reduction) == level]
-        missed = [row for row in here if not _is_confirmed(row)]
+        predicted = [1.0 if row.estimate is None else row.estimate.ratio for row in here]
+        tenth = [(1 - NEAR_BEST) * (1 - ratio) for ratio in predicted]
+        missed = [row for row, p, most in zip(here, predicted, tenth, strict=True) if abs(row.ratio - p) > most]
         near += [] if missed else [level]
         sentences += templates.said("response/missed", rows=missed, unit=unit)
     return [*templates.said("response/near_best", levels=near, unit=unit), *sentences]
-
-
-def _is_confirmed(row: Row) -> bool:
-    """Whether the reduction that free vibration predicts is that of the motion, to a tenth."""
-    predicted = 1.0 if row.estimate is None else row.estimate.ratio
-    return abs(row.ratio - predicted) <= (1 - NEAR_BEST) * (1 - predicted)
 
 
 _OF_MOTION = (Reason.OTHER_MODE, Reason.SWINGS, Reason.SLIP)
@@ -252,30 +247,29 @@ def place(c: Crossing) -> str:
     return f"Order {c.order} meets the {c.family} mode at {whole(c.rpm)} rpm without a ball"
 
 
-def ball_count(result: Response) -> int:
-    """Balls of the damper."""
-    damper = result.results.scene.damper
-    return 1 if damper is None else damper.count
-
-
 def text(result: Response) -> str:
     """What a person reads on the terminal."""
     every, unit = rows(result), f"{result.excitation.kind}, {result.excitation.unit}"
     heads = ("order", "mode", "largest at, rpm", unit, "without, mm", "with, mm", "ratio", "regime", "hits")
     table = aligned([(*heads, "estimated ratio", "estimate off, %"), *(_cells(result, row) for row in every)])
-    marked = [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in every) else []
-    marked += rough(result)
     damper = result.results.scene.damper
     zeta = 0.0 if damper is None else damper.damping_ratio
     values = {"rows": best_rows(result), "zeta": zeta, "unit": result.excitation.unit}
-    added = templates.said("response/added", ball_count(result), **values) if zeta else []
-    return "\n".join([result.results.scene.title, *sentences(result), "", *table, *marked, *added])
+    added = templates.said("response/added", result.results.scene.ball_count, **values) if zeta else []
+    return "\n".join(
+        [result.results.scene.title, *sentences(result), "", *table, *legend(result, every), *rough(result), *added]
+    )
+
+
+def legend(result: Response, table: list[Row]) -> list[str]:
+    """What the mark of amplitudes stands for, where a table has it."""
+    return [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in table) else []
 
 
 def rough(result: Response) -> list[str]:
     """Where estimated ratios are rough."""
     loose = [each.crossing for each in result.passages if each.reduction.loose]
-    return templates.said("response/rough", ball_count(result), crossings=loose) if loose else []
+    return templates.said("response/rough", result.results.scene.ball_count, crossings=loose) if loose else []
 
 
 def best_rows(result: Response) -> list[Row]:
@@ -301,7 +295,7 @@ def _cells(result: Response, row: Row) -> tuple[str, ...]:
     return (
         str(c.order),
         f"{c.family} {c.branch + 1}",
-        whole(row.rpm),
+        whole(in_rpm(row.omega)),
         significant(row.force),
         significant(1e3 * row.without, 4),
         f"{significant(1e3 * row.mean, 4)}{remarks.BEYOND if is_beyond(result, row) else ''}",
@@ -354,7 +348,7 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
         "force": row.force,
-        "peak_rpm": row.rpm,
+        "peak_rpm": in_rpm(row.omega),
         "peak_frequency_hz": row.frequency,
         "amplitude_without": row.without,
         "amplitude": {name: getattr(row, name) for name in ("least", "mean", "rms", "greatest")},
@@ -386,44 +380,33 @@ def _damper(result: Response, passage: Passage) -> dict[str, Any]:
     }
 
 
+def draw(result: Response) -> dict[str, str]:
+    """The pictures by the names of their files; the diagram is empty where the structure is given."""
+    shades = plots.shades(len(result.excitation.levels))
+    drawn = {"campbell": campbell_plot(result)}
+    for number, passage in enumerate(result.passages):
+        drawn[f"response_{tag(passage)}"] = response(result, passage, str(number), shades)
+    return drawn
+
+
 def files(result: Response) -> dict[str, str | bytes]:
     """The files beside `response.json`."""
-    shades = plots.shades(len(result.excitation.levels))
-    contents: dict[str, str | bytes] = {
+    drawn, count = draw(result), len(result.excitation.levels)
+    return {
         "response.nc": bytes(dataset(result).to_netcdf(engine="h5netcdf")),  # in memory: HDF5 dies on a full disk
-        "report.html": render(result),
+        "report.html": render(result, drawn),
+        **{f"{name}.svg": plots.standalone(svg, count) for name, svg in drawn.items() if svg},
     }
-    if drawn := campbell_plot(result):
-        contents["campbell.svg"] = plots.standalone(drawn)
-    for number, passage in enumerate(result.passages):
-        drawn = response(result, passage, str(number), shades)
-        contents[f"response_{tag(passage)}.svg"] = plots.standalone(drawn, len(shades))
-    return contents
 
 
-def render(result: Response) -> str:
-    """The page. Everything that comes from a scene is escaped."""
-    shades, sections = plots.shades(len(result.excitation.levels)), []
-    for number, passage in enumerate(result.passages):
-        mine = rows(result, passage)
-        section = {"passage": passage, "crossing": passage.crossing, "rows": mine}
-        section |= {"endured": endured(result.results, passage.crossing)}
-        section |= {"beyond": any(is_beyond(result, row) for row in mine)}
-        sections.append(section | {"response": response(result, passage, str(number), shades)})
+def render(result: Response, drawn: dict[str, str] | None = None) -> str:
+    """The page, of pictures that are drawn. Everything that comes from a scene is escaped."""
     return templates.from_template(
         "response.html.j2",
         plots.shades_css(max(len(result.excitation.levels), len(result.passages), 1)),
         result=result,
-        count=ball_count(result),
-        unit=result.excitation.unit,
-        sentences=sentences(result),
-        sections=sections,
-        campbell=campbell_plot(result),
+        drawn=drawn or draw(result),
         damping=damping(result),
-        air=AIR,
-        is_beyond=partial(is_beyond, result),
-        ratio_cell=partial(ratio_cell, result),
         mark=remarks.BEYOND,
-        marked=remarks.BEYOND_MEANS,
-        rough=rough(result),
+        **{each.__name__: each for each in (endured, is_beyond, legend, ratio_cell, rough, rows, sentences, tag)},
     )

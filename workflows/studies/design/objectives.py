@@ -15,7 +15,6 @@ import numpy as np
 from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
 from damper.curve_measurement import SWEEPS, settled
 from damper.starts import Motions, motions_of
-from fem.rotor import in_rpm
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -40,13 +39,13 @@ class Obstacle:
         kind: `held` (at rest, by the load), `lossless`, `useless`, `undriven`, `limit`, `weight`, `root_stress`,
             `strain`, `deflection`, `slip`, `sticks_out` (the cavity, of a solid blade); or `refused`, for what a
             scene's checks say.
-        rpm: the speed that it is about [rev/min].
+        speed: that it is about [rad/s].
         value: the stress [Pa] or the friction that it takes, or how far a cavity sticks out [m].
         text: of what was refused, or the name of the limit.
     """
 
     kind: str
-    rpm: float = math.nan
+    speed: float = math.nan
     value: float = math.nan
     text: str = ""
 
@@ -92,16 +91,6 @@ class Evaluation:
     sticks_out: float = 0.0
     falling: float = math.nan
     greatest: float = math.nan
-
-    @property
-    def rpm(self) -> float:
-        """The speed at which the value is taken [rev/min]."""
-        return round(in_rpm(self.speed), 9)
-
-    @property
-    def cutoff_rpm(self) -> float:
-        """The speed at which the ball stays at rest up to the largest amplitude [rev/min]."""
-        return in_rpm(self.cutoff_speed)
 
     @property
     def impossible(self) -> bool:
@@ -611,14 +600,10 @@ def amplitude_objective(source: SceneFile, stages: Stages) -> LeastAmplitude:
     """The goal of a scene as its forced response is computed.
 
     Raises:
-        BadInput: what `response` needs is missing, the structure has no damping, or no order meets a mode it drives.
+        BadInput: what `response` needs is missing, or no order meets a mode it drives.
     """
-    forcing, spec = source.scene.excitation, source.scene.damper
+    forcing = source.scene.excitation
     assert forcing is not None
-    assert spec is not None
-    if spec.damping_ratio == 0:
-        problem = "without damping the amplitude at resonance is unbounded: expected a value above 0, such as 0.001"
-        raise source.wrong(problem, "[damper] damping_ratio", 0)
     solver = StructureSolver(source, stages)
     points = excitation.over_speed_range(solver).points
     speeds = source.scene.rotor.speeds

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import DampingCurve, ParticleDamper
-from workflows.formatting import fixed, significant, whole
+from workflows.formatting import fixed, significant, turning
 from workflows.io.files import finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
@@ -284,9 +284,9 @@ def draw(result: DesignResult) -> list[Picture]:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """The damper at a speed [rev/min], and its figures."""
+    """The damper at a speed [rad/s], and its figures."""
 
-    rpm: float
+    omega: float
     damper: ParticleDamper
     damping_curve: DampingCurve
 
@@ -296,7 +296,7 @@ def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[C
     plan = space.plan(optimum.shares[None])
     cases = damper_cases(space.source, plan, 0, PlateCache(), empty(plan.size), [])
     curves = [
-        Curve(each.point.rpm, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
+        Curve(each.point.omega, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
         for each in cases
         if objectives.cutoff_of(each.verdict_damper) < goal.high
     ]
@@ -310,7 +310,7 @@ def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
     for curve, colour in zip(curves, colours, strict=False):
         shown = curve.damping_curve.damping_ratio > 0
         at, ratio = curve.damping_curve.amplitude[shown], curve.damping_curve.damping_ratio[shown]
-        axes.plot(1e3 * at, 100 * ratio, color=colour, label=f"{whole(curve.rpm)} rpm")
+        axes.plot(1e3 * at, 100 * ratio, color=colour, label=turning(curve.omega))
         grid = np.geomspace(goal.low, goal.high, 30)
         bound = [objectives.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)

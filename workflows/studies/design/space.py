@@ -12,7 +12,7 @@ from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN, OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
-from workflows.solve import excitation, limits
+from workflows.solve import coupling, excitation, limits
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.studies.design.objectives import (
     BEYOND,
@@ -111,8 +111,7 @@ class Space:
 
     def count(self, shares: Floats) -> int:
         """Balls of a design."""
-        damper = self.source.scene.damper
-        return int(self.values(shares).get("damper.count", 1 if damper is None else damper.count))
+        return int(self.values(shares).get("damper.count", self.source.scene.ball_count))
 
     def summary(self, shares: Floats) -> str:
         """A design in words, key by key."""
@@ -201,7 +200,7 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design.amplitude is not None:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
     excitation.excitation_of(source)
-    forced = excitation.with_forced_effects(source)
+    forced = coupling.with_forced_effects(source)
     return Space(source, design, axes, amplitude_objective(forced, stages or Stages(visible=False)), forced)
 
 
@@ -321,11 +320,10 @@ def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
     """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
     slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
     if limits.weight_governs(slowest.point):
-        return Obstacle("weight", slowest.point.rpm)
+        return Obstacle("weight", slowest.point.omega)
     if limits.is_torn(fastest.results, fastest.point):
-        return Obstacle(
-            "root_stress", fastest.point.rpm, limits.root_stress(fastest.results, fastest.point.omega) or 0.0
-        )
+        omega = fastest.point.omega
+        return Obstacle("root_stress", omega, limits.root_stress(fastest.results, omega) or 0.0)
     if not isinstance(space.goal, LeastDamping):
         return None
     endured = limits.endured(fastest.results)
@@ -333,4 +331,4 @@ def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
         return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
     friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
     slides = limits.slides(slowest.results, slowest.point, space.goal.high)
-    return Obstacle("slip", slowest.point.rpm, friction) if slides else None
+    return Obstacle("slip", slowest.point.omega, friction) if slides else None

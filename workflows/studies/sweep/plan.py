@@ -18,7 +18,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, parse, unit
+from workflows.scene.load import SceneFile, error_text, instead, parse, tables_of, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -184,15 +184,9 @@ def _fields(table: type[BaseModel], prefix: str = "") -> dict[str, Any]:
     fields = {}
     for name, entry in table.model_fields.items():
         fields[prefix + name] = entry
-        for inner in _tables(entry.annotation):
+        for inner in tables_of(entry):
             fields |= _fields(inner, f"{prefix}{name}.")
     return fields
-
-
-def _tables(kind: Any) -> list[type[BaseModel]]:
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return [kind]
-    return [table for part in getattr(kind, "__args__", ()) for table in _tables(part)]
 
 
 @cache
@@ -218,11 +212,10 @@ def _meant(path: str) -> str:
     homes = [name for name in every() if name.rpartition(".")[2] == field]
     if homes:
         return did_you_mean(path, homes) or f": did you mean '{homes[0]}'?"
-    if field in ("speed", "rpm"):
-        return f": did you mean '{SPEEDS}'?"
     if field in ("diameter", "ball_diameter"):
         return ": a ball is given by its radius: did you mean 'damper.radius'?"
-    return did_you_mean(path, (*every(), CLEARANCE)) or f": expected a key of a table, such as {SPEEDS}"
+    meant = instead(path.split(".")) or did_you_mean(path, (*every(), CLEARANCE))
+    return meant or f": expected a key of a table, such as {SPEEDS}"
 
 
 @dataclass(frozen=True)
@@ -347,7 +340,9 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
     bare = [not isinstance(_parsed(part), str) for part in parts[:2]]
     if bare[0] != bare[1] and key.unit and first and second:
         raise ValueError("a number without a unit is in SI: give both the unit, or none")
-    count = _count(parts[2]) if len(parts) == 3 else None
+    if len(parts) == 3 and not (parts[2].isdecimal() and 1 <= int(parts[2][:12]) <= MOST):
+        raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(parts[2])}")
+    count = int(parts[2]) if len(parts) == 3 else None
     if law == "normal":
         if count is not None or second <= 0:
             raise ValueError("expected normal:MEAN:DEVIATION with a deviation above 0")
@@ -376,12 +371,6 @@ def _numbers(key: Key, values: Floats) -> tuple[Value, ...]:
     if np.abs(rounded - values).max(initial=0.0) > 1e-9:
         raise ValueError("expected a COUNT that leads through whole numbers")
     return tuple(int(value) for value in rounded)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text[:12]) <= MOST:
-        raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(text)}")
-    return int(text)
 
 
 def _parsed(text: str) -> object:
@@ -546,12 +535,9 @@ def in_order(axes: Sequence[Axis], speeds: Sequence[float]) -> tuple[Axis, ...]:
 
 
 def plain(scene: Scene) -> Data:
-    """A scene as plain data that keys can be put into: a material by its name or by its numbers, not by both."""
-    data = scene.model_dump(mode="json", exclude_none=True, exclude={"design"})
-    if "name" in data.get("material", {}):
-        data["material"] = {"name": data["material"]["name"]}
-    if "ball_material" in data.get("damper", {}):
-        data["damper"].pop("ball_density", None)
+    """A scene as plain data that keys can be put into."""
+    data = scene.as_written()
+    data.pop("design", None)
     return data
 
 

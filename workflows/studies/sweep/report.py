@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.formatting import readable, significant, whole
-from workflows.io.files import as_json
+from workflows.io.files import as_json, finite
 from workflows.io.folder import replacing_file
 from workflows.report import plots
 from workflows.report.templates import from_template, said
@@ -22,6 +22,7 @@ from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import HEADLINE
 from workflows.studies.sweep.plan import SAMPLE, SPEEDS
+from workflows.studies.sweep.sensitivity import INDICES, PERCENTILES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -352,7 +353,21 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": _point(data, _best(data)) if (flat > 0).any() else None,
     }
-    return entries | ({"uncertain": sensitivity.document(data)} if "ST" in data else {})
+    return entries | ({"uncertain": _uncertain(data)} if "ST" in data else {})
+
+
+def _uncertain(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Percentiles and indices as plain data, an entry for each quantity and speed."""
+    entries = []
+    for quantity in sensitivity.QUANTITIES:
+        for k, rpm in enumerate(data["rpm"].values):
+            point = data.sel(quantity=quantity).isel({SPEEDS: k})
+            columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
+            indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
+            percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
+            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
+            entries.append(entry)
+    return entries
 
 
 _NUMBER = r"[-+]?\d[\d.]*(e[-+]?\d+)?"
@@ -407,11 +422,6 @@ def _spread(data: xr.Dataset) -> dict[str, Any] | None:
     return {"rpm": float(data["rpm"].values[_middle(data)]), "percentiles": percentiles.tolist(), "ranked": ranked}
 
 
-def _headline(data: xr.Dataset, entries: dict[str, Any]) -> str:
-    """The answer of a study that is not that of its best point; empty where it is."""
-    return " ".join(said("sweep/headline", result=entries, spread=_spread(data)))
-
-
 def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
     entries = document(data)
@@ -450,15 +460,17 @@ def render(data: xr.Dataset) -> str:
         numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
         best = _best_keys(data, entries)
         best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
+    drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}
+    ranges = {n: f"{_formatted(data, n, v.min())} to {_formatted(data, n, v.max())}" for n, v in drawn.items()}
     return from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
         result=entries,
         best=best,
         keys=_best_keys(data, entries),
-        headline=_headline(data, entries),
+        headline=" ".join(said("sweep/headline", result=entries, spread=_spread(data))),
         percentiles=_percentiles(data) if "ST" in data and best is not None else [],
-        ranges=_ranges(data) if "ST" in data else {},
+        ranges=ranges,
         figures=draw(data),
         code=json.loads(data.attrs["code"]),
     )
@@ -475,9 +487,3 @@ def _percentiles(data: xr.Dataset) -> list[dict[str, Any]]:
             if math.isfinite(values[0]):
                 rows.append({"what": f"{title}, {rpm:.6g} rpm", "values": values.tolist(), "worth": worth or "none"})
     return rows
-
-
-def _ranges(data: xr.Dataset) -> dict[str, str]:
-    """The ranges that were drawn from, in words."""
-    values = {str(name): data[str(name)].values for name in data["parameter"].values}
-    return {n: f"{_formatted(data, n, v.min())} to {_formatted(data, n, v.max())}" for n, v in values.items()}

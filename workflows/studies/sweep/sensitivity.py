@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
-from workflows.io.files import finite
 from workflows.scene.scene import Scene
 from workflows.solve import limits
 from workflows.solve.results import Floats
@@ -35,12 +34,6 @@ INDICES = ("S1", "S1_conf", "ST", "ST_conf")
 """Sobol' indices, of first order and total, each with the half-width of its 95 % confidence interval."""
 
 _RESAMPLES, _CONFIDENCE = 200, 0.95
-_HITS = 10.0, 0.1
-"""Impact speeds [m/s] between which those of blades lie."""
-
-_HYSTERESIS = 1e-4
-"""Lever of rolling friction over the ball's radius that the hysteresis of metals leaves, about."""
-
 _CONSTANT = 1e-9
 """Relative spread below which a quantity does not vary, and has no indices."""
 
@@ -62,35 +55,11 @@ def axes(vary: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axis
 
 
 def defaults(scene: Scene) -> tuple[Axis, ...]:
-    """What is hardly ever known well, about a scene's own values.
-
-    Rolling friction over two decades, since what it is made of (hysteresis, roughness, a dent) is hardly ever measured;
-    restitution within ±0.2, which impact speed and material leave; friction ±30 %, the structure's damping a factor of
-    2 either way, the clearance along the bending direction within ±0.05 mm, or half of it. What follows from materials
-    ('auto'): restitution as of hits at `_HITS`, rolling friction up to a hundred times what hysteresis alone leaves.
-    """
-    from damper import contact
-
-    damper = scene.damper
-    assert damper is not None
-    gap = damper.cavity[0] - 2 * damper.radius
-    tolerance = min(5e-5, gap / 2)
-    e, rolling, zeta = damper.restitution, damper.rolling_friction, damper.damping_ratio
-    spreads = {
-        "damper.friction": Spread(0.7 * damper.friction, 1.3 * damper.friction),
-        "damper.damping_ratio": Spread(zeta / 2, min(2 * zeta, 0.99), "log"),
-        "damper.clearance[0]": Spread(gap - tolerance, gap + tolerance),
-    }
-    if isinstance(e, float):
-        spreads = {"damper.restitution": Spread(max(e - 0.2, 0.0), min(e + 0.2, 1.0)), **spreads}
-    elif e == "auto" and (made_of := limits.solids(scene)) is not None and damper.balls is not None:
-        hit = damper.balls / damper.count, damper.radius, *made_of
-        least, most = (contact.restitution(speed, *hit) for speed in _HITS)
-        spreads = {"damper.restitution": Spread(least, most), **spreads}
-    least = rolling / 10 if isinstance(rolling, float) else _HYSTERESIS * damper.radius
-    spreads["damper.rolling_friction"] = Spread(least, min(100 * least, damper.radius), "log")
-    known = {name: spread for name, spread in spreads.items() if spread.high > spread.low}
-    return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in known.items())
+    """What is hardly ever known well of a damper, about a scene's own values."""
+    assert scene.damper is not None
+    known = scene.damper.uncertain(limits.solids(scene)).items()
+    spreads = {f"damper.{name}": Spread(*spread) for name, spread in known if spread[1] > spread[0]}
+    return tuple(Axis(find(name, "--vary"), (), spread) for name, spread in spreads.items())
 
 
 def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Plan:
@@ -165,20 +134,6 @@ def with_indices(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
             parameter=xr.DataArray(np.array(names, dtype=object), dims="parameter"),
         )
     )
-
-
-def document(data: xr.Dataset) -> list[dict[str, Any]]:
-    """Percentiles and indices as plain data, an entry for each quantity and speed."""
-    entries = []
-    for quantity in QUANTITIES:
-        for k, rpm in enumerate(data["rpm"].values):
-            point = data.sel(quantity=quantity).isel({SPEEDS: k})
-            columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
-            indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
-            percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
-            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
-            entries.append(entry)
-    return entries
 
 
 def worth_measuring(data: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflows.errors import BadInput
+from workflows.formatting import rounded_rpm
 from workflows.io import folder
-from workflows.solve.results import rounded_rpm
 from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows
 from workflows.studies.sweep.plan import SPEEDS, Plan
 

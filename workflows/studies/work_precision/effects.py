@@ -261,6 +261,35 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             points += pipeline.damped(replace(state, source=let_go, points=(point,)), quiet).points
         return replace(state, points=tuple(points))
 
+    def filled_in(row: EffectChange) -> EffectChange:
+        """A row, filled in by a run with its effect the other way."""
+        belongs_to, on = EFFECTS[row.effect].of, row.on
+        solid = belongs_to == "plate" and source.scene.blade is not None
+        if solid and row.effect != "large_deflection":
+            return replace(row, failed="solid blades are solved one way alone")
+        if not solid and getattr(source.scene, belongs_to) is None:
+            return replace(row, failed=f"no {belongs_to} in the scene")
+        switches, together = _switches(row.effect, effects)
+        try:
+            time, *medians = compared(partial(run, anew=solid, **switches), partial(run, anew=solid))
+        except (SpindampError, ValueError) as error:
+            reason = str(error).removeprefix(f"{source.name}: ")
+            return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
+        changed = changes(own, time.value.points, own_has_it=on, judged=judged)
+        extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
+        row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
+        if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
+            theirs = _scatter(time.value.points, partial(run, **switches), judged)
+            both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
+            row = replace(row, scatter=both)
+        return replace(
+            row,
+            remarks=together + changed.remarks,
+            time_s=extra,
+            time_spread_s=ends,
+            time_share=extra / medians[on],
+        )
+
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
         state = run()
@@ -271,7 +300,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         rows = []
         for name, on in effects.items():
             row = EffectChange(name, *called[name][:2], on, scatter=scatter)
-            rows.append(_change_of(source, row, effects, own, judged, run))
+            rows.append(filled_in(row))
             step.advance(name)
     return EffectStudy(source.scene.title, source.scene.accuracy.frequency, tuple(rows))
 
@@ -297,43 +326,6 @@ def _scatter(
             if change is not None and not name.startswith("frequency"):
                 scatter[name] = max(scatter.get(name, 0.0), abs(change))
     return scatter
-
-
-def _change_of(
-    source: SceneFile,
-    row: EffectChange,
-    effects: dict[str, bool],
-    own: tuple[SpeedPoint, ...],
-    judged: Mapping[float, int],
-    run: Callable[..., structure.StructureState],
-) -> EffectChange:
-    """The row of an effect, filled in by a run with it the other way."""
-    belongs_to, on = EFFECTS[row.effect].of, row.on
-    solid = belongs_to == "plate" and source.scene.blade is not None
-    if solid and row.effect != "large_deflection":
-        return replace(row, failed="solid blades are solved one way alone")
-    if not solid and getattr(source.scene, belongs_to) is None:
-        return replace(row, failed=f"no {belongs_to} in the scene")
-    switches, together = _switches(row.effect, effects)
-    try:
-        time, *medians = compared(partial(run, anew=solid, **switches), partial(run, anew=solid))
-    except (SpindampError, ValueError) as error:
-        reason = str(error).removeprefix(f"{source.name}: ")
-        return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
-    changed = changes(own, time.value.points, own_has_it=on, judged=judged)
-    extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
-    row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
-    if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
-        theirs = _scatter(time.value.points, partial(run, **switches), judged)
-        both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
-        row = replace(row, scatter=both)
-    return replace(
-        row,
-        remarks=together + changed.remarks,
-        time_s=extra,
-        time_spread_s=ends,
-        time_share=extra / medians[on],
-    )
 
 
 def _switches(name: str, effects: dict[str, bool]) -> tuple[dict[str, bool], tuple[str, ...]]:

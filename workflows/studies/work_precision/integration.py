@@ -67,16 +67,13 @@ class _Integration:
     ) -> None:
         self.length, self.rate = max(map(abs, release)), damper.stuck_frequency
         self.method, self.rtol = method, rtol
-        self.e, self.mu, self.sticking = damper.restitution, damper.friction, damper.sticking_ratio
         self.m = damper.ball_mass / damper.modal_mass
         self.energy_unit = damper.modal_mass * (self.rate * self.length) ** 2
         self.k = [k / damper.modal_mass / self.rate**2 for k in damper.stiffness]
         self.gap = [gap / self.length for gap in damper.half_gap]
         self.resistance = damper.rolling_threshold / (self.rate**2 * self.length)
-        self.printed = damper.formulation == "printed"
-        self.beta = damper.inertia_ratio
+        self.printed, self.beta, self.damper = damper.formulation == "printed", damper.inertia_ratio, damper
         self.spin = damper.spin_mass / damper.modal_mass
-        self.zeta = damper.damping_ratio
         self.y: Floats = np.zeros(9)
         self.y[[0, 4]] = [displacement / self.length for displacement in release]
         self.moves = [0, 0]
@@ -96,7 +93,7 @@ class _Integration:
 
     def dashpot(self, axis: int, stuck: bool) -> float:
         """The c of eq. (1): in the printed equations it follows the mass that moves."""
-        return 2 * self.zeta * math.sqrt(self.k[axis] * (1 + self.m if stuck and self.printed else 1))
+        return 2 * self.damper.damping_ratio * math.sqrt(self.k[axis] * (1 + self.m if stuck and self.printed else 1))
 
     def acceleration(self, axis: int, u: float, v: float, moves: int) -> float:
         """That of the structure, the ball stuck (0) or rolling to one side."""
@@ -195,20 +192,20 @@ class _Integration:
         self.impacts += 1
         m, side = self.m, self.moves[axis]
         v, w = self.y[[4 * axis + 1, 4 * axis + 3]]
-        impulse = m / (1 + m) * (1 + self.e) * w
-        v, w = v + impulse, -self.e * w
+        impulse = m / (1 + m) * (1 + self.damper.restitution) * w
+        v, w = v + impulse, -self.damper.restitution * w
         self.y[[4 * axis + 1, 4 * axis + 2, 4 * axis + 3]] = v, side * self.gap[axis], w
         self.moves[axis] = -side
-        if abs(w) <= max(self.sticking * abs(v), _CREEP):
+        if abs(w) <= max(self.damper.sticking_ratio * abs(v), _CREEP):
             self.y[4 * axis + 1], self.y[4 * axis + 3], self.moves[axis] = v + m / (1 + m) * w, 0.0, 0
         other = 1 - axis
         slide = self.y[4 * other + 3]
-        if self.moves[other] and self.mu > 0 and slide != 0:
+        if self.moves[other] and self.damper.friction > 0 and slide != 0:
             most = abs(slide) * m / (1 + m if self.printed else 3.5 + m)  # the ball turns about the vertical, too
-            tangential = math.copysign(min(self.mu * abs(impulse), most), slide)
+            tangential = math.copysign(min(self.damper.friction * abs(impulse), most), slide)
             self.y[4 * other + 1] += tangential
             self.y[4 * other + 3] -= tangential * (1 + m) / m
-            if self.printed and self.mu * abs(impulse) >= most:
+            if self.printed and self.damper.friction * abs(impulse) >= most:
                 self.settle(other)
 
     def energy(self) -> float:
