@@ -20,8 +20,11 @@ import workflows
 from tests.limits import HANG
 from workflows import progress
 from workflows.cli.main import main
+from workflows.effects import selection
+from workflows.effects.definition import Effect
 from workflows.report import figures
-from workflows.scene.load import SHIPPED, load
+from workflows.scene import plate_mesh
+from workflows.scene.load import SHIPPED, SceneFile, load
 from workflows.solve import damper
 from workflows.solve.results import Results
 from workflows.studies.sweep import executor
@@ -58,6 +61,11 @@ KNOWN: Scene = {
     "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
 }
 """A ball on a known structure at 20 cm, without speeds."""
+
+
+def effects_of(source: SceneFile) -> dict[str, Effect]:
+    """Every effect of a scene from a file, decided, its mesh read where one is named."""
+    return selection.resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 import workflows
 from fem import Effects, Material, Plate, Rectangle, Rotor
 from fem.accuracy.neglected_effects import bent
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import Scene, changed, effects_of
 from workflows.effects import plate as of_plates
 from workflows.effects import selection
 from workflows.io import serialise
@@ -49,7 +49,7 @@ def ell(folder: Path, rpm: float) -> SceneFile:
 def test_an_unsymmetric_planform_calls_for_it_at_stagger_0(tmp_path: Path, rpm: float, on: bool) -> None:
     """CalculiX: linear stiffening is off by 1.4 % at 3000 rpm, by 7 % at 6000, and so by 0.006 % at 200."""
     source = ell(tmp_path, rpm)
-    found = selection.of(source)["large_deflection"]
+    found = effects_of(source)["large_deflection"]
     assert found.on is on
     assert "rad" in found.why
     theory, _ = model_choice.chosen_theory(source.scene, plate_mesh.planform(source), found.on)

@@ -10,9 +10,8 @@ import pytest
 
 import workflows
 from damper import ParticleDamper
-from tests.workflows.conftest import Scene, changed, write
+from tests.workflows.conftest import Scene, changed, effects_of, write
 from workflows import pipeline
-from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import verdict
@@ -88,16 +87,16 @@ def test_a_structure_has_a_frequency_along_each_axis_and_a_slope(structure: Scen
 def test_the_printed_equations_know_neither(effect: str, paper: Scene) -> None:
     printed = changed(paper, damper__formulation="printed")
     with pytest.raises(BadInput, match="printed equations"):
-        selection.of(as_scene_file(changed(printed, **{f"effects__{effect}": True})))
+        effects_of(as_scene_file(changed(printed, **{f"effects__{effect}": True})))
     with pytest.raises(BadInput, match="flat floor"):
         as_scene_file(changed(printed, damper__floor_radius="16 mm"))
-    assert not selection.of(as_scene_file(changed(printed, effects=None)))[effect].on
+    assert not effects_of(as_scene_file(changed(printed, effects=None)))[effect].on
 
 
 def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scene) -> None:
     """Against tau of the plate as solved; the beam that the rule goes by errs by less than its doubt."""
     auto = changed(paper, effects=None, **ROUGH)
-    assert not selection.of(as_scene_file(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
+    assert not effects_of(as_scene_file(changed(auto, rotor__speeds=["0 rpm"], release={"displacement": [1e-3, 0]})))[
         "floor_tilt"
     ].on
     for rpm in (20, 100, 1000):
@@ -105,11 +104,11 @@ def test_floor_tilt_is_called_for_where_it_matters(paper: Scene, structure: Scen
         system, _ = built(changed(scene, effects__floor_tilt=True))
         tau = 1 - abs(1 - system.tilt_share[0])
         if tau > 1e-3:
-            assert selection.of(as_scene_file(scene))["floor_tilt"].on
-    assert not selection.of(as_scene_file(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
+            assert effects_of(as_scene_file(scene))["floor_tilt"].on
+    assert not effects_of(as_scene_file(changed(auto, rotor__speeds=["20 rpm"])))["floor_tilt"].on
     slight = changed(structure, structure__floor_tilt=1e-3)
-    assert not selection.of(as_scene_file(slight))["floor_tilt"].on
-    assert selection.of(as_scene_file(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
+    assert not effects_of(as_scene_file(slight))["floor_tilt"].on
+    assert effects_of(as_scene_file(changed(slight, structure__floor_tilt=0.1)))["floor_tilt"].on
 
 
 def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
@@ -200,7 +199,7 @@ def test_a_stagger_couples_the_axes(paper: Scene) -> None:
     assert (system.rotation, system.stagger) == (point.omega, pytest.approx(math.radians(35)))
     pull = system.pull - np.diag(np.diag(system.pull))
     assert abs(pull[0, 1]) == pytest.approx(point.omega**2 * 0.5 * math.sin(math.radians(70)), rel=1e-9)
-    assert selection.of(as_scene_file(changed(scene, effects=None)))["structural_modes"].on
+    assert effects_of(as_scene_file(changed(scene, effects=None)))["structural_modes"].on
 
 
 @pytest.mark.usefixtures("quickly")
@@ -253,7 +252,7 @@ def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
 
 def test_a_tilt_steeper_than_the_ball_is_small(structure: Scene) -> None:
     with pytest.raises(BadInput, match="floor_tilt") as caught:
-        selection.of(as_scene_file(changed(structure, structure__floor_tilt=1e5)))
+        effects_of(as_scene_file(changed(structure, structure__floor_tilt=1e5)))
     assert "[damper]" not in str(caught.value)
 
 

@@ -6,8 +6,6 @@ from fem.meshes.mesh_sequence import Planform
 from workflows.effects import ball, plate
 from workflows.effects.definition import AT_REST, GIVEN, NO_DAMPER, Called, Case, Effect
 from workflows.errors import BadInput
-from workflows.scene import plate_mesh
-from workflows.scene.load import SceneFile
 from workflows.scene.scene import Effects, Scene
 
 EFFECTS = {name: (plate.EFFECTS | ball.EFFECTS)[name] for name in Effects.model_fields}
@@ -51,11 +49,6 @@ def called_for(
         switch = getattr(scene.effects, name)
         on[name] = calls[name].called if switch == "auto" else switch is True
     return {name: calls[name] for name in names}
-
-
-def of(source: SceneFile) -> dict[str, Effect]:
-    """Every effect of a scene from a file, its mesh read where one is named; see `resolve`."""
-    return resolve(source.scene, source.name, None if source.mesh is None else plate_mesh.planform(source))
 
 
 def resolve(
