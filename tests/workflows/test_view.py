@@ -80,7 +80,12 @@ def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
 def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> None:
     outcome = spindamp("view", MESHES / "plate_with_hole.msh")
     assert outcome.status == 0
-    for words in ("560 triangles, 322 points", "x 0 to 200 mm, y −40 to 40 mm", "80 mm long", "in metres"):
+    for words in (
+        "560 triangles, 322 points",
+        "x 0 to 200 mm, y −40 to 40 mm",
+        "80 mm long",
+        "m, which is an assumption",
+    ):
         assert words in outcome.out
     assert "open spindamp-view-plate-with-hole-msh.html" in outcome.out
     text = (tmp_path / "spindamp-view-plate-with-hole-msh.html").read_text(encoding="utf-8")
@@ -116,13 +121,29 @@ def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Comman
     known = {"tetra10": 1 / 6, "hexahedron20": 1.0, "wedge15": 1 / 2}[kind]
     assert abs((x * area).sum() / 3) == pytest.approx(known * SIDE**3), "the volume within, by Gauss' theorem"
     nodes[[0, 1]] = nodes[[1, 0]]
-    said = refused(spindamp("view", written(nodes)), "", "name the volume's mesh as [blade] mesh")
-    assert f"the file holds {kind}: " in said
+    refused(spindamp("view", written(nodes)), "", f"solid.inp: 1 of 1 {kind} cells are inverted")
+    nodes[0, 0] = np.nan
+    refused(spindamp("view", written(nodes)), "", "solid.inp: line 2: node 1 has coordinates that are not finite")
 
 
 def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path) -> None:
     large = mesh_file(tmp_path / "mm.vtu", [[0, 0], [200, 0], [200, 80], [0, 80]], [[0, 1, 2, 3]])
-    assert 'mesh_unit = "mm"?' in spindamp("view", large, "--out", "page.html").out
+    assert "200 m is long: --unit mm?" in spindamp("view", large, "--out", "page.html").out
+    said = spindamp("view", large, "--unit", "mm", "--out", "page.html").out
+    assert "x 0 to 200 mm, y 0 to 80 mm" in said
+    assert "coordinates in mm, as --unit says" in said
+
+
+def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path) -> None:
+    """A box of 8 x 1 x 1 inches, which could be one of 8 m, too."""
+    nodes = cell("hexahedron20").nodes
+    nodes = (nodes - nodes.min(axis=0)) / np.ptp(nodes, axis=0) * [8.0, 1.0, 1.0]
+    meshio.write(tmp_path / "box.vtu", meshio.Mesh(nodes, [("hexahedron20", np.arange(20)[None])]))
+    assert "taken as m, which is an assumption: --unit gives" in spindamp("view", "box.vtu", "--out", "page.html").out
+    found = json.loads(spindamp("view", "box.vtu", "--unit", "in", "--json").out)
+    assert found["unit"] == "in"
+    assert found["extent"]["x"] == pytest.approx([0.0, 8 * 0.0254])
+    refused(spindamp("view", "box.vtu", "--unit", "um"), "box.vtu: the mesh measures 8e-06 m in the unit given")
 
 
 def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, Any], spindamp: Command) -> None:
@@ -161,6 +182,8 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: Command
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
         ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
         ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),
+        ((MESHES / "plate_coarse.msh", "--unit", "kg"), "--unit = 'kg': expected a unit of length such as 'mm'"),
+        (("paper", "--unit", "mm"), "--unit = 'mm': belongs to a mesh file: results and scenes have their unit"),
         (("paper", "--rpm", "-1"), "--rpm = -1: expected a rotation speed between 0"),
     ],
 )

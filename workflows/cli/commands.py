@@ -277,6 +277,9 @@ def view(
     ] = "paper",
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
     mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="UNIT", help="Of the coordinates of a mesh file, such as mm.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file, and do not open it.")
     ] = None,
@@ -303,7 +306,7 @@ def view(
             raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
         typer.echo(f"open {page}")
         return
-    data = viewer.of(what, rpm)
+    data = viewer.of(what, rpm, unit)
     first, number = viewer.chosen(data, rpm, mode)
     if json:
         if out is not None:
