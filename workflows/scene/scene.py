@@ -674,6 +674,9 @@ class Scene(Table):
             )
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
+        for name in ("stagger", "precone") if self.rotor.axis is not None else ():
+            if getattr(self.rotor, name):
+                raise fault(f"rotor.{name}", f"axis says how the spin axis lies: leave {name} out")
         if self.rotor.radius is not None:
             raise fault("rotor.radius", "the file knows where its nodes are: give origin, a point on the axis")
         self._require_defaults(_OF_A_MESH)

@@ -668,6 +668,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     assert damper is not None
     at = _place(source, model, damper.at, "[damper] at")
     value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
+    if np.abs(at.displacement(modes.shapes)).max() <= _STILL * np.abs(modes.shapes).max():
+        raise source.wrong("this place is clamped: no mode moves it", "[damper] at", value)
     try:
         wanted = damper.direction
         direction = bending_direction(model, at, modes) if wanted is None else np.array(wanted, dtype=np.float64)
