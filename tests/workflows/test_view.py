@@ -1,5 +1,6 @@
 """`spindamp view`: what it says of a mesh, what it shows of a run, and what it refuses."""
 
+import base64
 import json
 import tomllib
 from pathlib import Path
@@ -9,13 +10,15 @@ import meshio
 import numpy as np
 import pytest
 
-from fem.meshes.cells import cell
+from fem import modal_model
+from fem.meshes.cells import cell, edges_of
 from tests.workflows.browser import driven, findings, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
 from workflows.scene.load import SHIPPED
+from workflows.solve.results import Surface
 
 MESHES = Path(__file__).parents[2] / "meshes"
 KNOWN = Path(__file__).parents[1] / "fem" / "data" / "plate_paper_0.frd.gz"
@@ -120,6 +123,10 @@ def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Comman
     x, area = ends.mean(axis=1), np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]) / 2
     known = {"tetra10": 1 / 6, "hexahedron20": 1.0, "wedge15": 1 / 2}[kind]
     assert abs((x * area).sum() / 3) == pytest.approx(known * SIDE**3), "the volume within, by Gauss' theorem"
+    drawn = json.loads(viewer.view(data).data)
+    parts = {"tetra10": 2 * 6, "hexahedron20": 2 * 12, "wedge15": 2 * 9}[kind]
+    assert len(base64.b64decode(drawn["edges"])) == 4 * parts, "the edges of faces, each in two parts"
+    assert drawn["axes"] == {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
     nodes[[0, 1]] = nodes[[1, 0]]
     refused(spindamp("view", written(nodes)), "", f"solid.inp: 1 of 1 {kind} cells are inverted")
     nodes[0, 0] = np.nan
@@ -157,6 +164,8 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
     kept = [[(mode["frequency_hz"], mode["family"]) for mode in each["modes"]] for each in document["speeds"]]
     assert shown == kept
+    stagger = document["scene"]["rotor"]["stagger"]
+    assert data["axes"]["spin axis"] == pytest.approx([0.0, np.sin(stagger), np.cos(stagger)], abs=1e-4)
     assert data["damper"] == document["scene"]["damper"]["at"]
     assert data["thickness"]["largest"] == document["scene"]["plate"]["thickness"]
 
@@ -270,6 +279,44 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     area = 0.5 * np.abs(ax * by - ay * bx).sum()
     scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
     assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
+
+
+@needs_chromium
+def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
+    """A flat tetrahedron, whose three edges to its apex meet in the middle: seen from above, not from below."""
+    corners = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.087, 0.0], [0.05, 0.043, 0.001]])
+    meshio.write(tmp_path / "flat.vtu", meshio.Mesh(corners, [("tetra", np.arange(4)[None])]))
+    viewer.write(viewer.of(str(tmp_path / "flat.vtu")), tmp_path / "page.html")
+    script = """
+    const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
+    const copy = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+    const contrast = rise => {
+      Object.assign(figure.viewer.view, { yaw: 0, rise, near: 1 });
+      figure.viewer.draw();
+      [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
+      copy.drawImage(canvas, 0, 0);
+      const place = [canvas.width / 2 - 30, canvas.height / 2 - 30, 60, 60];
+      const reds = [...copy.getImageData(...place).data].filter((_, i) => i % 4 === 0);
+      return Math.max(...reds) - Math.min(...reds);
+    };
+    const axes = figure.querySelector('.triad').textContent;
+    return { above: contrast(Math.PI / 2), below: contrast(-Math.PI / 2), axes };
+    """
+    found = driven(tmp_path / "page.html", script)
+    assert found["above"] > 50
+    assert found["below"] < 20
+    assert found["axes"] == "xyz"
+
+
+def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
+    """A cube of one cell: of its 12 edges, in two parts each, the four around its top."""
+    nodes = cell("hexahedron20").nodes
+    cells = (("hexahedron20", np.arange(20)[None]),)
+    lines, triangles = edges_of(cells), modal_model.faces(cells)
+    surface = Surface(nodes, ("triangle", triangles), lines, lines[:0], np.zeros((0, 0, 20, 3)), (), frame=np.eye(3))
+    seen = figures.seen_from_above(surface)
+    np.testing.assert_array_equal(seen, nodes[:, 2] > 0.5)
+    assert seen[lines].all(axis=1).sum() == 8
 
 
 @needs_chromium

@@ -1,6 +1,6 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 
 import fem
 from fem import modal_model
+from fem.meshes.cells import edges_of
 from fem.meshes.volume import SizeError, has_volume, read_volume
 from workflows import pipeline
 from workflows.errors import BadInput
@@ -214,9 +215,9 @@ def _data_of_volume(path: Path, given: str | None, scale: float) -> ViewData:
         unit, mesh = "mm", read_volume(path, 1e-3)
     triangles = modal_model.faces(mesh.cells)
     used, renumbered = np.unique(triangles, return_inverse=True)
-    points, triangles = mesh.points[used], renumbered.reshape(-1, 3)
+    points, triangles, lines = mesh.points[used], renumbered.reshape(-1, 3), np.searchsorted(used, edges_of(mesh.cells))
     outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
-    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), frame=np.eye(3))
+    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines, frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
     extent = ", ".join(f"{axis} {_mm(one)} to {_mm(other)} mm" for axis, (one, other) in zip("xyz", ends, strict=True))
     cells = " and ".join(f"{whole(len(nodes))} {kind}" for kind, nodes in mesh.cells)
@@ -337,10 +338,8 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
     seen = view(view_data, first, mode)
     with plots.style():
-        above = replace(view_data.surface, points=view_data.surface.drawn(view_data.surface.points))
-        figure = figures.mesh_of(
-            above, None if view_data.mark is None else (view_data.mark[0], view_data.mark[1]), view_data.root
-        )
+        mark = None if view_data.mark is None else (view_data.mark[0], view_data.mark[1])
+        figure = figures.mesh_of(view_data.surface, mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     return from_template("view.html.j2", view_data=view_data, view=seen, still=still, script=script("viewer.js"))
 
