@@ -147,7 +147,7 @@ def deck_fault(path: Path) -> str:
             except ValueError:
                 return f"{where}: expected a node's number and its coordinates, not {line.strip()!r}"
             if len(place) > 3 and "." not in line:
-                return f"{where}: node {number} has {len(place)} coordinates: expected points in decimals, not commas"
+                return f"{where}: node {number} has {len(place)} coordinates, not 3: are commas decimal signs?"
             if number < 1:
                 return f"{where}: node {number}: expected a number above 0"
             if number in nodes:

@@ -138,7 +138,7 @@ def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path)
     assert "200 m is long: --unit mm?" in spindamp("view", large, "--out", "page.html").out
     said = spindamp("view", large, "--unit", "mm", "--out", "page.html").out
     assert "x 0 to 200 mm, y 0 to 80 mm" in said
-    assert "coordinates in mm, as --unit says" in said
+    assert "mm, as --unit says" in said
 
 
 def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path) -> None:

@@ -240,7 +240,7 @@ def _data_of_volume(path: Path, given: str | None, scale: float) -> ViewData:
 def _unit(unit: str, given: str | None, key: str) -> str:
     """What the coordinates are in, and who says so."""
     if given is not None:
-        return f"coordinates in {given}, as --unit says"
+        return f"{given}, as --unit says"
     return f"coordinates taken as {unit}, which is an assumption: --unit gives another, in a scene {key}"
 
 
