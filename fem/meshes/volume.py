@@ -340,7 +340,10 @@ def _of_raw(path: Path, raw: Any, scale: float) -> VolumeMesh:
         nodes_kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
         if (nodes_kept >= 0).any():
             sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
-    return VolumeMesh(points, tuple(renumbered), sets)
+    try:
+        return VolumeMesh(points, tuple(renumbered), sets)
+    except MeshError as error:  # a node that is listed twice, say, is where it was listed last
+        raise MeshError("; ".join(filter(None, (str(error), deck_fault(path))))) from None
 
 
 def _solid(raw: Any) -> list[Any]:

@@ -549,7 +549,7 @@ FILES = {
     "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
     "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
     "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "no three coordinates"),
-    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are inverted"),
+    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
     "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
     "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
