@@ -200,6 +200,13 @@ def faces_of(cells: Iterable[tuple[str, Ints]]) -> list[tuple[Ints, Ints]]:
     return found
 
 
+def edges_of(cells: Iterable[tuple[str, Ints]]) -> Ints:
+    """Edges (k, 2) of the faces on the boundary of cells, each once, in parts where nodes lie between their ends."""
+    rings = [every[times == 1] for every, times in faces_of(cells)]
+    sides = [np.stack([ring, np.roll(ring, -1, axis=1)], axis=2).reshape(-1, 2) for ring in rings]
+    return np.asarray(np.unique(np.sort(np.concatenate(sides), axis=1), axis=0))
+
+
 @cache
 def cell(name: str) -> Cell:
     """A kind of cell by meshio's name.

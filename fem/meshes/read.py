@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
@@ -26,7 +27,7 @@ import numpy as np
 from fem.meshes.planform import MeshError, check_mesh, root, root_facets
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -112,13 +113,63 @@ def raw_mesh(path: Path) -> Any:
             line for line in output.getvalue().splitlines() if not line.startswith(("No MAPDL", "Error: Couldn't"))
         ]
         why = lines[0].strip() if lines and " id" in lines[0] else _DAMAGED
-        raise MeshError(f"not a mesh file that meshlane can read ({why})") from None
+        raise MeshError(deck_fault(path) or f"not a mesh file that meshlane can read ({why})") from None
     except meshlane.ReadError as error:
         raise MeshError(f"not a readable mesh file ({' '.join(str(error).split()) or 'damaged'})") from None
     except ImportError as error:
         raise MeshError(f"to read this format, the Python package {error.name} must be installed") from None
     except Exception as error:  # what readers stumble over, said in terms of their own code
-        raise MeshError(f"not a readable mesh file: {_DAMAGED} ({type(error).__name__})") from None
+        why = f"not a readable mesh file: {_DAMAGED} ({type(error).__name__})"
+        raise MeshError(deck_fault(path) or why) from None
+
+
+def deck_fault(path: Path) -> str:
+    """What is wrong with the numbers of a deck of Abaqus that cannot be used, by line; empty: nothing that is seen."""
+    nodes: dict[int, str] = {}
+    named: list[tuple[str, int, str]] = []
+    key, carried = "", False
+    for where, line in _included(path, _DATA) if path.suffix.lower() == ".inp" else ():
+        if line.startswith("**") or not line.strip():
+            continue
+        if line.lstrip().startswith("*"):
+            key, options = _keyword(line)
+            if key in ("PART", "END PART", "INSTANCE", "END INSTANCE"):  # which number their own nodes
+                if fault := _unknown(named, nodes):
+                    return fault
+                nodes, named = {}, []
+            owner = "" if key == "ELEMENT" else f"set {options.get('NSET')}"
+            key, carried = "" if options.keys() & {"GENERATE", "INSTANCE"} else key, False
+            continue
+        values = [value.strip() for value in line.strip().rstrip(",").split(",")]
+        if key == "NODE":
+            try:
+                number, place = int(values[0]), [float(value) for value in values[1:]]
+            except ValueError:
+                return f"{where}: expected a node's number and its coordinates, not {line.strip()!r}"
+            if len(place) > 3 and "." not in line:
+                return f"{where}: node {number} has {len(place)} coordinates, not 3: are commas decimal signs?"
+            if number < 1:
+                return f"{where}: node {number}: expected a number above 0"
+            if number in nodes:
+                return f"{where}: node {number} is listed twice, first in {nodes[number]}"
+            if not all(map(math.isfinite, place)):
+                return f"{where}: node {number} has coordinates that are not finite"
+            nodes[number] = where
+        elif key in ("ELEMENT", "NSET"):
+            numbers = [int(value) for value in values if value.isdigit()]
+            if key == "ELEMENT" and not carried:
+                owner, numbers = f"element {values[0]}", numbers[1:]
+            carried = line.rstrip().endswith(",")
+            named += [(where, number, owner) for number in numbers]
+    return _unknown(named, nodes)
+
+
+def _unknown(named: list[tuple[str, int, str]], nodes: Mapping[int, str]) -> str:
+    """The first node that an element or a set names and that there is not."""
+    for where, number, owner in named:
+        if nodes and number not in nodes:
+            return f"{where}: {owner} names node {number}, which is not in the file"
+    return ""
 
 
 _DAMAGED = "damaged or cut short, or its cells lack some of their nodes"
@@ -292,6 +343,8 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
 def _abaqus(lines: Lines) -> Iterator[str]:
     sets: dict[str, list[str]] = {}
     here: set[str] = set()
+    elsets: set[str] = set()
+    of_cells: set[str] = set()
     own: list[str] | None = None
     nodes, generates = False, False
     for where, line in lines:
@@ -301,9 +354,20 @@ def _abaqus(lines: Lines) -> Iterator[str]:
             key, options = _keyword(line)
             _refuse(where, key, options)
             if key in ("PART", "INSTANCE", "ASSEMBLY"):  # sets of another have the same names
-                here = set()
+                here, elsets, of_cells = set(), set(), set()
             nodes, generates = key == "NODE", "GENERATE" in options
             name = options.get("NSET", "").upper() if key in ("NODE", "NSET") else ""
+            cells = options.get("ELSET", "").upper() if key in ("NSET", "ELSET", "ELEMENT") else ""
+            by_cells = name != "" != cells  # readers do not know that, but every set of cells is one of nodes, too
+            if (name or cells) in of_cells or (by_cells and name in (here | elsets) - {cells}):
+                raise MeshError(f"{where}: another set is called {name or cells}, one by *NSET, ELSET: use two names")
+            if by_cells:
+                own = None
+                if name != cells:
+                    of_cells.add(name)
+                    yield from (f"*ELSET, ELSET={options['NSET']}", options["ELSET"])
+                continue
+            elsets.add(cells)
             if name and name not in here:
                 sets[name] = []
                 here.add(name)
@@ -343,8 +407,6 @@ def _refuse(where: str, key: str, options: dict[str, str]) -> None:
         raise MeshError(f"{where}: *{key} {_REFUSED[key]}, which is not read: {_IN_FULL}")
     if key == "NODE" and options.get("SYSTEM", "R").upper() != "R":
         raise MeshError(f"{where}: *NODE, SYSTEM={options['SYSTEM']}: expected nodes in rectangular coordinates")
-    if key == "NSET" and "ELSET" in options:
-        raise MeshError(f"{where}: *NSET, ELSET={options['ELSET']} is not read: name that set of elements instead")
     kind = options.get("TYPE", "")
     if key == "ELEMENT" and kind.upper().startswith("C3D") and not _SOLID.fullmatch(kind):
         raise MeshError(f"{where}: elements {kind} are not read: use C3D10, C3D20 or C3D15, or those of first order")

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.meshes.cells import cell, faces_of
 from fem.meshes.planform import MeshError
-from fem.meshes.read import GEOMETRY, raw_mesh
+from fem.meshes.read import GEOMETRY, deck_fault, raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,6 +36,10 @@ NEAR = 9
 
 FACING, LEVEL = 0.99, 1e-3
 """Cosine of the angle between faces that touch, and their distance relative to their size."""
+
+
+class SizeError(MeshError):
+    """A mesh whose extent is no blade's, in the unit given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,12 +258,12 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
         raise MeshError(f"{path}: no such mesh file")
     try:
         if path.suffix.lower() in GEOMETRY:
-            return _of_raw(_meshed(path, scale, size), 1.0)
+            return _of_raw(path, _meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
-        return _of_raw(raw_mesh(path), scale)
+        return _of_raw(path, raw_mesh(path), scale)
     except MeshError as error:
-        raise MeshError(f"{path}: {error}") from None
+        raise type(error)(f"{path}: {error}") from None
 
 
 def _meshed(path: Path, scale: float, size: float | None) -> Any:
@@ -296,14 +300,14 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.finalize()
 
 
-def _of_raw(raw: Any, scale: float) -> VolumeMesh:
-    """The mesh of what a reader gives, in m."""
-    solid = [block for block in raw.cells if getattr(block, "dim", cell_dimension(block.type)) == 3]
+def _of_raw(path: Path, raw: Any, scale: float) -> VolumeMesh:
+    """The mesh of what a reader gives of a file, in m."""
+    solid = _solid(raw)
     kinds = sorted({block.type for block in solid})
     _check_kinds(kinds)
     points = scale * np.asarray(raw.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise MeshError("its nodes have no three coordinates")
+        raise MeshError(deck_fault(path) or "its nodes have no three coordinates")
     cells = [
         (kind, np.vstack([block.data for block in solid if block.type == kind]).astype(np.int64)) for kind in kinds
     ]
@@ -316,16 +320,18 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]
-    if not np.isfinite(points).all():
+    odd = used[~np.isfinite(points).all(axis=1)]
+    if odd.size:
+        many = "1 node has" if odd.size == 1 else f"{odd.size} nodes have"
         raise MeshError(
-            f"{np.count_nonzero(~np.isfinite(points).all(axis=1))} nodes have coordinates that are not finite"
+            deck_fault(path) or f"{many} coordinates that are not finite, the first is number {odd[0] + 1} in the file"
         )
     extent = float(np.ptp(points, axis=0).max())
     if not SIZES[0] <= extent <= SIZES[1]:
         given = "" if scale == 1.0 else " in the unit given"
         fits = [name for name, unit in (("m", 1.0), ("mm", 1e-3)) if SIZES[0] <= extent / scale * unit <= SIZES[1]]
         question = f"are its coordinates in {' or '.join(fits)}?" if fits else "expected 2 mm to 20 m."
-        raise MeshError(
+        raise SizeError(
             f"the mesh measures {extent:.3g} m{given}: {question} Give the unit of its coordinates as `unit`"
         )
     renumbered = [(kind, _upright(kind, number[nodes], points)) for kind, nodes in cells]
@@ -334,7 +340,23 @@ def _of_raw(raw: Any, scale: float) -> VolumeMesh:
         nodes_kept = number[nodes[(nodes >= 0) & (nodes < len(number))]]
         if (nodes_kept >= 0).any():
             sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
-    return VolumeMesh(points, tuple(renumbered), sets)
+    try:
+        return VolumeMesh(points, tuple(renumbered), sets)
+    except MeshError as error:  # a node that is listed twice, say, is where it was listed last
+        raise MeshError("; ".join(filter(None, (str(error), deck_fault(path))))) from None
+
+
+def _solid(raw: Any) -> list[Any]:
+    return [block for block in raw.cells if getattr(block, "dim", cell_dimension(block.type)) == 3]
+
+
+def has_volume(path: Path) -> bool:
+    """Whether a mesh file holds cells with a volume.
+
+    Raises:
+        MeshError: it cannot be read.
+    """
+    return bool(_solid(raw_mesh(path)))
 
 
 def cell_dimension(kind: str) -> int:

@@ -32,6 +32,7 @@ READ = {
     "set in two parts": [*MESH, "*NSET,NSET=NROOT", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])],
     "generated set": [*MESH, "*NSET,NSET=G,GENERATE", f"{FACE[0]},{FACE[-1]}", "*NSET,NSET=NROOT", "G"],
     "quotes": [*MESH, '*NSET,NSET="NROOT"', ",".join(FACE)],
+    "set of elements' nodes": [*MESH, "*NSET,NSET=ALL,ELSET=EALL", "*NSET,NSET=EALL,ELSET=EALL", *ROOT],
     "a part": [line.format("") for line in PART],
     "a part, moved": [line.format("0.5,0,0", "") if line == "{}" else line for line in PART],
     "a set of the assembly": [
@@ -72,14 +73,22 @@ REFUSED = {
     "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
     "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
     "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"line \d+: a set of nodes holds 'FACE', which is no number"),
-    "set of elements' nodes": ([*MESH, "*NSET,NSET=NROOT,ELSET=EALL"], r"\*NSET, ELSET=EALL is not read: name that"),
+    "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
+    "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
-    "without middles": ([*MESH[:-1], "0,0,0,0"], "its cells lack some of their nodes"),
+    "without middles": ([*MESH[:-1], "0,0,0,0"], r"line \d+: element 2 names node 0, which is not"),
     "twice in place": (
         [line.format("") for line in (*PART[:-1], "*INSTANCE,NAME=B-2,PART=B", "1,0,0", "*END INSTANCE", PART[-1])],
         "the mesh is in 2 pieces",
     ),
 }
+
+
+def test_a_set_of_elements_gives_a_set_of_their_nodes(tmp_path):
+    """By *NSET, ELSET; the first element has 20 of the deck's 32 nodes."""
+    path = tmp_path / "blade.inp"
+    path.write_text("\n".join([*MESH, *ROOT, "*ELSET,ELSET=FIRST", "1", "*NSET,NSET=INNER,ELSET=FIRST"]) + "\n")
+    np.testing.assert_array_equal(read_volume(path).sets["INNER"], np.sort(CELLS[0][1:]) - 1)
 
 
 @pytest.mark.parametrize("case", REFUSED)

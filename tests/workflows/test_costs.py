@@ -437,12 +437,12 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
     rows = json.loads((tmp_path / "out" / "effects.json").read_text())["rows"]
     (row,) = [row for row in rows if row["effect"] == "rolling_resistance"]
     assert row["changes"]["cutoff_g"] is None
-    assert "cutoff_g exists only with it, at 10000 rpm" in row["remarks"]
-    assert "cutoff_g exists only with it" in outcome.out
+    assert "no cutoff_g without it, at 10000 rpm" in row["remarks"]
+    assert "no cutoff_g without it" in outcome.out
     with (tmp_path / "out" / "effects.csv").open() as file:
         (cells,) = [row for row in csv.DictReader(file) if row["effect"] == "rolling_resistance"]
     assert cells["cutoff_g"] == ""
-    assert "cutoff_g exists only with it" in cells["remarks"]
+    assert "no cutoff_g without it" in cells["remarks"]
 
 
 @pytest.mark.usefixtures("hasty")

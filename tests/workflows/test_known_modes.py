@@ -132,6 +132,7 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
     seen = mode_viewer.of_surface(surface, results.speeds, room=mode_viewer.Room(points=200))
     data = json.loads(seen.data)
     assert data["span"] == pytest.approx([0.2, 0.08, 0.01], rel=1e-6)
+    assert data["axes"] == {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1], "spin axis": [0, 0, 1]}
     assert seen.points < seen.of / 2
     whole = mode_viewer.thinned(surface, 10**6)
     corners = surface.points[whole.triangles]
@@ -372,7 +373,7 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("no node", {"damper__at": 12}, "no such node: expected a number from 1 to 9"),
     ("a plate's place", {"damper__at": ["200 mm", "0 mm"]}, "expected three lengths"),
     ("off", {"damper__at": ["400 mm", "0 mm", "0 mm"]}, "m off the structure"),
-    ("at rest", {"damper__at": 1}, "the first mode does not move this place"),
+    ("at rest", {"damper__at": 1}, "[damper] at = 1: this place is clamped: no mode moves it"),
     ("along the load", {"damper__direction": [1, 0, 0]}, "along the load"),
     ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
     ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),

@@ -137,7 +137,7 @@ EFFECTS = EffectStudy(
         EffectChange("coriolis", False, "", False, {"frequency_1": 3e-6}, AT, time_s=0.1, time_share=0.9),
         EffectChange("rotary_inertia", False, "", False, {"frequency_1": 1e-14}, AT, time_s=0.1, time_share=0.9),
         EffectChange("large_deflection", False, "", False, failed=40 * "no plate, "),
-        EffectChange("ball_slip", False, "", False, remarks=("cut-off exists only with it",) * 9, time_share=0.3),
+        EffectChange("ball_slip", False, "", False, remarks=("no cut-off without it",) * 9, time_share=0.3),
         EffectChange("impact_friction", True, "", True, {"impacts": 5e3}, AT, time_s=0.1, time_spread_s=(-1, 1)),
     ),
 )

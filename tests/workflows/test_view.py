@@ -1,5 +1,6 @@
 """`spindamp view`: what it says of a mesh, what it shows of a run, and what it refuses."""
 
+import base64
 import json
 import re
 import tomllib
@@ -10,13 +11,15 @@ import meshio
 import numpy as np
 import pytest
 
-from fem.meshes.cells import cell
+from fem import modal_model
+from fem.meshes.cells import cell, edges_of
 from tests.workflows.browser import driven, findings, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, refused, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
 from workflows.scene.load import SHIPPED
+from workflows.solve.results import Surface
 
 MESHES = Path(__file__).parents[2] / "meshes"
 KNOWN = Path(__file__).parents[1] / "fem" / "data" / "plate_paper_0.frd.gz"
@@ -81,7 +84,12 @@ def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
 def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> None:
     outcome = spindamp("view", MESHES / "plate_with_hole.msh")
     assert outcome.status == 0
-    for words in ("560 triangles, 322 points", "x 0 to 200 mm, y −40 to 40 mm", "80 mm long", "in metres"):
+    for words in (
+        "560 triangles, 322 points",
+        "x 0 to 200 mm, y −40 to 40 mm",
+        "80 mm long",
+        "m, which is an assumption",
+    ):
         assert words in outcome.out
     assert "open spindamp-view-plate-with-hole-msh.html" in outcome.out
     text = (tmp_path / "spindamp-view-plate-with-hole-msh.html").read_text(encoding="utf-8")
@@ -116,14 +124,34 @@ def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Comman
     x, area = ends.mean(axis=1), np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]) / 2
     known = {"tetra10": 1 / 6, "hexahedron20": 1.0, "wedge15": 1 / 2}[kind]
     assert abs((x * area).sum() / 3) == pytest.approx(known * SIDE**3), "the volume within, by Gauss' theorem"
+    drawn = json.loads(viewer.view(data).data)
+    parts = {"tetra10": 2 * 6, "hexahedron20": 2 * 12, "wedge15": 2 * 9}[kind]
+    assert len(base64.b64decode(drawn["edges"])) == 4 * parts, "the edges of faces, each in two parts"
+    assert drawn["axes"] == {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
     nodes[[0, 1]] = nodes[[1, 0]]
-    said = refused(spindamp("view", written(nodes)), "", "name the volume's mesh as [blade] mesh")
-    assert f"the file holds {kind}: " in said
+    refused(spindamp("view", written(nodes)), "", f"solid.inp: 1 of 1 {kind} cells are inverted")
+    nodes[0, 0] = np.nan
+    refused(spindamp("view", written(nodes)), "", "solid.inp: line 2: node 1 has coordinates that are not finite")
 
 
 def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path) -> None:
     large = mesh_file(tmp_path / "mm.vtu", [[0, 0], [200, 0], [200, 80], [0, 80]], [[0, 1, 2, 3]])
-    assert 'mesh_unit = "mm"?' in spindamp("view", large, "--out", "page.html").out
+    assert "200 m is long: --unit mm?" in spindamp("view", large, "--out", "page.html").out
+    said = spindamp("view", large, "--unit", "mm", "--out", "page.html").out
+    assert "x 0 to 200 mm, y 0 to 80 mm" in said
+    assert "mm, as --unit says" in said
+
+
+def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path) -> None:
+    """A box of 8 x 1 x 1 inches, which could be one of 8 m, too."""
+    nodes = cell("hexahedron20").nodes
+    nodes = (nodes - nodes.min(axis=0)) / np.ptp(nodes, axis=0) * [8.0, 1.0, 1.0]
+    meshio.write(tmp_path / "box.vtu", meshio.Mesh(nodes, [("hexahedron20", np.arange(20)[None])]))
+    assert "taken as m, which is an assumption: --unit gives" in spindamp("view", "box.vtu", "--out", "page.html").out
+    found = json.loads(spindamp("view", "box.vtu", "--unit", "in", "--json").out)
+    assert found["unit"] == "in"
+    assert found["extent"]["x"] == pytest.approx([0.0, 8 * 0.0254])
+    refused(spindamp("view", "box.vtu", "--unit", "um"), "box.vtu: the mesh measures 8e-06 m in the unit given")
 
 
 def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, Any], spindamp: Command) -> None:
@@ -137,6 +165,8 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
     kept = [[(mode["frequency_hz"], mode["family"]) for mode in each["modes"]] for each in document["speeds"]]
     assert shown == kept
+    stagger = document["scene"]["rotor"]["stagger"]
+    assert data["axes"]["spin axis"] == pytest.approx([0.0, np.sin(stagger), np.cos(stagger)], abs=1e-4)
     assert data["damper"] == document["scene"]["damper"]["at"]
     assert data["thickness"]["largest"] == document["scene"]["plate"]["thickness"]
 
@@ -169,6 +199,8 @@ def test_speeds_without_a_unit_are_remarked(plain: Path, spindamp: Command) -> N
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
         ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
         ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),
+        ((MESHES / "plate_coarse.msh", "--unit", "kg"), "--unit = 'kg': expected a unit of length such as 'mm'"),
+        (("paper", "--unit", "mm"), "--unit = 'mm': belongs to a mesh file: results and scenes have their unit"),
         (("paper", "--rpm", "-1"), "--rpm = -1: expected a rotation speed between 0"),
     ],
 )
@@ -255,6 +287,44 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     area = 0.5 * np.abs(ax * by - ay * bx).sum()
     scale = (found["length"] / np.ptp(mesh.points[:, 0])) ** 2
     assert found["drawn"] / scale == pytest.approx(area, rel=0.02), "seen from above, the hole is left out"
+
+
+@needs_chromium
+def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
+    """A flat tetrahedron, whose three edges to its apex meet in the middle: seen from above, not from below."""
+    corners = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.087, 0.0], [0.05, 0.043, 0.001]])
+    meshio.write(tmp_path / "flat.vtu", meshio.Mesh(corners, [("tetra", np.arange(4)[None])]))
+    viewer.write(viewer.of(str(tmp_path / "flat.vtu")), tmp_path / "page.html")
+    script = """
+    const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
+    const copy = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+    const contrast = rise => {
+      Object.assign(figure.viewer.view, { yaw: 0, rise, near: 1 });
+      figure.viewer.draw();
+      [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
+      copy.drawImage(canvas, 0, 0);
+      const place = [canvas.width / 2 - 30, canvas.height / 2 - 30, 60, 60];
+      const reds = [...copy.getImageData(...place).data].filter((_, i) => i % 4 === 0);
+      return Math.max(...reds) - Math.min(...reds);
+    };
+    const axes = figure.querySelector('.triad').textContent;
+    return { above: contrast(Math.PI / 2), below: contrast(-Math.PI / 2), axes };
+    """
+    found = driven(tmp_path / "page.html", script)
+    assert found["above"] > 50
+    assert found["below"] < 20
+    assert found["axes"] == "xyz"
+
+
+def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
+    """A cube of one cell: of its 12 edges, in two parts each, the four around its top."""
+    nodes = cell("hexahedron20").nodes
+    cells = (("hexahedron20", np.arange(20)[None]),)
+    lines, triangles = edges_of(cells), modal_model.faces(cells)
+    surface = Surface(nodes, ("triangle", triangles), lines, lines[:0], np.zeros((0, 0, 20, 3)), (), frame=np.eye(3))
+    seen = figures.seen_from_above(surface)
+    np.testing.assert_array_equal(seen, nodes[:, 2] > 0.5)
+    assert seen[lines].all(axis=1).sum() == 8
 
 
 @needs_chromium

@@ -278,6 +278,9 @@ def view(
     ] = "paper",
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
     mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="UNIT", help="Of the coordinates of a mesh file, such as mm.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file, and do not open it.")
     ] = None,
@@ -306,7 +309,7 @@ def view(
         typer.echo(f"open {page}")
         return
     omega, first, number = None if rpm is None else omega_of(rpm), 0, 0
-    data = viewer.of(what, omega)
+    data = viewer.of(what, omega, unit)
     if data.surface.at:
         row = figures.chosen(data.surface, data.speeds, omega, mode, ("--rpm", "--mode"))
         first, number = data.surface.at[row], mode - 1

@@ -145,7 +145,8 @@ def _large_deflection(case: Case) -> Called:
         return Called(True, f"at {turning(bent.omega)} the plate diverges either with it or without it")
     state = (
         f"at {turning(bent.omega)} the load turns parts of the plate by up to {significant(bent.rotation, 2)} rad and"
-        f" strains it by up to {_percent(bent.strain)} %, which moves frequencies by up to {_percent(bent.shift)} %"
+        f" strains it by up to {_percent(bent.strain)} %, which moves frequencies by at most about"
+        f" {_percent(bent.shift)} %"
     )
     moves = LeftOut(np.array([bent.omega]), bent.shifts[None])
     if bent.shift > scene.budget.left_out:

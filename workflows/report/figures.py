@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from base64 import b64encode
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from io import BytesIO
 from os import PathLike
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.rotor import from_rpm
 from workflows.errors import BadInput
@@ -483,26 +484,50 @@ def mesh(results: Results, target: Target = PAGE) -> Figure | None:
 
 
 def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, target: Target = PAGE) -> Figure:
-    """A plate from above with its damper (x, y) [m], if any; `root` says what its root is."""
+    """A surface from above, as it is drawn, with its damper (x, y) [m], if any; `root` says what its root is."""
+    surface = replace(surface, points=surface.drawn(surface.points))
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
     length, width = np.ptp(points, axis=0)
     inside = plots.WIDTH - _LABELS
     height = float(np.clip(inside * width / length, _LOWEST, _HIGHEST))
     figure, (axes,) = plots.canvas(height + _LABELS, target=target)
+    seen = seen_from_above(surface)
     if cells_are_drawn(surface):
-        _draw(axes, points, np.column_stack([surface.cells[1], surface.cells[1][:, 0]]), plots.MUTED, 0.35)
-    _draw(axes, points, surface.outline, plots.INK, 0.9)
+        around = np.column_stack([surface.cells[1], surface.cells[1][:, 0]])
+        lines = around if surface.lines is None else surface.lines[seen[surface.lines].all(axis=1)]
+        _draw(axes, points, lines, plots.MUTED, 0.35)
+    _draw(axes, points, surface.outline[seen[surface.outline].all(axis=1)], plots.INK, 0.9)
     _draw(axes, points, surface.root, plots.CATEGORIES[0], 3.0)
     axes.plot([], [], color=plots.CATEGORIES[0], lw=3.0, label=root)
     if mark is not None:
         x, y = (metres * value for value in mark)
         axes.plot(x, y, "o", ms=7, mfc="none", mec=plots.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=f"x, radial, {unit}", ylabel=f"y, across, {unit}")
+    names = ("x, radial", "y, across") if surface.frame is None else _named_axes(surface.frame)
+    axes.set(xlabel=f"{names[0]}, {unit}", ylabel=f"{names[1]}, {unit}")
     axes.grid(visible=False)
     plots.legend(figure, axes, target, loc="outside upper left", ncols=2)
     return figure
+
+
+def seen_from_above(surface: Surface) -> npt.NDArray[np.bool_]:
+    """Which points (n,) are corners of triangles that look upwards, of a closed surface in space; of others all."""
+    cells, every = surface.cells[1], np.ones(len(surface.points), dtype=bool)
+    a, b, c = surface.points[cells[:, :3]].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    if surface.frame is None or np.linalg.norm(normals.sum(axis=0)) > _CLOSED * np.linalg.norm(normals, axis=1).sum():
+        return every
+    return np.asarray(np.isin(np.arange(len(every)), cells[normals[:, 2] > 0.0]))
+
+
+_CLOSED = 1e-6
+"""Sum of a surface's vector areas over that of its areas up to which it is closed; of a solid it is 0."""
+
+
+def _named_axes(frame: Floats) -> tuple[str, str]:
+    """What the axes to the right and upwards are, of a surface in space drawn by this frame."""
+    return ("x", "y") if np.array_equal(frame, np.eye(3)) else ("outwards", "across")
 
 
 def held(scene: Scene) -> str:

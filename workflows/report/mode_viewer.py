@@ -145,7 +145,14 @@ def _plate(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[st
         "outline": unsigned(drawn.outline),
         "root": unsigned(drawn.root),
         "thickness": _thickness(surface, drawn, thickness),
+        "axes": _axes(surface),
     }
+
+
+def _axes(surface: Surface) -> dict[str, list[float]]:
+    """Directions of the coordinates and of the spin axis, if it is known, as they are drawn."""
+    named = {**dict(zip("xyz", np.eye(3), strict=True)), "spin axis": surface.axis}
+    return {name: np.round(surface.drawn(axis), 4).tolist() for name, axis in named.items() if axis is not None}
 
 
 def _thickness(surface: Surface, drawn: Thinned, thickness: float | None) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
-import contextlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,8 @@ import numpy as np
 
 import fem
 from fem import modal_model
-from fem.meshes.volume import VolumeMesh, read_volume
+from fem.meshes.cells import edges_of
+from fem.meshes.volume import SizeError, has_volume, read_volume
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
@@ -19,7 +19,7 @@ from workflows.io.folder import put
 from workflows.progress import Stages
 from workflows.report import figures, mode_viewer, plots, remarks
 from workflows.report.templates import from_template, in_mm, said
-from workflows.scene import load
+from workflows.scene import load, quantities
 from workflows.scene.scene import Scene
 from workflows.solve import resources
 from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
@@ -128,20 +128,28 @@ _LONGEST = 5.0
 """Plates [m] beyond which the file is more likely in millimetres."""
 
 
-def data_of_mesh(path: Path) -> ViewData:
+def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
     """The mesh of a file.
+
+    unit: of its coordinates, such as "mm"; None: m, or mm where a volume in m would be too large or too small.
 
     Raises:
         BadInput: it is no mesh of a plate's mid-surface, nor of a volume; the message says what is wrong.
     """
     try:
-        mesh = fem.read_mesh(path)
+        scale = 1.0 if unit is None else quantities.to_si(f"1 {unit}", quantities.LENGTH)
+    except quantities.UnitError as error:
+        raise BadInput("expected a unit of length such as 'mm'", key="--unit", value=unit) from error
+    try:
+        if has_volume(path):
+            return _data_of_volume(path, unit, scale)
+        mesh = fem.read_mesh(path).scaled(scale)
     except fem.MeshError as error:
-        if (solid := _data_of_volume(path)) is not None:
-            return solid
         raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
     surface = bare_surface(mesh)
     read = numbers(surface)
+    side = float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))
+    long = f"; {significant(side, 3)} m is long: --unit mm?" if unit is None and side > _LONGEST else ""
     return ViewData(
         title=path.name,
         surface=surface,
@@ -149,26 +157,31 @@ def data_of_mesh(path: Path) -> ViewData:
         mark=None,
         thickness=None,
         root="clamped root",
-        facts=(*facts("surface", read), ("unit", _unit(float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))))),
+        facts=(*facts("surface", read), ("unit", _unit("m", unit, "[plate] mesh_unit") + long)),
         numbers=read,
     )
 
 
-def _data_of_volume(path: Path) -> ViewData | None:
-    """The surface of a volume mesh, in its file's axes; None where the file holds none that a blade can be made of."""
-    read: dict[str, VolumeMesh] = {}
-    for unit, scale in (("m", 1.0), ("mm", 1e-3)):
-        with contextlib.suppress(fem.MeshError):
-            read = read or {unit: read_volume(path, scale)}
-    if not read:
-        return None
-    ((unit, mesh),) = read.items()
+def _data_of_volume(path: Path, given: str | None, scale: float) -> ViewData:
+    """The surface of a volume mesh, in its file's axes.
+
+    Raises:
+        MeshError: no blade can be made of it.
+    """
+    unit = given or "m"
+    try:
+        mesh = read_volume(path, scale)
+    except SizeError:
+        if given is not None:
+            raise
+        unit, mesh = "mm", read_volume(path, 1e-3)
     triangles = modal_model.faces(mesh.cells)
     used, renumbered = np.unique(triangles, return_inverse=True)
-    points, triangles = mesh.points[used], renumbered.reshape(-1, 3)
+    points, triangles, lines = mesh.points[used], renumbered.reshape(-1, 3), np.searchsorted(used, edges_of(mesh.cells))
     outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
-    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), frame=np.eye(3))
+    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines, frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
+    taken = _unit(unit, given, "[blade] unit")
     values = {
         "cells": {kind: len(nodes) for kind, nodes in mesh.cells},
         "points": len(mesh.points),
@@ -176,14 +189,14 @@ def _data_of_volume(path: Path) -> ViewData | None:
         "sets": list(mesh.sets),
         "unit": unit,
     }
-    return ViewData(path.name, surface, (), None, None, "", facts("volume", values), values)
+    return ViewData(path.name, surface, (), None, None, "", facts("volume", values | {"taken": taken}), values)
 
 
-def _unit(side: float) -> str:
-    taken = "a file is in metres, unless a scene's mesh_unit says otherwise"
-    if side <= _LONGEST:
-        return taken
-    return f'{taken}; {significant(side, 3)} m is long: mesh_unit = "mm"?'
+def _unit(unit: str, given: str | None, key: str) -> str:
+    """What the coordinates are in, and who says so."""
+    if given is not None:
+        return f"{given}, as --unit says"
+    return f"coordinates taken as {unit}, which is an assumption: --unit gives another, in a scene {key}"
 
 
 def data_of_results(folder: Path) -> ViewData:
@@ -237,8 +250,10 @@ def page_of_study(target: str) -> Path | None:
     return page if whose and page.is_file() else None
 
 
-def of(target: str, omega: float | None = None) -> ViewData:
-    """What a folder of results, a scene or a mesh file shows; `omega`: the one speed that a scene is solved at [rad/s].
+def of(target: str, omega: float | None = None, unit: str | None = None) -> ViewData:
+    """What a folder of results, a scene or a mesh file shows.
+
+    omega: the one speed that a scene is solved at [rad/s]; unit: of the coordinates of a mesh file, see `data_of_mesh`.
 
     Raises:
         BadInput: it is none of these, or it has no plate.
@@ -249,10 +264,12 @@ def of(target: str, omega: float | None = None) -> ViewData:
         folder, file = path.is_dir(), path.is_file()
     except (OSError, ValueError) as error:
         raise BadInput("expected a folder of results, a scene or a mesh file", file=target) from error
+    if file and path.suffix.lower() != ".toml":
+        return data_of_mesh(path, unit)
+    if unit is not None:
+        raise BadInput("belongs to a mesh file: results and scenes have their unit", key="--unit", value=unit)
     if folder:
         return data_of_results(path)
-    if file and path.suffix.lower() != ".toml":
-        return data_of_mesh(path)
     if not file and path.suffix.lower() not in ("", ".toml"):
         raise BadInput("no such folder of results, scene or mesh file", file=target)
     return data_of_scene(target, omega)
@@ -273,10 +290,8 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
     seen = view(view_data, first, mode)
     with plots.style():
-        above = replace(view_data.surface, points=view_data.surface.drawn(view_data.surface.points))
-        figure = figures.mesh_of(
-            above, None if view_data.mark is None else (view_data.mark[0], view_data.mark[1]), view_data.root
-        )
+        mark = None if view_data.mark is None else (view_data.mark[0], view_data.mark[1])
+        figure = figures.mesh_of(view_data.surface, mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
 

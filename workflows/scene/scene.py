@@ -700,6 +700,9 @@ class Scene(Table):
             raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
+        for name in ("stagger", "precone") if self.rotor.axis is not None else ():
+            if getattr(self.rotor, name):
+                raise fault(f"rotor.{name}", f"axis says how the spin axis lies: leave {name} out")
         self._require_defaults(_OF_A_MESH)
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")

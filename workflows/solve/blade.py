@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -38,9 +39,28 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
     """
     if source.scene.blade is None:
         return space_structure(source) if source.scene.in_space else None
+    fastest = max(source.scene.rotor.speeds)
     if slowest:
         source = source.changed(rotor={"speeds": (min(source.scene.rotor.speeds),)})
-    return blade_structure(source)
+    structure = blade_structure(source)
+    return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, fastest)))
+
+
+def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
+    """A remark where the load at a speed [rad/s] tears the root of any metal."""
+    stress = 0.0 if structure.root_stress is None else omega**2 * structure.root_stress
+    if stress <= _STRONGEST:
+        return ()
+    tip = omega * float(np.linalg.norm(structure.model.load(structure.model.points), axis=1).max())
+    return (
+        f"At {turning(omega)} the tip moves at {significant(tip)} m/s, and the load pulls at the root by"
+        f" {significant(1e-6 * stress)} MPa on average, more than any metal bears"
+        f" ({1e-6 * _STRONGEST:g} MPa): are [blade] unit, [rotor] origin and speeds right?",
+    )
+
+
+_STRONGEST = 2.5e9
+"""Strength [Pa] that no metal in bulk exceeds: maraging steel C350, 2.4 GPa."""
 
 
 def blade_structure(source: SceneFile) -> SpaceStructure:
@@ -161,7 +181,7 @@ def _deflection(request: Request) -> tuple[Called, SolidOperators]:
         return Called(True, f"{at} the load bends or untwists the blade too much for a linear prestress"), operators
     called = bool(shifts.max() > scene.budget.rough_shift)
     why = (
-        f"{at} it moves frequencies by up to {significant(100 * float(shifts.max()), 2)} %,"
+        f"{at} it moves frequencies by at most about {significant(100 * float(shifts.max()), 2)} %,"
         f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % asked for"
     )
     return Called(called, why, LeftOut(np.array([omega]), shifts[None])), operators
@@ -274,6 +294,12 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         made.append(
             f"Most of the blade ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses it."
         )
+    axial, across = (float(np.ptp(each)) for each in (blade.mesh.points @ blade.axis, radii))
+    if axial > _SLENDER * across:
+        made.append(
+            f"The blade measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
+            " across it: does [rotor] axis lie along the blade, where it should lie across it?"
+        )
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
         made.append(
@@ -281,6 +307,9 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         )
     return tuple(made)
 
+
+_SLENDER = 1.5
+"""Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""
 
 _TALL = 0.2
 """Part of a blade's radial extent above which a root that covers it is remarked."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem import modal_model
+from fem.meshes.cells import edges_of
 from fem.modal_files import ModesFileError, Raw, in_si, joined, read
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
@@ -202,8 +203,9 @@ class SpaceStructure:
         shown = speeds_with_shapes(len(speeds))
         points, triangles = self.model.points, modal_model.faces(self.model.cells)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
-        used = np.unique(triangles)
+        used, lines = np.unique(triangles), None
         if used.size:
+            lines = np.searchsorted(used, edges_of(self.model.cells))
             points, shapes, triangles = points[used], shapes[:, :, used], np.searchsorted(used, triangles)
         else:
             marks = _MARK * self.model.size * _TETRAHEDRON
@@ -214,7 +216,10 @@ class SpaceStructure:
         still = modal_model.held(shapes)
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
-        return Surface(points, ("triangle", triangles), outline, root, shapes, shown, frame=self._drawing(), mark=mark)
+        cells, frame = ("triangle", triangles), self._drawing()
+        return Surface(
+            points, cells, outline, root, shapes, shown, lines=lines, frame=frame, mark=mark, axis=self.model.axis
+        )
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -636,6 +641,8 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     assert damper is not None
     at = _place(source, model, damper.at, "[damper] at")
     value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
+    if np.abs(at.displacement(modes.shapes)).max() <= _STILL * np.abs(modes.shapes).max():
+        raise source.wrong("this place is clamped: no mode moves it", "[damper] at", value)
     try:
         wanted = damper.direction
         direction = bending_direction(model, at, modes) if wanted is None else np.array(wanted, dtype=np.float64)

@@ -780,11 +780,12 @@ class Surface:
         at: which of the run's speeds the first axis of `shapes` holds.
         thickness: at the points, (n,) [m], where it varies.
         behind: what of complex modes lags a quarter of a period behind `shapes`, like these; None where nothing does.
-        finer: the same with points between the mesh's, where these are too few for a smooth picture; its `lines` are
-            the edges of the mesh's cells, (k, 2).
+        finer: the same with points between the mesh's, where these are too few for a smooth picture.
+        lines: the edges of the mesh's cells or of their faces, (k, 2), where `cells` are parts of these.
         frame: of a surface in space the axes by which it is drawn, (3, 3): outwards, across, along the damper's axis 1;
             None of a plate, which is drawn by its own.
         mark: the damper's place in space, (3,) [m].
+        axis: direction of the spin axis, (3,); None of a mesh alone.
     """
 
     points: Floats = field(repr=False)
@@ -799,6 +800,7 @@ class Surface:
     lines: Ints | None = field(default=None, repr=False)
     frame: Floats | None = field(default=None, repr=False)
     mark: Floats | None = field(default=None, repr=False)
+    axis: Floats | None = field(default=None, repr=False)
 
     def row(self, number: int) -> int:
         """Which of the speeds with shapes is nearest to number `number` of the run."""
@@ -969,8 +971,8 @@ def _shaped(operators: fem.Operators, mesh: Any, shapes: Any, shown: tuple[int, 
     """A mesh with displacements (shapes, n, 3), as many at each of the speeds kept."""
     by_speed = shapes.reshape(len(shown), -1, *shapes.shape[1:])
     behind = -by_speed.imag if np.iscomplexobj(by_speed) else None
-    thickness = _thickness(operators.plate, mesh)
-    return replace(bare_surface(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind)
+    thickness, axis = _thickness(operators.plate, mesh), operators.rotor.axis
+    return replace(bare_surface(mesh), shapes=by_speed.real, at=shown, thickness=thickness, behind=behind, axis=axis)
 
 
 def _finer(operators: fem.Operators, refined: Finer, shown: tuple[int, ...]) -> Surface:

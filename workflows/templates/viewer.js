@@ -348,18 +348,28 @@ function camera({ yaw, rise, near }, [width, height], box) {
       + 1.06 * Math.max(Math.abs(dot(corner, right)) / across, Math.abs(dot(corner, up)) / LENS));
   }
   far /= near;
-  const low = Math.max(0.01, far - 3), high = far + 3, a = -(high + low) / (high - low), b = -2 * high * low / (high - low);
+  const low = Math.max(0.01, far - 1.2), high = far + 1.2, a = -(high + low) / (high - low), b = -2 * high * low / (high - low);
   const rows = [right.map(v => v / across), up.map(v => v / LENS), back.map(v => a * v), back.map(v => -v)];
   const shift = [0, 0, -a * far + b, far];
   const matrix = new Float32Array(16);
   rows.forEach((row, r) => { row.forEach((v, c) => { matrix[4 * c + r] = v; }); matrix[12 + r] = shift[r]; });
-  return { matrix, eye: back.map(v => far * v) };
+  return { matrix, eye: back.map(v => far * v), flat: axis => [dot(axis, right), -dot(axis, up)] };
+}
+
+/* The directions of the axes as they are seen, in a corner of the picture; the spin axis reaches both ways. */
+function triad(svg, axes, flat) {
+  svg.innerHTML = Object.entries(axes).map(([name, axis]) => {
+    const [x, y] = flat(axis).map(v => 30 * v), kind = name.length > 1 ? "spin" : "";
+    const [back, out] = kind ? [-1, -1.4] : [0, 1.4];
+    return `<line class="${kind}" x1="${back * x}" y1="${back * y}" x2="${x}" y2="${y}"/>`
+      + `<text class="${kind}" x="${out * x}" y="${out * y + 4}">${name}</text>`;
+  }).join("");
 }
 
 /* ---- a figure ---- */
 
 function start(figure) {
-  const canvas = figure.querySelector("canvas"), form = figure.querySelector("form"), says = figure.querySelector("output");
+  const canvas = figure.querySelector("canvas"), corner = figure.querySelector(".triad"), form = figure.querySelector("form"), says = figure.querySelector("output");
   const gl = canvas.getContext("webgl2", { antialias: true });
   const beside = text => { figure.querySelector(".viewer-remark").textContent = text; };
   if (!gl) {
@@ -390,6 +400,7 @@ function start(figure) {
       camera: seen.matrix, eye: seen.eye, screen, moving, look, ratio, cells: !form.cells || form.cells.checked,
       phase: [swing * Math.cos(state.phase), swing * Math.sin(state.phase)],
     });
+    triad(corner, data.axes, seen.flat);
     canvas.dataset.phase = state.phase.toFixed(3);
   }
 

@@ -142,10 +142,10 @@ def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
     if name.startswith("frequency"):
         return [f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"] if odd else []
     sides = {
-        "with": [rpm for rpm, _, without in odd if not without],
-        "without": [rpm for rpm, _, without in odd if without],
+        "without": [rpm for rpm, _, without in odd if not without],
+        "with": [rpm for rpm, _, without in odd if without],
     }
-    return [f"{name} exists only {side} it, {_at(speeds)}" for side, speeds in sides.items() if speeds]
+    return [f"no {name} {side} it, {_at(speeds)}" for side, speeds in sides.items() if speeds]
 
 
 def _at(speeds: Iterable[float]) -> str:
