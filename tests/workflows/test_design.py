@@ -436,7 +436,7 @@ def test_progress_names_the_best_so_far(slow):
     designs = study.Designs(space_of(slow), score, told.append)
     for share in (0.1, 0.5, 0.9):
         designs(np.full((1, 3), share), quick=True)
-    assert told == ["1 designs, none works yet", "2 designs, best so far 0.2 %", "3 designs, best so far 0.2 %"]
+    assert told == ["1 design, none works yet", "2 designs, best so far 0.2 %", "3 designs, best so far 0.2 %"]
 
 
 def test_the_cutoff_is_stated_at_its_speed(slow):

@@ -313,7 +313,7 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float) -> None:
     pull = ball * turn**2 * (radius * shortens - math.sin(stagger) ** 2)
     stiff, hertz = (1 + ball) * swing**2, swing / (2 * math.pi)
     reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - pull, slope)
-    point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced)
+    point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced, stagger=stagger)
     sideways, alone = coupling.moves_sideways_from(system, point), system.amplitude_of(system.rolling_threshold)
     assert math.isinf(sideways) == (left > 1e-2 and stagger == 0)
     found = min(sideways, alone)
@@ -341,6 +341,21 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float) -> None:
     assert needs(0.98 * found) < rolls < needs(1.02 * found)
 
 
+@pytest.mark.parametrize("stagger", ["0 deg", "60 deg", "90 deg"])
+def test_the_share_of_the_drive_is_that_of_the_damper(stagger: str) -> None:
+    """Of its tilt and of what it gains in the plane of rotation, as sentences and limits have it."""
+    scene = thin(rotor__stagger=stagger, rotor__hub_radius="7 cm", effects__structural_modes=False)
+    system, point = built(scene)
+    assert point.tilt_share == pytest.approx(system.tilt_share[0], rel=1e-9)
+    found = workflows.run(scene)
+    at, amplitude, rolls = found.speeds[0], 1e-3, 0.016 / 1.2
+    drive = system.stuck_frequency**2 * abs(1 - system.tilt_share[0]) * amplitude
+    demand = (2 * drive / system.centrifugal_acceleration + 5 * rolls) / 7
+    assert limits.friction_demand(found, at, amplitude) == pytest.approx(demand, rel=1e-6)
+    share = f"cancels {100 * system.tilt_share[0]:.2g} % of the ball's drive"
+    assert share in " ".join((verdict.answer(found).verdict, *verdict.answer(found).sentences))
+
+
 def test_how_the_place_of_a_damper_comes_nearer_to_the_axis() -> None:
     """The first mode of a uniform cantilever: the integral of its squared slope, 1.1624 / L of the tip's squared."""
     x = np.linspace(0, 1, 2001)
@@ -353,7 +368,7 @@ def test_how_the_place_of_a_damper_comes_nearer_to_the_axis() -> None:
         exact = np.trapezoid(whole[inside], x[inside]) / (shape[inside][-1] / shape[-1]) ** 2 / 0.2
         blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0])
         (point,) = workflows.run(blade).speeds
-        assert coupling.shortening(point, stagger) == pytest.approx(exact, rel=0.01)
+        assert coupling.shortening(point) == pytest.approx(exact, rel=0.01)
 
 
 def thin(**changes: Any) -> Scene:

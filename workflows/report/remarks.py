@@ -654,10 +654,9 @@ def sideways(results: Results) -> Values:
             continue
         speed, at = 2 * math.pi * point.reduced.f1_hz * best.amplitude, templates.at_load(point)
         tip = point.omega * point.radius
-        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
-        chord = max(chord, (2 * speed * abs(math.sin(stagger)) / tip, at))
+        chord = max(chord, (2 * speed * abs(math.sin(point.stagger or 0.0)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
-        pushed = coupling.shortening(point, stagger) * speed * best.amplitude / tip
+        pushed = coupling.shortening(point) * speed * best.amplitude / tip
         along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
     notable = {name: each for name, each in (("chord", chord), ("along", along)) if each[0] > scene.accuracy.damping}
     return {"notable": notable} if notable else None

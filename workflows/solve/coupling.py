@@ -78,8 +78,7 @@ def structure(
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
     if scene.given is None and (tilted or hollow):
-        stagger = scene.rotor.stagger if point.stagger is None else point.stagger
-        turning = {"rotation": point.omega, "stagger": stagger}
+        turning = {"rotation": point.omega, "stagger": point.stagger}
     if effects["structural_modes"].on and point.cavity_modes:
         modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilted) | turning
@@ -170,7 +169,7 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
     return Pendulum((x, y), (x / turns, y / turns) if turns > 0 else (math.nan, math.nan))
 
 
-def shortening(point: SpeedPoint, stagger: float) -> float:
+def shortening(point: SpeedPoint) -> float:
     """By how much the damper's place comes nearer to the axis, over half the square of its displacement [1/m].
 
     The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - sin²(stagger)).
@@ -179,7 +178,7 @@ def shortening(point: SpeedPoint, stagger: float) -> float:
     if reduced is None or point.omega == 0 or reduced.M1 <= reduced.M2:
         return 0.0
     stiffer = (reduced.K1 - reduced.K2) / (reduced.M1 - reduced.M2) / point.omega**2
-    return (stiffer + math.sin(stagger) ** 2) / point.radius
+    return (stiffer + math.sin(point.stagger or 0.0) ** 2) / point.radius
 
 
 def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
@@ -200,7 +199,7 @@ def moves_sideways_from(system: damper.ParticleDamper, point: SpeedPoint) -> flo
     """
     alone = system.amplitude_of(system.break_away_threshold)
     turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
-    hold, nearer = system.rolling_threshold + system.break_away * load, shortening(point, system.stagger)
+    hold, nearer = system.rolling_threshold + system.break_away * load, shortening(point)
     most = math.sqrt(2 * hold / (turn * omega * abs(nearer))) if turn * nearer != 0 else math.inf
     most = min(alone, most)
     if turn == 0 or system.half_gap[0] == 0 or not 0 < most < math.inf or any(system.lateral_pull):

@@ -690,7 +690,7 @@ class SpeedPoint:
         cavity_modes: the plate's modes as the cavity feels them, where they are simulated.
         damper: what the scene's release leads to, with its effects.
         damping_curve: the damper's own figures, on a floor that tilts as the structure bends; verdict: on them.
-        stagger: angle from the damper's axis 1 to the spin axis [rad], where it is not the plate's.
+        stagger: angle from the damper's axis 1 to the spin axis [rad]; None of a structure given by its frequency.
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         sticks_out: how far a cavity does, out of a structure in space [m].
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
@@ -757,10 +757,14 @@ class SpeedPoint:
 
     @property
     def tilt_share(self) -> float:
-        """Share of the ball's drive that the tilt of the cavity's floor takes, Ω²R slope/ω1² [-]."""
+        """Share of the ball's drive that the tilt of the floor takes, less what it gains in the plane of rotation [-].
+
+        Ω²(R slope - sin²(stagger)) / ω1²: a place that moves in that plane takes the ball farther from the axis.
+        """
         if self.reduced is None:
             return 0.0
-        return self.omega**2 * self.pressing * self.reduced.floor_tilt / (2 * math.pi * self.reduced.f1_hz) ** 2
+        pull = self.pressing * self.reduced.floor_tilt - math.sin(self.stagger or 0.0) ** 2
+        return self.omega**2 * pull / (2 * math.pi * self.reduced.f1_hz) ** 2
 
     @property
     def level(self) -> Figures | None:
@@ -941,7 +945,7 @@ def points(
     frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
     modes = tuple(map(Mode, frequencies, families, errors, _known(damping), branches))
     return tuple(
-        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count])
+        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count], stagger=rotor.stagger)
         for n, speed in enumerate(omega.tolist())
     )
 
