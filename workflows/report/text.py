@@ -131,9 +131,7 @@ def brief(results: Results) -> str:
 def brief_html(results: Results) -> str:
     """The same with a table; everything that comes from a scene is escaped."""
     answer, accuracy = verdict.answer(results), remarks.sentence(results)
-    sentences = " ".join(
-        answer.sentences if accuracy is None or accuracy in answer.sentences else (*answer.sentences, accuracy)
-    )
+    sentences = " ".join((*answer.sentences, *answer.besides([accuracy or ""])))
     heads, *lines = rows(results)
     left_out = len(lines) - _ROWS_AT_MOST
     more = f"<p>… {left_out} more speeds</p>" if left_out > 0 else ""
