@@ -344,19 +344,19 @@ def travel(g: int, x: float, it: Record) -> None:
         for m in range(low, high):
             motion.gain[m], motion.bend[m] = 0.0, c[m - low, 2]
         return
-    squares, inverse = fill(0.0), 1.0 / system.span[g]
+    squares = fill(0.0)
     for m in range(low, high):
         series, dashpot = c[m - low], dashpots[m]
         motion.gain[m], rate, bend, _ = derivatives(series, x)
         motion.z[m] += motion.gain[m]
-        motion.rate[m] = rate * inverse
+        motion.rate[m] = rate / system.span[g]  # times an inverse it would drift, the same way at each event
         if dashpot == 0.0:
             motion.bend[m] = bend
         else:
             _terms(series, x, scaled)
             at = _at_points(scaled, _SLOPES)
             squares = add_times(squares, times(at, at), fill(dashpot))
-    it.books.structure += total(times(squares, load(_SHARES, 0))) * (inverse / x)
+    it.books.structure += total(times(squares, load(_SHARES, 0))) / (x * system.span[g])
     if system.frequency > 0.0:
         wave = high - low + 2 * (system.last[g] - system.first[g])
         _terms(c[wave], x, scaled)

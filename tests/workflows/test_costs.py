@@ -388,21 +388,21 @@ def test_modes_are_compared_with_their_like() -> None:
     """A flap that climbs past a twist stays a flap; what has no like has no number, but a word."""
     own = (point(1000, ("flap", 110.0), ("twist", 150.0), ("flap", 300.0)),)
     other = (point(1000, ("twist", 100.0), ("flap", 100.0), ("lag", 300.0)),)
-    found = changes(own, other, own_has_it=True)
+    found = changes(own, other, own_has_it=True, judged={})
     assert found.relative["frequency_1"] == pytest.approx(0.1)
     assert found.relative["frequency_2"] == pytest.approx(0.5)
     assert found.relative["frequency_3"] is None
     assert found.remarks == ("frequency_3 has no partner of its family at 1000 rpm",)
-    assert changes(own, other, own_has_it=False).relative["frequency_2"] == pytest.approx(-1 / 3)
+    assert changes(own, other, own_has_it=False, judged={}).relative["frequency_2"] == pytest.approx(-1 / 3)
 
 
 def test_speeds_are_compared_with_their_like() -> None:
     """The plate diverges at the first speed of one run: the others keep their partners."""
     slow, fast = point(1000, ("flap", 100.0)), point(12000, ("flap", 500.0))
-    found = changes((fast, slow), (point(1000, ("flap", 80.0)),), own_has_it=True)
+    found = changes((fast, slow), (point(1000, ("flap", 80.0)),), own_has_it=True, judged={})
     assert found.relative == {"frequency_1": pytest.approx(0.25)}
     assert found.remarks == ("without it the plate diverges at 12000 rpm",)
-    swapped = changes((slow,), (fast, slow), own_has_it=True)
+    swapped = changes((slow,), (fast, slow), own_has_it=True, judged={})
     assert swapped.relative == {"frequency_1": 0.0}
     assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
 
@@ -552,7 +552,7 @@ def test_damping_is_compared_where_the_ball_moves(paper: Scene) -> None:
     found = changes(own, soft, own_has_it=True, judged=ranks)
     assert found.rpm["ball_damping_ratio"] == own[0].rpm
     assert found.rpm["impacts"] == own[1].rpm
-    assert changes(own, soft, own_has_it=True).relative["ball_damping_ratio"] > 1000
+    assert changes(own, soft, own_has_it=True, judged={}).relative["ball_damping_ratio"] > 1000
 
 
 @pytest.mark.usefixtures("hasty")
@@ -651,7 +651,7 @@ def test_a_change_within_the_error_of_its_sides_is_none() -> None:
     for factor, error, beyond in ((0.7, 0.43, False), (0.6, 0.43, True), (0.7, 0.3, True)):
         other = replace(own, damping_curve=replace(curve, peak=factor * curve.peak, error=error))
         for has_it in (True, False):
-            found = changes((own,), (other,), own_has_it=has_it)
+            found = changes((own,), (other,), own_has_it=has_it, judged={})
             row = EffectChange("ball_slip", True, "", True, found.relative, found.rpm, found.error)
             # The two values reach each other, whichever of them is the reference.
             assert (curve.peak * (1 - curve.error) > factor * curve.peak * (1 + error)) is beyond

@@ -75,44 +75,24 @@ def mark(results: Results, point: SpeedPoint) -> str:
     return BEYOND if limits.is_beyond(results, point) else ""
 
 
-def legend(results: Results) -> list[str]:
-    """What the marks of a table over all speeds stand for, and what it leaves open."""
-    kinds = (cutoff_legend, marks_legend, rough, level_legend) if results.scene.damper is not None else ()
-    return [each for kind in kinds for each in kind(results)]
-
-
-def rough(results: Results) -> list[str]:
-    """At which speeds with a verdict the damping is known only roughly."""
-    points = [p for p in results.speeds if p.verdict is not None and p.verdict.rank >= 0]
-    points = [p for p in points if p.damping_curve is not None and p.damping_curve.error > ROUGH]
-    return said("remarks/rough", results, points=points) if points else []
-
-
-def marks_legend(results: Results) -> list[str]:
-    """What the marks of the damper's figures stand for, as far as a table over all speeds has them."""
-    marks = {mark(results, point) for point in results.speeds}
-    still = any(point.load_g == 0 for point in results.speeds)
-    meanings = {
-        BEYOND: f"{BEYOND_MEANS}; the verdict uses the largest value within that limit.",
-        NO_VERDICT: f"{NO_VERDICT_MEANS}{'; at 0 rpm no load presses a ball on its floor' if still else ''}.",
-    }
-    return [meaning for each, meaning in meanings.items() if each in marks]
+def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> list[str]:
+    """What the marks of a table over all speeds stand for, and what it leaves open: of cut-offs, of damping ratios."""
+    points, means = results.speeds, {AT_REST: AT_REST_MEANS}
+    marks = {cutoff_mark(results, p) for p in points if cutoffs} | {mark(results, p) for p in points if damping}
+    means[BEYOND] = f"{BEYOND_MEANS}; the verdict uses the largest value within that limit."
+    still = "; at 0 rpm no load presses a ball on its floor" if any(p.load_g == 0 for p in points) else ""
+    means[NO_VERDICT] = f"{NO_VERDICT_MEANS}{still}."
+    judged = [p for p in points if damping and p.verdict is not None and p.verdict.rank >= 0]
+    rough = [p for p in judged if p.damping_curve is not None and p.damping_curve.error > ROUGH]
+    lines = [line for each, line in means.items() if each in marks]
+    lines += said("remarks/rough", results, points=rough) if rough else []
+    tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in points)
+    return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not limits.is_printed(results) else lines
 
 
 def cutoff_mark(results: Results, point: SpeedPoint) -> str:
     """What a table puts beside a cut-off that no ring-down shows."""
     return AT_REST if limits.cutoff(results, point).at_rest else ""
-
-
-def cutoff_legend(results: Results) -> list[str]:
-    """What the mark of cut-offs stands for, where a table has it."""
-    return [AT_REST_MEANS] if any(cutoff_mark(results, point) for point in results.speeds) else []
-
-
-def level_legend(results: Results) -> list[str]:
-    """What a table says where its ring-downs keep the floor level, and its damping ratios do not."""
-    tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in results.speeds)
-    return [LEVEL_MEANS] if tilts and not limits.is_printed(results) else []
 
 
 def beyond_of(results: Results) -> str:

@@ -168,7 +168,7 @@ def brief_html(results: Results) -> str:
         "notebook.html.j2",
         head=_head(results),
         answer=answer,
-        sentences=answer.sentences if accuracy in (None, *answer.sentences) else (*answer.sentences, accuracy),
+        sentences=(*answer.sentences, *answer.besides([accuracy or ""])),
         heads=heads,
         lines=lines,
         legend=remarks.legend(results),

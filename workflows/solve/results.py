@@ -718,9 +718,9 @@ class SpeedPoint:
     """of the ball at rest on its floor, where their materials are known by name"""
     verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None
     """on the damper at this speed, from its own figures"""
-    static_displacement: Annotated[float | None, quantity("m")] = None
+    static_displacement: Annotated[float | None, quantity("m")] = field(default=None, repr=False)
     """the largest by which the centrifugal load displaces a solid blade"""
-    tip_rotation: Annotated[float | None, quantity("rad")] = None
+    tip_rotation: Annotated[float | None, quantity("rad")] = field(default=None, repr=False)
     """of a solid blade by the load, about the direction from the spin axis to its tip: its untwist"""
     stagger: Annotated[float | None, KEPT] = None
     lean: Annotated[tuple[float, float], KEPT] = (0.0, 0.0)

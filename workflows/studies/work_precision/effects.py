@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from workflows import formatting, pipeline
@@ -44,11 +43,7 @@ class Changes:
 
 
 def changes(
-    own: tuple[SpeedPoint, ...],
-    other: tuple[SpeedPoint, ...],
-    *,
-    own_has_it: bool,
-    judged: Mapping[float, int] = MappingProxyType({}),
+    own: tuple[SpeedPoint, ...], other: tuple[SpeedPoint, ...], *, own_has_it: bool, judged: Mapping[float, int]
 ) -> Changes:
     """What an effect changes, between a scene's own run and the other; frequencies are numbered as in the own run.
 
