@@ -315,7 +315,14 @@ def cut(
         for heavy in masses:
             stiffer = omega**2 * _squares(heavy.spinning - operators.spinning, shapes) / squares
             shifts.append(0.5 * (_squares(heavy.mass - operators.mass, shapes) - stiffer))
-        strained = energy_densities(operators.model, shapes)[cells].max(axis=1).mean(axis=0)
+        densities = energy_densities(operators.model, shapes)
+        strained = densities[cells].max(axis=1).mean(axis=0)
+        if (
+            operators.effects.large_deflection
+        ):  # in a bent plate linear strains of a mode may have more than all its energy
+            volumes = operators.model.gradient.dx * sum(layer.weight for layer in operators.model.elastic)
+            energy = np.einsum("cpk,cp->k", densities, volumes)
+            strained = strained * np.minimum((squares + omega**2) / energy, 1.0)
         parts.append((np.abs(shifts[0]), np.abs(shifts[1] - shifts[0]), 0.5 * volume * strained / squares))
     return Cut(*np.array(parts).reshape(len(numbers), 3, -1).transpose(1, 0, 2))
 

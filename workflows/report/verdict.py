@@ -95,7 +95,10 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     parted = [
         (p, w)
         for p in points
-        if (w := p.damping_curve) is not None and w.ways_differ and w.from_above.peak > (1 + target) * w.peak > 0
+        if (w := p.damping_curve) is not None
+        and _rank(p) != 0
+        and w.ways_differ
+        and w.from_above.peak > (1 + target) * w.peak > 0
     ]
     if not parted:
         return []
@@ -120,7 +123,8 @@ def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
             of = {"reason": reason, "first": those[0], "frictions": [_friction(results, point) for point in those]}
             flows = reason == Reason.CONTACT
             why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
-            clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
+            there = "there " if where and reason != Reason.SIDEWAYS else ""  # which names a speed of its own
+            clauses.append(f"no verdict{where}: {there}{why}")
     torn = remarks.torn_from(results)
     return clauses if torn is None else [*clauses, f"no verdict {torn}"]
 

@@ -436,7 +436,8 @@ def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float
     """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
 
     The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
-    at one speed alone its change is not known. A structure has one frequency.
+    at one speed alone its change is not known. A structure has one frequency. It is no less than a speed at which the
+    ball is known to move.
     """
     if point.tilt_share >= 1:
         return math.nan
@@ -453,6 +454,8 @@ def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float
     elif results.scene.given is None:
         return math.nan
     largest = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
+    moving = [p.omega**2 for p in others if p.damping_curve is not None and p.damping_curve.cutoff < limit]
+    largest = max([largest, *(each for each in moving if each < square)])
     return math.sqrt(largest) if 0 < largest < square else math.nan
 
 
