@@ -288,12 +288,15 @@ def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     """
     damper = replace(PAPER, damping_ratio=0.0, friction=0.0, ball_mass=0.01, rolling_friction=0.0, restitution=1.0)
     third = Mode(damper.modal_mass, 36 * damper.stiffness[0], (1.0, 0.0))
-    run = ringdown(replace(damper, modes=(*as_modes(damper), third)), (0.0, 0.0), 600, amplitudes=(3e-4, 0.0, 0.0))
-    assert run.modal_energies is not None
-    assert run.modal_energies[2] > 2e-3 * run.energy.initial
-    told = 0.5 * damper.modal_mass * run.peak_velocities**2 / run.energy.initial
-    share = damper.ball_mass / damper.modal_mass
-    assert 0.85 < told.min() < told.max() < (1 + 1.6 * share) / (1 + share)
+    system, shares = replace(damper, modes=(*as_modes(damper), third)), []
+    for k in range(8):  # how much the third mode holds at last is chance
+        run = ringdown(system, (0.0, 0.0), 600, amplitudes=((1 + 1e-9 * k) * 3e-4, 0.0, 0.0))
+        assert run.modal_energies is not None
+        shares.append(run.modal_energies[2] / run.energy.initial)
+        told = 0.5 * damper.modal_mass * run.peak_velocities**2 / run.energy.initial
+        share = damper.ball_mass / damper.modal_mass
+        assert 0.85 < told.min() < told.max() < (1 + 1.6 * share) / (1 + share)
+    assert max(shares) > 0.01
 
 
 def test_working_of_modes() -> None:
