@@ -304,10 +304,10 @@ class Place:
         return np.asarray(np.einsum("p,kpi->ki", self.value, shapes[:, self.nodes]))
 
     def gradient(self, modes: ModesAtSpeed) -> tuple[Array, Array]:
-        """Gradients (k, 3, 3), the derivative of component i by x_j at [:, i, j], and how far they differ (k, 3, 3).
+        """Gradients (k, 3, 3), the derivative of component i by x_j at [:, i, j], and their uncertainty (k, 3, 3).
 
         Of surfaces and lines what leaves them turns with the nodes' rotations or, where these are not known, as fibres
-        that stay normal. They differ from those found another way: by that they are uncertain.
+        that stay normal. The uncertainty is the difference, with its sign, from gradients found another way.
         """
         moved = modes.shapes[:, self.nodes]
         first, second = (self._complete(np.einsum("jp,kpi->kij", each, moved)) for each in (self.slopes, self.other))

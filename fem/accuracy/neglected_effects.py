@@ -317,9 +317,8 @@ def cut(
             shifts.append(0.5 * (_squares(heavy.mass - operators.mass, shapes) - stiffer))
         densities = energy_densities(operators.model, shapes)
         strained = densities[cells].max(axis=1).mean(axis=0)
-        if (
-            operators.effects.large_deflection
-        ):  # in a bent plate linear strains of a mode may have more than all its energy
+        if operators.effects.large_deflection:
+            # linear strains of a mode about a bent state may have more energy than the mode
             volumes = operators.model.gradient.dx * sum(layer.weight for layer in operators.model.elastic)
             energy = np.einsum("cpk,cp->k", densities, volumes)
             strained = strained * np.minimum((squares + omega**2) / energy, 1.0)

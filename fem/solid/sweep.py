@@ -156,7 +156,7 @@ class BladeSweep:
     def coriolis_shifts(self, omega: float) -> Array:
         """Relative shifts (count,) of the frequencies by Coriolis forces at a speed [rad/s].
 
-        The modes that are not solved follow statically: they make those that are heavier.
+        The modes that are not solved follow statically, which adds to the modal mass of those that are.
 
         Raises:
             ValueError: the operators have no Coriolis matrix.

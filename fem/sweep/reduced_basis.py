@@ -607,7 +607,7 @@ def answer_again(
     damping_ratio: float,
     bases: Iterable[ReducedBasis],
 ) -> Swept | None:
-    """Modes at speeds (k,) [rad/s] from the first of some bases of the same matrices whose bounds do; None: none's."""
+    """Modes at speeds (k,) [rad/s] from the first basis of these matrices that meets the tolerance; None: none does."""
     for basis in bases:
         if min(basis.size, basis.known.size) > count:
             solved = solve(basis, omega, count)

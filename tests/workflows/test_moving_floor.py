@@ -264,20 +264,14 @@ def test_a_tilt_that_no_spring_holds_names_its_key(structure: Scene) -> None:
 
 def test_what_coriolis_forces_on_the_ball_would_add() -> None:
     """Of a blade at a stagger of 60°, by its velocity at its best over that of the tip; none on a structure."""
-    blade = {
-        "plate": {"length": "20 cm", "width": "8 cm", "thickness": "1 cm"},
-        "material": {"name": "Ti-6Al-4V"},
-        "rotor": {"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"},
-        "damper": {
-            "mass": "0.26 g",
-            "radius": "2 mm",
-            "cavity": ["6 mm", "6 mm"],
-            "restitution": 0.5,
-            "friction": 0.3,
-            "rolling_friction": "0.01 mm",
-        },
-        "accuracy": {"frequency": 0.01},
-    }
+    blade = thin(
+        plate__thickness="1 cm",
+        rotor={"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"},
+        damper__mass="0.26 g",
+        damper__radius="2 mm",
+        damper__cavity=["6 mm", "6 mm"],
+        damper__rolling_friction="0.01 mm",
+    )
     found = workflows.run(blade)
     (point,) = found.speeds
     speed = 2 * math.pi * point.reduced.f1_hz * point.verdict.amplitude

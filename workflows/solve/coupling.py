@@ -51,8 +51,8 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
     The floor of the cavity tilts, and a plate moves in its own modes.
     """
     given = source.scene.given
-    tilts: bool | str = "auto" if given is not None and given.level else True
-    return source.changed(effects={"floor_tilt": tilts, "structural_modes": True if given is None else "auto"})
+    tilted: bool | str = "auto" if given is not None and given.level else True
+    return source.changed(effects={"floor_tilt": tilted, "structural_modes": True if given is None else "auto"})
 
 
 def ball_mass(scene: Scene, m2: float) -> float:

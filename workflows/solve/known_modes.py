@@ -110,13 +110,16 @@ class SpaceStructure:
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
-        rests = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
+        displaced = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
         known = tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes]))
-        stress = None if self.root_stress is None else omega**2 * self.root_stress
-        point = replace(
-            SpeedPoint.at(omega, self.radius, scene.rotor.gravity, known, root_stress=stress),
-            static_displacement=rests[0],
-            tip_rotation=rests[1],
+        point = SpeedPoint.at(
+            omega,
+            self.radius,
+            scene.rotor.gravity,
+            known,
+            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
+            static_displacement=displaced[0],
+            tip_rotation=displaced[1],
         )
         damper = scene.damper
         if damper is None or self.seat is None:
