@@ -20,7 +20,7 @@ from workflows.progress import Stages
 from workflows.report import page, remarks, text, viewer
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
-from workflows.solve import engine_orders, excitation, limits, resources
+from workflows.solve import engine_orders, excitation, limits, remedies, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
 from workflows.studies.design.report import active_constraints, verdict
@@ -565,7 +565,7 @@ def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(floor, br
     (bricks / "coned.toml").write_text(text, encoding="utf-8")
     source = load(bricks / "coned.toml")
     results = pipeline.run(source)
-    remedy = limits.what_moves(results, results.speeds[0])
+    remedy = remedies.what_moves(results, results.speeds[0])
     state = pipeline.structure(source, Stages(visible=False))
     system = particle_damper(source.scene, state.effects, state.points[0])
     moved = dataclasses.replace(system, rolling_friction=remedy.rolling_friction)

@@ -618,16 +618,17 @@ def turning_floor(results: Results) -> Values:
 
 
 @remark
-def sideways(results: Results) -> Values:
-    """Coriolis forces on the ball, which are left out: by chordwise motion beside the load, by foreshortening.
+def neglected_forces(results: Results) -> Values:
+    """Forces on the ball that its motion leaves out: by chordwise motion, and by the shortening of the bent blade.
 
     A cavity that moves by v in the plane of rotation across the radius changes the load by 2 Omega v; one that comes
-    nearer to the axis by c u u' pushes the ball sideways by 2 Omega times that, beside its rolling resistance.
+    nearer to the axis by c u u' pushes the ball sideways by 2 Omega times that, beside its rolling resistance, and
+    changes the load by c (u'² + u u'').
     """
     scene = results.scene
     if scene.damper is None or scene.given is not None or limits.is_printed(results):
         return None
-    chord, along = (0.0, ""), (0.0, "")
+    chord, along, load = (0.0, ""), (0.0, ""), (0.0, "")
     for point in results.speeds:
         best = limits.best(results, point)
         if best is None or point.reduced is None or point.load_g == 0:
@@ -636,9 +637,11 @@ def sideways(results: Results) -> Values:
         tip = point.omega * point.radius
         chord = max(chord, (2 * speed * abs(math.sin(point.stagger or 0.0)) / tip, at))
         rolls = limits.lever(scene, point) / scene.damper.radius
-        pushed = coupling.shortening(point) * speed * best.amplitude / tip
-        along = max(along, (pushed / rolls if rolls > 0 else 0.0, at))
-    notable = {name: each for name, each in (("chord", chord), ("along", along)) if each[0] > scene.accuracy.damping}
+        nearer = abs(coupling.shortening(point)) * speed
+        along = max(along, (nearer * best.amplitude / tip / rolls if rolls > 0 else 0.0, at))
+        load = max(load, (nearer * speed / (point.omega * tip), at))
+    shares = {"chord": chord, "load": load, "along": along}
+    notable = {name: each for name, each in shares.items() if each[0] > scene.accuracy.damping}
     return {"notable": notable} if notable else None
 
 

@@ -11,7 +11,7 @@ from workflows.formatting import turning
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
-from workflows.solve import engine_orders, limits
+from workflows.solve import engine_orders, limits, remedies
 from workflows.solve.excitation import HELPS
 from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint, VibrationReduction
 
@@ -39,8 +39,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = _goes_on(results, point, figures.cutoff)
-            sideways = figures.driven_from is not None
-            of = {"cutoff": figures.cutoff, "last": last, "sideways": sideways}
+            of = {"cutoff": figures.cutoff, "last": last, "sooner": figures.driven_from is not None}
             held.setdefault(phrase("answer/held", results, **of), []).append(point)
     return said("answer/between", results, ranges=ranges, held=held)
 
@@ -81,7 +80,7 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if not locked or limits.endured(results) is None or results.scene.damper is None:
         return None
     point = min(locked, key=lambda each: each.load_g)
-    remedy = limits.what_moves(results, point)
+    remedy = remedies.what_moves(results, point)
     if remedy is None:
         return None
     known = {name: value for name, value in remedy._asdict().items() if not math.isnan(value)}
@@ -370,7 +369,7 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     """What the ball does at a crossing: by how much, at which levels, and why not at the others; by sentences."""
     if reduction.reason or not math.isfinite(reduction.range[0]):
         held = not reduction.reason and reduction.moves_from >= reduction.endured_level
-        friction = limits.friction_that_moves(results, reduction) if held else math.nan
+        friction = remedies.friction_that_moves(results, reduction) if held else math.nan
         return said("answer/no_order", results, it=reduction, unit=unit, friction=friction)
     low, high = reduction.range
     most = 1 - reduction.ratio

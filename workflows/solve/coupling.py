@@ -182,20 +182,16 @@ def shortening(point: SpeedPoint) -> float:
 
 
 def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
-    """What moves a ball at rest at all over what moves it along x."""
-    sideways = moves_sideways_from(system, point)
-    return sideways / system.amplitude_of(system.break_away_threshold) if sideways < math.inf else 1.0
+    """What moves a ball at rest at all over what moves it along x by the forces that its motion counts."""
+    first = moves_first_from(system, point)
+    return first / system.amplitude_of(system.break_away_threshold) if first < math.inf else 1.0
 
 
-def moves_sideways_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
-    """Amplitude along x [m] from which on a ball that begins at rest moves sideways before it does along x; inf: none.
+def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+    """Amplitude along x [m] from which on a resting ball moves before its counted motion begins; inf: it does not.
 
-    A vibration u = A cos(omega t) along the leading mode's shape s drives the ball by omega² s u, less the load's pull
-    down the slope and with its pull outwards in the plane of rotation, e. The place moves by c u u' towards the axis
-    and by (s e) u' round it: Coriolis forces push the ball along e by 2 Omega c u u', and change the load by
-    2 Omega (s e) u', as it pulls down the slope, too. What holds the ball goes with the load, and is the same in all
-    directions. Without stagger Coriolis forces change nothing while c Omega omega A² is less than half of what holds:
-    they are zero where the drive is largest. On a floor that leans the wall holds the ball as well: none of it counts.
+    Coriolis forces grow with the square of the amplitude, and move it in any case where 2 c Omega omega u u' reaches
+    twice what holds it. A ball at a wall is held by that as well: there none of it counts.
     """
     alone = system.amplitude_of(system.break_away_threshold)
     turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
@@ -204,25 +200,43 @@ def moves_sideways_from(system: damper.ParticleDamper, point: SpeedPoint) -> flo
     most = min(alone, most)
     if turn == 0 or system.half_gap[0] == 0 or not 0 < most < math.inf or any(system.lateral_pull):
         return math.inf
+    amplitude = np.linspace(0.0, most, 201)
+    excess = load * grip_needed(system, point, amplitude) - hold
+    first = int(np.argmax(excess > 1e-6 * hold))
+    begin = float(np.interp(0.0, excess[first - 1 : first + 1], amplitude[first - 1 : first + 1])) if first else alone
+    return begin if begin < NOTABLE * alone else math.inf
+
+
+def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
+    """Force along the floor that a ball at rest needs, over that on the floor, at amplitudes (n,) along x [m]; (n,).
+
+    A vibration u along the leading mode's shape s moves the place by s u along the floor and by c u²/2 towards the
+    axis. The ball is driven by -s u'', by the pull outwards in the plane of rotation, e, and along e by the Coriolis
+    acceleration of the shortening, 2 Omega c u u'. It is pressed by the load less c Omega² u²/2, by the shortening's
+    acceleration, c (u'² + u u''), and by the Coriolis acceleration 2 Omega (s e) u'; a floor that tilts turns each of
+    the two a little into the other.
+    """
+    turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
+    nearer = shortening(point)
     outwards = np.array([math.sin(system.stagger), -math.cos(system.stagger)])
     shape, slope = np.array([1.0, 0.0]), np.array([system.floor_tilt[0], 0.0])
     if system.modes is not None:
         mode = system.modes[system.leading(0)]
         shape, slope = np.array(mode.shape) / mode.shape[0], np.array(mode.slope) / mode.shape[0]
-    chord = float(shape @ outwards)
-    drive = omega**2 * shape - load * slope + turn**2 * chord * outwards
-    push = 2 * turn * (nearer * outwards - chord * slope)
-    amplitude, phase = np.linspace(0.0, most, 201), np.linspace(-math.pi / 2, math.pi / 2, 101)[:, None]
+    chord, phase = float(shape @ outwards), np.linspace(-math.pi / 2, math.pi / 2, 101)[:, None]
     u, velocity = amplitude * np.cos(phase), -omega * amplitude * np.sin(phase)
-    force = [along * u + by_velocity * u * velocity for along, by_velocity in zip(drive, push, strict=True)]
-    held = hold * np.maximum(1 + 2 * turn * chord * velocity / load, 0.0)
-    excess = (np.hypot(*force) - held).max(axis=0)
-    first = int(np.argmax(excess > 1e-6 * hold))
-    begin = float(np.interp(0.0, excess[first - 1 : first + 1], amplitude[first - 1 : first + 1])) if first else alone
-    return begin if begin < _NOTABLE * alone else math.inf
+    pressed = load + 2 * turn * chord * velocity + nearer * (velocity**2 - (omega**2 + turn**2 / 2) * u**2)
+    force, along = pressed, []
+    for s, e, tilt in zip(shape, outwards, slope, strict=True):
+        driven = (omega**2 * s + turn**2 * chord * e) * u + 2 * turn * nearer * e * u * velocity
+        cosine, sine = np.cos(tilt * u), np.sin(tilt * u)
+        along.append(driven * cosine - pressed * sine)
+        force = force * cosine + driven * sine
+    needed: np.ndarray = (np.hypot(*along) / np.maximum(force, 1e-9 * load)).max(axis=0)
+    return needed
 
 
-_NOTABLE = 0.99
+NOTABLE = 0.99
 """Share of the amplitude that moves a ball along x below which it counts that something moves it before."""
 
 

@@ -116,7 +116,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
         level = None if judged is system else copy_fields(Figures, falling(in_leading_modes(system)))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
-    more["sideways"] = coupling.moves_sideways_from(judged, point)
+    more["first"] = coupling.moves_first_from(judged, point)
     return replace(point, damper=damping, damping_curve=OwnFigures.of(figures(judged), point.tilt_share, **more))
 
 

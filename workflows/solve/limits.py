@@ -14,7 +14,6 @@ import numpy as np
 from damper import contact as contacts
 from damper.contact import Contact, Solid
 from workflows.scene import plate_mesh
-from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
 from workflows.solve.results import (
@@ -26,7 +25,6 @@ from workflows.solve.results import (
     Results,
     SpeedPoint,
     Verdict,
-    VibrationReduction,
     copy_fields,
 )
 
@@ -316,147 +314,12 @@ def endured(results: Results) -> float | None:
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
-class Remedy(NamedTuple):
-    """What would set a resting ball rolling at a speed, each by itself; nan where it would not.
-
-    Attributes:
-        amplitude: from which on the ball moves [m].
-        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent, or
-            a floor that leans, holds it.
-        radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
-        omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
-        without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
-    """
-
-    amplitude: float
-    rolling_friction: float = math.nan
-    radius: float = math.nan
-    omega: float = math.nan
-    without_dent: float = math.nan
-
-
-def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
-    """What would set a resting ball rolling at a speed; None where no load holds it, or nothing drives it.
-
-    It rolls on a level floor where w1² A |1 - tau| > a_c b / r: the acceleration of the structure with the ball stuck,
-    without the share of it that the tilt takes, is above the load times the rolling friction over the radius. Without a
-    plate no amplitude is known to be the greatest, and there is the least amplitude alone.
-    """
-    damper, figures, reduced, limit = results.scene.damper, point.damping_curve, point.reduced, endured(results)
-    if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
-        return None
-    if limit is None:
-        return Remedy(figures.cutoff)
-    ease = limit / figures.drives_from
-    dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
-    slope = dent + lean
-    radius = (
-        math.nan
-        if slope > 0
-        else damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
-    )
-    return Remedy(
-        figures.cutoff,
-        _eased(results, point, ease),
-        radius if 2 * radius < room(results.scene) else math.nan,
-        _slower(results, point, rolls + slope, limit),
-        figures.drives_from * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
-    )
-
-
-def friction_that_moves(results: Results, reduction: VibrationReduction) -> float:
-    """Rolling friction up to which the ball moves at a crossing, at the greatest level that the plate endures [m].
-
-    With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
-    """
-    near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
-    own = near.damping_curve
-    alone = own.cutoff / own.drives_from if own is not None and own.driven_from is not None else 1.0
-    return _eased(results, near, alone * reduction.endured_level / reduction.moves_from)
-
-
-def _dent(results: Results, point: SpeedPoint) -> float:
-    """Slope of the dent that holds a ball at rest, as far as it is counted in."""
-    return rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
-
-
-def _lean(damper: Damper, point: SpeedPoint) -> float:
-    """Slope of the load along a floor that does not face it, by which it holds a ball at a wall."""
-    rises = 0.0  # the slope of a hollow floor at the wall
-    if damper.floor_radius is not None:
-        rises = (damper.cavity[0] / 2 - damper.radius) / (damper.floor_radius[0] - damper.radius)
-    return max(abs(point.lean[0]) / point.pressing - rises, 0.0)
-
-
-def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
-    """Rolling friction with which so much of the force that moves a resting ball would do [m]; nan: not even none."""
-    damper = results.scene.damper
-    if damper is None:
-        return math.nan
-    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(damper, point)
-    left = ease * (rolls + slope) - slope
-    return damper.radius * left if left > 0 or slope == 0 else math.nan
-
-
 def room(scene: Scene) -> float:
     """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it; inf: not known."""
     damper, plate = scene.damper, scene.plate
     if damper is None or plate is None or plate.length is None or damper.housing is not None:
         return math.inf
     return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
-
-
-def _larger(reduced: Reduced, tilt_share: float, ease: float, *, grows: bool) -> float:
-    """Ratio of radii from which on a ball moves whose drive is so much of what it takes; nan where none does.
-
-    The drive falls where the mass `grows` with the radius: (w1² - G kappa)(ratio), by which the ratio is divided again,
-    rises to the smallest solution.
-    """
-    if not grows or tilt_share >= 1:
-        return 1 / ease
-    ball, stiffer = reduced.M1 - reduced.M2, reduced.K1 - reduced.K2
-    pull = tilt_share * reduced.K1 / reduced.M1
-    drive, ratio = (1 - tilt_share) * reduced.K1 / reduced.M1, 1 / ease
-    for _ in range(_ROUNDS):
-        heavier = ratio**3
-        now = (reduced.K2 + stiffer * heavier) / (reduced.M2 + ball * heavier) - pull
-        if now <= 0:
-            return math.nan
-        last, ratio = ratio, drive / now / ease
-        if abs(ratio - last) <= 1e-9 * ratio:
-            return ratio
-    return math.nan
-
-
-_ROUNDS = 200
-"""After which a ratio of radii that still grows has no end."""
-
-
-def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float) -> float:
-    """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
-
-    The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
-    at one speed alone its change is not known. A structure has one frequency. It is no less than a speed at which the
-    ball is known to move.
-    """
-    if point.tilt_share >= 1:
-        return math.nan
-
-    def drive(each: SpeedPoint) -> float:
-        return 0.0 if each.reduced is None else (2 * math.pi * each.reduced.f1_hz) ** 2 * (1 - each.tilt_share)
-
-    square, slope = point.omega**2, 0.0
-    others = [each for each in results.speeds if each.reduced is not None and each.omega != point.omega]
-    if others:
-        below = [each for each in others if each.omega < point.omega]
-        other = max(below, key=lambda each: each.omega) if below else min(others, key=lambda each: each.omega)
-        slope = (drive(point) - drive(other)) / (square - other.omega**2)
-    elif results.scene.given is None:
-        return math.nan
-    largest = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
-    moving = [p.omega**2 for p in others if p.damping_curve is not None and p.damping_curve.cutoff < limit]
-    largest = max([largest, *(each for each in moving if each < square)])
-    return math.sqrt(largest) if 0 < largest < square else math.nan
 
 
 def deflection_governs(results: Results) -> bool:

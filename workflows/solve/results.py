@@ -216,8 +216,8 @@ class OwnFigures(Figures):
     tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
     """that over load_g"""
     driven_from: Annotated[MaybeUnknown, quantity("m")] = field(default=None, repr=False)
-    """amplitude from which on a ball at rest moves along x, where it may move sideways below, from the cut-off on, by
-    Coriolis forces or under a stagger; else null"""
+    """amplitude from which on a ball at rest moves along x by the forces that the sweeps count, where others may move
+    it from the cut-off on: Coriolis forces, a pull sideways under a stagger, a load that varies; else null"""
 
     @property
     def ways_differ(self) -> bool:
@@ -230,22 +230,22 @@ class OwnFigures(Figures):
         measured: damper.DampingCurve,
         tilt_share: float = 0.0,
         level: Figures | None = None,
-        sideways: float = math.inf,
+        first: float = math.inf,
         **more: Any,
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor.
 
-        `sideways`: amplitude from which on a ball at rest moves sideways first [m].
+        `first`: amplitude from which on forces that were not counted move a ball at rest [m].
         """
         ways = {way: getattr(measured, way) or measured for way in OTHER_WAYS}
-        more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, sideways)) for way, each in ways.items()}
-        if sideways < measured.cutoff:
-            more |= {"driven_from": measured.cutoff, "cutoff": sideways}
+        more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, first)) for way, each in ways.items()}
+        if first < measured.cutoff:
+            more |= {"driven_from": measured.cutoff, "cutoff": first}
         return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
 
     @property
     def drives_from(self) -> float:
-        """Amplitude from which on a ball at rest moves along x [m]."""
+        """Amplitude from which on the forces that the sweeps count move a ball at rest [m]."""
         return self.cutoff if self.driven_from is None else self.driven_from
 
 
@@ -324,8 +324,8 @@ class Verdict:
     reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
     endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the drive), no_loss,
-    not_found, ball_weight, sideways (it moves so first, which is not counted), slip, printed_equations,
-    ball_density, root_stress, contact (ball or floor yields fully under the load)"""
+    not_found, ball_weight, sideways (forces that are not counted move it first, see driven_from), slip,
+    printed_equations, ball_density, root_stress, contact (ball or floor yields fully under the load)"""
 
     @classmethod
     def without_figures(cls, grade: Grade, reason: Reason, damping_ratio: float | None = None) -> Verdict:

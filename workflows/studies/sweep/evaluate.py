@@ -253,8 +253,8 @@ def _fill(row: Any, point: SpeedPoint) -> None:
 def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
     damper = each.verdict_damper
-    curve, sideways = damper_curve(damper, known, **how), coupling.moves_sideways_from(damper, each.point)
-    point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, sideways=sideways))
+    curve, first = damper_curve(damper, known, **how), coupling.moves_first_from(damper, each.point)
+    point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
     _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     row["grade"] = verdict.rank

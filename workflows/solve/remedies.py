@@ -1,0 +1,162 @@
+"""What would set a resting ball rolling: less rolling friction, a larger ball, a lower speed, a larger amplitude."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from workflows.scene.damper import Damper
+from workflows.solve import coupling
+from workflows.solve.damper import verdict_damper
+from workflows.solve.limits import endured, lever, rim_slope, room
+from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
+
+
+class Remedy(NamedTuple):
+    """What would set a resting ball rolling at a speed, each by itself; nan where it would not.
+
+    Attributes:
+        amplitude: from which on the ball moves [m].
+        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent, or
+            a floor that leans, holds it.
+        radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
+        omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
+        without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
+    """
+
+    amplitude: float
+    rolling_friction: float = math.nan
+    radius: float = math.nan
+    omega: float = math.nan
+    without_dent: float = math.nan
+
+
+def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
+    """What would set a resting ball rolling at a speed; None where no load holds it, or nothing drives it.
+
+    It rolls on a level floor where w1² A |1 - tau| > a_c b / r: the acceleration of the structure with the ball stuck,
+    without the share of it that the tilt takes, is above the load times the rolling friction over the radius. Without a
+    plate no amplitude is known to be the greatest, and there is the least amplitude alone.
+    """
+    damper, figures, reduced, limit = results.scene.damper, point.damping_curve, point.reduced, endured(results)
+    if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
+        return None
+    if limit is None:
+        return Remedy(figures.cutoff)
+    ease = _ease(results, point, limit)
+    dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
+    slope = dent + lean
+    radius = (
+        math.nan
+        if slope > 0
+        else damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
+    )
+    return Remedy(
+        figures.cutoff,
+        _eased(results, point, ease),
+        radius if 2 * radius < room(results.scene) else math.nan,
+        _slower(results, point, rolls + slope, limit),
+        figures.drives_from * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
+    )
+
+
+def friction_that_moves(results: Results, reduction: VibrationReduction) -> float:
+    """Rolling friction up to which the ball moves at a crossing, at the greatest level that the plate endures [m].
+
+    With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
+    """
+    near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
+    share, own = reduction.endured_level / reduction.moves_from, near.damping_curve
+    return _eased(results, near, share if own is None else _ease(results, near, share * own.cutoff))
+
+
+def _ease(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """Force that moves a resting ball at an amplitude [m], over the force that does."""
+    own, damper = point.damping_curve, results.scene.damper
+    if own is None or damper is None:
+        return math.nan
+    counted = amplitude / own.drives_from
+    if own.driven_from is None:
+        return counted
+    system = verdict_damper(results.scene, results.effects, point)
+    (grip,) = coupling.grip_needed(system, point, np.array([amplitude]))
+    whole = float(grip) / (lever(results.scene, point) / damper.radius + _dent(results, point))
+    return whole if counted < coupling.NOTABLE * whole else counted
+
+
+def _dent(results: Results, point: SpeedPoint) -> float:
+    """Slope of the dent that holds a ball at rest, as far as it is counted in."""
+    return rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
+
+
+def _lean(damper: Damper, point: SpeedPoint) -> float:
+    """Slope of the load along a floor that does not face it, by which it holds a ball at a wall."""
+    rises = 0.0  # the slope of a hollow floor at the wall
+    if damper.floor_radius is not None:
+        rises = (damper.cavity[0] / 2 - damper.radius) / (damper.floor_radius[0] - damper.radius)
+    return max(abs(point.lean[0]) / point.pressing - rises, 0.0)
+
+
+def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
+    """Rolling friction with which so much of the force that moves a resting ball would do [m]; nan: not even none."""
+    damper = results.scene.damper
+    if damper is None:
+        return math.nan
+    rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(damper, point)
+    left = ease * (rolls + slope) - slope
+    return damper.radius * left if left > 0 or slope == 0 else math.nan
+
+
+def _larger(reduced: Reduced, tilt_share: float, ease: float, *, grows: bool) -> float:
+    """Ratio of radii from which on a ball moves whose drive is so much of what it takes; nan where none does.
+
+    The drive falls where the mass `grows` with the radius: (w1² - G kappa)(ratio), by which the ratio is divided again,
+    rises to the smallest solution.
+    """
+    if not grows or tilt_share >= 1:
+        return 1 / ease
+    ball, stiffer = reduced.M1 - reduced.M2, reduced.K1 - reduced.K2
+    pull = tilt_share * reduced.K1 / reduced.M1
+    drive, ratio = (1 - tilt_share) * reduced.K1 / reduced.M1, 1 / ease
+    for _ in range(_ROUNDS):
+        heavier = ratio**3
+        now = (reduced.K2 + stiffer * heavier) / (reduced.M2 + ball * heavier) - pull
+        if now <= 0:
+            return math.nan
+        last, ratio = ratio, drive / now / ease
+        if abs(ratio - last) <= 1e-9 * ratio:
+            return ratio
+    return math.nan
+
+
+_ROUNDS = 200
+"""After which a ratio of radii that still grows has no end."""
+
+
+def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float) -> float:
+    """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
+
+    The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
+    at one speed alone its change is not known. A structure has one frequency. It is no less than a speed at which the
+    ball is known to move.
+    """
+    if point.tilt_share >= 1:
+        return math.nan
+
+    def drive(each: SpeedPoint) -> float:
+        return 0.0 if each.reduced is None else (2 * math.pi * each.reduced.f1_hz) ** 2 * (1 - each.tilt_share)
+
+    square, slope = point.omega**2, 0.0
+    others = [each for each in results.speeds if each.reduced is not None and each.omega != point.omega]
+    if others:
+        below = [each for each in others if each.omega < point.omega]
+        other = max(below, key=lambda each: each.omega) if below else min(others, key=lambda each: each.omega)
+        slope = (drive(point) - drive(other)) / (square - other.omega**2)
+    elif results.scene.given is None:
+        return math.nan
+    largest = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
+    moving = [p.omega**2 for p in others if p.damping_curve is not None and p.damping_curve.cutoff < limit]
+    largest = max([largest, *(each for each in moving if each < square)])
+    return math.sqrt(largest) if 0 < largest < square else math.nan
