@@ -136,7 +136,7 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     fan = ParticleDamper(0.1174, (69084.3, 939796.0), 0.030827, 2.5e-3, (6e-3, 6e-3), 30729.3, 0.6, 0.2, 1e-5,
                          rotation=314.16, stagger=0.79408, modes=modes, break_away=1.2375e-4)  # fmt: skip
     goal = objectives.LeastDamping(1e-3, 3e-3, (314.16,))
-    there = SimpleNamespace(verdict_damper=fan, point=SimpleNamespace(omega=314.16))
+    there = SimpleNamespace(verdict_damper=fan, point=SimpleNamespace(reduced=None, omega=314.16))
     first = goal.worth([there], quick=False)
     found = goal.scattered(first, there)
     like = (replace(fan, restitution=0.6 * (1 + k * 1e-9)) for k in range(1, 4))
@@ -254,6 +254,22 @@ def test_the_cutoff_is_that_of_the_damper():
         assert each.damper.floor_tilt[0] > 1.0
         ratio = objectives.bound_of(each.damper, 3e-3)
         assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(each.damper, (3e-3, 0.0)))
+
+
+def test_a_design_says_what_else_moves_its_ball():
+    """Under a stagger, the load's pull round the axis; the same figures as of a run of that design."""
+    turned = {"rotor__stagger": "60 deg", "rotor__speeds": ["10000 rpm"], "damper__rolling_friction": "0.005 mm"}
+    scene = as_scene_file(changed(SHIPPED_DESIGN, **turned))
+    space, shares = spaces.design_space(scene), np.array([0.5, 0.8, 0.5, 0.0])
+    (found,) = spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)
+    plan = space.plan(shares[None])
+    case = next(evaluate.damper_cases(scene, plan, 0, PlateCache(), evaluate.empty(plan.size), []))
+    (point,) = spindamp.run(case.scene).speeds
+    assert found.cutoff == pytest.approx(point.damping_curve.cutoff, rel=1e-3)
+    assert found.driven_from == pytest.approx(point.damping_curve.driven_from, rel=1e-3)
+    assert found.cutoff < found.driven_from
+    said = " ".join(report._said("damping", space, Optimum(shares, replace(found, bound=1.0), 1)))
+    assert f"from there to {1e3 * found.driven_from:.3g} mm is not counted: Coriolis forces, a pull sideways" in said
 
 
 def test_the_search_finds_a_known_optimum(slow):

@@ -60,7 +60,9 @@ class Evaluation:
         bound: what no ball of its mass in its room can better, at the goal's own amplitudes, speeds and forces; nan
             where there is no such figure.
         speed: at which the value is taken [rad/s]; amplitude: at which [m]; order: of the engine, 0 without.
-        cutoff: largest amplitude over the speeds up to which the ball stays at rest [m]; at cutoff_speed [rad/s].
+        driven_from: largest amplitude over the speeds from which on the forces that the motion counts move a ball at
+            rest [m]; at cutoff_speed [rad/s].
+        cutoff: up to which it stays at rest there [m]: other forces may move it before.
         without: amplitude without any ball that the value stands beside [m]; nan where there is none.
         grows: by how much the force may grow at most before no ball is left at rest [-]; nan without a force.
         dent: the dent's part of what holds the ball at rest [-].
@@ -91,6 +93,7 @@ class Evaluation:
     sticks_out: float = 0.0
     falling: float = math.nan
     greatest: float = math.nan
+    driven_from: float = math.nan
 
     @property
     def impossible(self) -> bool:
@@ -128,26 +131,35 @@ class LeastDamping:
 
     def screened(self, cases: list[DamperCase]) -> Evaluation | None:
         """What a damper is worth that the load holds at the least amplitude, by formula; None for any other."""
-        cutoff, worst, bound = self._limits(cases)
-        if cutoff < self.low:
+        held = self._held(cases)
+        if held.driven_from < self.low:
             return None
-        lost = math.log(cutoff / self.low) if math.isfinite(cutoff) else _NEVER
-        dent = next(dent_of(each.verdict_damper) for each in cases if each.point.omega == worst)
-        return Evaluation(0.0, -lost, bound, worst, self.low, cutoff, worst, dent=dent, why=Obstacle("held"))
+        lost = math.log(held.driven_from / self.low) if math.isfinite(held.driven_from) else _NEVER
+        return replace(held, score=-lost)
 
-    def _limits(self, cases: list[DamperCase]) -> tuple[float, float, float]:
-        """Largest cut-off [m], the speed where that is [rad/s], and the bound."""
-        dampers = [(each.verdict_damper, each.point.omega) for each in cases]
-        cutoff, worst = max((cutoff_of(damper), omega) for damper, omega in dampers)
-        return cutoff, worst, min(bound_of(damper, self.high) for damper, _ in dampers)
+    def _held(self, cases: list[DamperCase]) -> Evaluation:
+        """What is known of a damper by formula, as if the load held it."""
+        begin, worst = max(((cutoff_of(each.verdict_damper), each) for each in cases), key=lambda pair: pair[0])
+        return Evaluation(
+            0.0,
+            0.0,
+            bound=min(bound_of(each.verdict_damper, self.high) for each in cases),
+            speed=worst.point.omega,
+            amplitude=self.low,
+            cutoff=min(begin, coupling.moves_first_from(worst.verdict_damper, worst.point)),
+            cutoff_speed=worst.point.omega,
+            driven_from=begin,
+            dent=dent_of(worst.verdict_damper),
+            why=Obstacle("held"),
+        )
 
     def worth(self, cases: list[DamperCase], *, quick: bool) -> Evaluation:
         """What a damper is worth that moves on its structure at every speed."""
-        cutoff, worst, bound = self._limits(cases)
         every = [(*self._measured(each, QUICK if quick else {}), each.point.omega) for each in cases]
         value, amplitude, _, speed = min(every)
         falling, why = min(each[2] for each in every), None if value > 0 else Obstacle("lossless")
-        return Evaluation(value, value, bound, speed, amplitude, cutoff, worst, why=why, falling=falling)
+        held = self._held(cases)
+        return replace(held, value=value, score=value, speed=speed, amplitude=amplitude, falling=falling, why=why)
 
     def scattered(self, found: Evaluation, there: DamperCase) -> Evaluation:
         """What a damper is worth by further measurements too, `there` at its speed, where they scatter.
@@ -224,6 +236,7 @@ class CrossedDamper:
         system: the damper there; unloaded: the same without the ball's pull on the structure; axis: along which of
             its axes the amplitude is; harmonic: what drives it there.
         leads: whether the mode is the one that yields most along x, of which free vibration tells.
+        share: what moves a ball at rest at all over what moves it by the forces that its motion counts.
         speeds: between which the order is looked at [rad/s].
     """
 
@@ -233,6 +246,7 @@ class CrossedDamper:
     axis: int
     harmonic: Harmonic
     leads: bool
+    share: float
     speeds: tuple[float, float]
 
     def at(self, omega: float) -> tuple[ParticleDamper, Harmonic]:
@@ -333,7 +347,8 @@ def crossing_objective(
     system = particle_damper(scene, effects, point, followed)
     bare = without_pull(system, scene, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
-    return CrossedDamper(crossing, system, bare, axis, harmonic, leads, (low, high))
+    share = coupling.resting_share(system, point) if axis == 0 else 1.0
+    return CrossedDamper(crossing, system, bare, axis, harmonic, leads, share, (low, high))
 
 
 @dataclass(frozen=True)
@@ -371,7 +386,8 @@ def linear(crossed: CrossedDamper) -> Linear:
     threshold = 4 / math.pi * system.ball_mass * nu**2 * system.half_gap[axis] * abs(1 - system.tilt_share[axis])
     without = float(np.abs(alone.without[most]))
     met = bare.speed_of(bare.without_ball)
-    return Linear(without, met, resting, float(answers.moves_from[k]), max(resting - receptance * threshold, 0.0))
+    least = max(resting - receptance * threshold, 0.0)
+    return Linear(without, met, resting, crossed.share * float(answers.moves_from[k]), least)
 
 
 def _largest(crossed: CrossedDamper, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
