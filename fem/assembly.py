@@ -11,7 +11,7 @@ in a plate it holds N:(grad w grad w), N:(grad u grad u), which carries the in-p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -245,6 +245,7 @@ class Operators:
     prestress: Array | None
     pulled: csc_array | None = None
     cavity: tuple[Array, float] | None = None
+    _places: dict[tuple[float, float], AtPlace] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for matrix in (self.stiffness, self.mass, self.geometric, self.softening, self.gyroscopic, self.pulled):
@@ -261,6 +262,17 @@ class Operators:
 
         total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
         return total if self.softening is None else sparse(total - self.softening)
+
+    @cached_property
+    def without_coriolis(self) -> Operators:
+        """The same without Coriolis forces."""
+        return self if self.gyroscopic is None else replace(self, gyroscopic=None)
+
+    def at_place(self, at: tuple[float, float]) -> AtPlace:
+        """The plate at a place (x, y) in m; made once."""
+        if at not in self._places:
+            self._places[at] = AtPlace(self, at)
+        return self._places[at]
 
     @property
     def theory(self) -> str:
@@ -492,6 +504,39 @@ def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = 
         weights.append(weight[place, function])
     where = (np.concatenate(rows), np.concatenate(columns))
     return coo_array((np.concatenate(weights), where), shape=(3 * len(places), model.dofs)).tocsc()
+
+
+@dataclass(frozen=True, eq=False)
+class AtPlace:
+    """A plate at a place: the rows that read its motion there, and what a ball there adds to it.
+
+    Attributes:
+        operators: of the plate; at: place (x, y) [m].
+    """
+
+    operators: Operators
+    at: tuple[float, float]
+
+    @cached_property
+    def moved(self) -> csc_array:
+        """Rows (3, n) for u, v and w."""
+        return point_rows(self.operators.model, self.at)
+
+    @cached_property
+    def along(self) -> csc_array:
+        """Rows (3, n) for their derivatives by x."""
+        return point_rows(self.operators.model, self.at, (0,))
+
+    @cached_property
+    def across(self) -> csc_array:
+        """Rows (3, n) for their derivatives by y."""
+        return point_rows(self.operators.model, self.at, (1,))
+
+    @cached_property
+    def ball(self) -> tuple[csc_array, csc_array]:
+        """What 1 kg adds to `spinning` and to the mass, both (n, n)."""
+        heavy = with_point_mass(self.operators, self.at, 1.0)
+        return (heavy.spinning - self.operators.spinning).tocsc(), (heavy.mass - self.operators.mass).tocsc()
 
 
 def _through(rows: csc_array, matrix: Array) -> csc_array:

@@ -10,12 +10,12 @@ at the place adds, against the plate's mass. What lies beyond that span changes 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array, vstack
 
-from fem.assembly import Operators, point_rows, rows_at, uniform_load, with_point_mass
+from fem.assembly import AtPlace, Operators, rows_at, uniform_load, with_point_mass
 from fem.linalg import Array
 from fem.meshes import thickness
 from fem.modes import Divergence
@@ -63,15 +63,16 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     """
     count = diagram.frequencies_hz.shape[1]
     if operators.gyroscopic is not None:
-        operators = replace(operators, gyroscopic=None)
+        operators = operators.without_coriolis
         pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
         known = tuple((omega, state) for omega, state in pairs if state is not None)
         bases = [basis.without_coriolis for basis in diagram.bases]
         diagram = campbell(operators, diagram.omega, count, states=known, bases=bases)
-    rows = vstack([floor_rows(operators, at), csc_array(load_rows(operators))]).tocsc()
+    place = operators.at_place(at)
+    rows = vstack([floor_rows(place), csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection
-    pull = None if large else with_point_mass(operators, at, 1.0).spinning - operators.spinning
+    pull = None if large else place.ball[0]
     for part in diagram.parts:
         balls, masses = masses[: part.omega.size], masses[part.omega.size :]
         vectors = part.vectors[:, :, :count]
@@ -89,10 +90,9 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     return ModesAtPlace(diagram.omega, np.concatenate(stiffness), moved, tilted, drawn, pressed)
 
 
-def floor_rows(operators: Operators, at: tuple[float, float]) -> csc_array:
+def floor_rows(place: AtPlace) -> csc_array:
     """Rows (4, n) for a place: displacements w and v along the floor's axes, slopes w_x and -u_y."""
-    moved, along, across = (point_rows(operators.model, at, derivative) for derivative in ((), (0,), (1,)))
-    return vstack([moved[[2, 1]], along[[2]], -across[[0]]]).tocsc()
+    return vstack([place.moved[[2, 1]], place.along[[2]], -place.across[[0]]]).tocsc()
 
 
 def load_rows(operators: Operators) -> Array:

@@ -6,14 +6,14 @@ omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1. `re
 speed, `reduce_over` at all speeds of a diagram.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
-from fem.assembly import Operators, point_rows, with_point_mass
+from fem.assembly import AtPlace, Operators, with_point_mass
 from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, refine, rounding
 from fem.meshes.planform import PlaceError
 from fem.modes import Divergence, Modes, families, lowest, solve_real
@@ -89,10 +89,11 @@ def reduce_at(
     if modes is None or np.iscomplexobj(modes.shapes):
         modes = searched(operators, omega, None if modes is None else modes.state)
     index = flap_index(families(operators, modes))
-    (mode,) = flap_modes(operators, at, flap_rows(operators, at) @ modes.shapes[:, [index]])
+    place = operators.at_place(at)
+    (mode,) = flap_modes(place, flap_rows(place) @ modes.shapes[:, [index]])
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
-    stuck = _stuck(operators, modes, index, at, mass) if mass > 0.0 else free
+    stuck = _stuck(place, modes, index, mass) if mass > 0.0 else free
     return reduced(omega**2 * operators.pull(at), index, mode, mass, free, stuck)
 
 
@@ -119,23 +120,23 @@ class FlapMode:
     slope: float
 
 
-def flap_rows(operators: Operators, at: tuple[float, float]) -> Array:
+def flap_rows(place: AtPlace) -> Array:
     """Rows (2, n) that give w and its slope w_x at a place.
 
     Raises:
         PlaceError: off the plate.
     """
-    return np.vstack([point_rows(operators.model, at, d)[[2]].toarray() for d in ((), (0,))])
+    return np.vstack([rows[[2]].toarray() for rows in (place.moved, place.along)])
 
 
-def flap_modes(operators: Operators, at: tuple[float, float], motions: Array) -> list[FlapMode]:
+def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
     """Scale mass-normalised flap modes of which w and w_x (2, k) at a place are known.
 
     Raises:
         PlaceError: where one of them does not move.
     """
-    if np.abs(motions[0]).min() * np.sqrt(operators.mass.sum()) < 1e-6:
-        raise PlaceError(f"the fundamental flap mode does not move at ({at[0]:.6g}, {at[1]:.6g}) m")
+    if np.abs(motions[0]).min() * np.sqrt(place.operators.mass.sum()) < 1e-6:
+        raise PlaceError(f"the fundamental flap mode does not move at ({place.at[0]:.6g}, {place.at[1]:.6g}) m")
     return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
 
 
@@ -180,31 +181,25 @@ def flap_index(names: list[str]) -> int:
     return names.index("flap")
 
 
-def _stuck(operators: Operators, modes: Modes, index: int, at: tuple[float, float], mass: float) -> float:
+def _stuck(place: AtPlace, modes: Modes, index: int, mass: float) -> float:
     """Squared frequency of the mode that the flap mode becomes when a mass sticks to the plate."""
-    heavy = with_point_mass(operators, at, mass)
+    heavy = with_point_mass(place.operators, place.at, mass)
     stiffness, _ = linearise(heavy, modes.omega, modes.state)
-    value, _ = become(operators, modes.omega, (stiffness, heavy.mass), modes.shapes, index, at)
+    value, _ = become(place, modes.omega, (stiffness, heavy.mass), modes.shapes, index)
     return value
 
 
 def become(
-    operators: Operators,
-    omega: float,
-    stuck: tuple[csc_array, csc_array],
-    shapes: Array,
-    index: int,
-    at: tuple[float, float],
+    place: AtPlace, omega: float, stuck: tuple[csc_array, csc_array], shapes: Array, index: int
 ) -> tuple[float, Array]:
     """Follow one of a plate's shapes when a mass sticks to it at a place.
 
     Args:
-        operators: of the plate without the mass.
+        place: on the plate without the mass.
         omega: speed [rad/s].
         stuck: stiffness and mass (n, n) with the mass.
         shapes: of the plate without it, shape (n, k).
         index: number of the shape.
-        at: place (x, y) [m].
 
     Returns:
         Eigenvalue [rad²/s²] and shape (n,) of the mode in which the plate moves most alike.
@@ -219,8 +214,8 @@ def become(
         raise Divergence(omega, 0.0) from None
     if factor.negative:
         raise Divergence(omega, lowest(stiffness, mass, lanczos(factor, mass, 1)[0]), factor.negative)
-    start = np.column_stack([shapes, factor.solve(point_rows(operators.model, at).toarray().T)])
-    value, shape = refine(stiffness, mass, start, index, factor, operators.mass)
+    start = np.column_stack([shapes, factor.solve(place.moved.toarray().T)])
+    value, shape = refine(stiffness, mass, start, index, factor, place.operators.mass)
     if value <= 0.0:
         raise Divergence(omega, value)
     return value, shape
@@ -268,26 +263,30 @@ class Reduction:
     """A plate at a place and at every speed of a diagram, to be reduced with balls of any mass.
 
     What the ball has no part in is done once. Raises as `reduce_over` does.
+
+    Attributes:
+        operators: of the plate, without Coriolis forces unless its deflection is large; diagram: its modes.
+        at: place (x, y) [m].
     """
 
     def __init__(self, operators: Operators, diagram: Campbell, at: tuple[float, float]) -> None:
         self._bent = operators.effects.large_deflection
         if operators.gyroscopic is not None and not self._bent:
-            operators = replace(operators, gyroscopic=None)
+            operators = operators.without_coriolis
             bases = [basis.without_coriolis for basis in diagram.bases]
             diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
-        self._operators, self._diagram, self._at = operators, diagram, at
+        self.operators, self.diagram, self.at = operators, diagram, at
         if self._bent:
             return
         self._indices = [flap_index(names) for names in diagram.families]
-        self._family = _Family(operators, at, diagram, self._indices)
+        self._family = _Family(operators.at_place(at), diagram, self._indices)
         self._free, motions = self._family.follow(np.zeros(diagram.omega.size))
-        self._modes = flap_modes(operators, at, motions)
+        self._modes = flap_modes(operators.at_place(at), motions)
 
     def with_ball(self, *, ball_mass: float | None = None, mass_ratio: float | None = None) -> list[Reduced]:
         """Reduced parameters for a ball_mass in kg or as m_p / M2, at every speed."""
         check_mass(ball_mass, mass_ratio)
-        operators, diagram, at = self._operators, self._diagram, self._at
+        operators, diagram, at = self.operators, self.diagram, self.at
         if self._bent:
             pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
             return [
@@ -318,13 +317,10 @@ def _between(squares: Array, nodes: list[int]) -> list[int]:
 class _Family:
     """The plate with balls stuck to it: K(Omega) + Omega² m K_a and M + m M_a, of 1 kg at the damper's place."""
 
-    def __init__(self, operators: Operators, at: tuple[float, float], diagram: Campbell, indices: list[int]) -> None:
-        heavy = with_point_mass(operators, at, 1.0)
-        self._operators = operators
-        self._spinning = (heavy.spinning - operators.spinning).tocsc()
-        self._mass = (heavy.mass - operators.mass).tocsc()
-        self._at = at
-        self._motion = flap_rows(operators, at)
+    def __init__(self, place: AtPlace, diagram: Campbell, indices: list[int]) -> None:
+        self._place, self._operators = place, place.operators
+        self._spinning, self._mass = place.ball
+        self._motion = flap_rows(place)
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
@@ -385,7 +381,7 @@ class _Family:
         stiffness = self._operators.at(omega) + omega**2 * mass * self._spinning
         heavy = self._operators.mass + mass * self._mass
         stuck = stiffness.tocsc(), heavy.tocsc()
-        return become(self._operators, omega, stuck, self._diagram.shapes(k), self._indices[k], self._at)
+        return become(self._place, omega, stuck, self._diagram.shapes(k), self._indices[k])
 
     def _ritz(self, span: Array, masses: Array) -> tuple[Array, Array]:
         """Squared frequencies (k,) at all speeds, and w and w_x (2, k), within a span (n, r)."""

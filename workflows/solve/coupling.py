@@ -342,15 +342,14 @@ def _place_errors(source: SceneFile) -> Iterator[None]:
 def cavity_modes(
     source: SceneFile,
     effects: dict[str, Effect],
-    operators: fem.Operators,
-    diagram: fem.Campbell,
+    plate: fem.Reduction,
     reduced: list[Reduced | None],
 ) -> list[tuple[CavityMode, ...]]:
     """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
     balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
-    reduction = fem.modes_at(operators, diagram, plate_mesh.place(source, operators.plate.mesh), np.array(balls))
+    reduction = fem.modes_at(plate.operators, plate.diagram, plate.at, np.array(balls))
     return [modes_of(reduction, n, pressed=reduction.pressed) for n in range(len(reduction.stiffness))]
 
 

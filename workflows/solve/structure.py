@@ -79,9 +79,8 @@ class PlateSolution:
         if key not in self._coupled:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
-            operators = self.discrete.choice.operators
             reduced = coupling.with_ball(source, self.reduction)
-            at_cavity = coupling.cavity_modes(source, effects, operators, self.diagram, reduced)
+            at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
             self._coupled[key] = tuple(
                 replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
                 for point, number in zip(self.points, self.numbers, strict=True)
