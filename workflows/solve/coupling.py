@@ -200,10 +200,15 @@ def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
     most = min(alone, most)
     if turn == 0 or system.half_gap[0] == 0 or not 0 < most < math.inf or any(system.lateral_pull):
         return math.inf
-    amplitude = np.linspace(0.0, most, 201)
-    excess = load * grip_needed(system, point, amplitude) - hold
-    first = int(np.argmax(excess > 1e-6 * hold))
-    begin = float(np.interp(0.0, excess[first - 1 : first + 1], amplitude[first - 1 : first + 1])) if first else alone
+    low, high = 0.0, most
+    for _ in range(2):
+        amplitude = np.linspace(low, high, 16)
+        excess = load * grip_needed(system, point, amplitude) - hold
+        first = int(np.argmax(excess > 1e-6 * hold))
+        if first == 0:
+            return math.inf
+        low, high = amplitude[first - 1 : first + 1]
+    begin = float(np.interp(0.0, excess[first - 1 : first + 1], (low, high)))
     return begin if begin < NOTABLE * alone else math.inf
 
 
