@@ -34,7 +34,7 @@ from damper.curves import (
     spread,
 )
 from damper.model import in_plane, inertia_ratio, whole
-from damper.motion import flights, prepare
+from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
@@ -118,14 +118,14 @@ def damping_curve(
     stay: int = STAY,
     reach: float = 0.0,
 ) -> DampingCurve:
-    """Measure the damper on sweeps through the amplitudes along x, the structure's own damping set aside.
+    """Measure the damper on sweeps through the amplitudes along x, the own damping of that mode set aside.
 
     A ball may have two steady motions at an amplitude: it keeps bouncing where the vibration comes down, and rolls to
     and fro without a hit where it grows. Sweeps go down and up, and the figures are those of the way up, from a ball at
     rest in the middle; `DampingCurve.from_above` has the others.
 
     Args:
-        damper: what is measured; its damping ratio has no influence.
+        damper: what is measured; the damping ratio of the mode that yields most along x has no influence.
         threads: see :func:`damper.ringdowns`.
         sweeps: down through the amplitudes, from as many starts; a half or a quarter of them where that is enough, by
             what halves of them show. Abrupt starts are at as many amplitudes an octave, up to 12.
@@ -254,9 +254,23 @@ def _read(cutoff: float, samples: Floats) -> DampingCurve:
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
-    """The damper on a structure without damping of its own, the ball out of its dent."""
-    modes = None if damper.modes is None else tuple(replace(mode, damping_ratio=None) for mode in damper.modes)
+    """The damper on a structure that is not damped in the mode that yields most along x, the ball out of its dent.
+
+    Other modes that its hits feed keep the damping of their own, or a little: they would shake the ball for ever.
+    """
+    modes = damper.modes
+    if modes is not None and kinds(damper, damper.parameters)[0] == COUPLED:
+        own = (damper.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes)
+        kept = [max(each, _OTHERS) for each in own]
+        kept[damper.leading(0)] = 0.0
+        modes = tuple(replace(mode, damping_ratio=each) for mode, each in zip(modes, kept, strict=True))
+    elif modes is not None:
+        modes = tuple(replace(mode, damping_ratio=None) for mode in modes)
     return replace(damper, damping_ratio=0.0, modes=modes, break_away=0.0)
+
+
+_OTHERS = 1e-3
+"""Least damping ratio of modes that are not measured: what air gives blades at least."""
 
 
 def _freely(damper: ParticleDamper) -> float:

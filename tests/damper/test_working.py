@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from damper import DampingCurve, ParticleDamper, damping_curve, ringdown, work_bound
+from damper import DampingCurve, Mode, ParticleDamper, damping_curve, ringdown, work_bound
 from damper.curve_measurement import STAY, swinging
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
@@ -344,6 +344,36 @@ def test_never_more_than_the_work_bound(load: float, restitution: float) -> None
     found = curve(damper)
     for amplitude, ratio in zip(found.amplitude, found.damping_ratio, strict=True):
         assert -math.expm1(-4 * math.pi * ratio) <= 1.02 * work_bound(damper, amplitude)
+
+
+@pytest.mark.parametrize("turn", [0.0, 209.0])
+def test_a_mode_that_hits_feed_shakes_no_ball_for_ever(turn: float) -> None:
+    """A further mode, sixteen times as stiff, leaves the damping in the first one: also on the way up, also staggered.
+
+    Where it was undamped it kept what hits gave it, and of a prescribed energy the first mode had but a part.
+    """
+    first, second = Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))
+    two = ParticleDamper(
+        modal_mass=0.15,
+        stiffness=(1.03e6, 1.53e7),
+        ball_mass=6.6e-4,
+        ball_radius=1.5e-3,
+        cavity=(3.8e-3, 4e-3),
+        centrifugal_acceleration=1.4e4,
+        restitution=0.6,
+        friction=0.2,
+        rolling_friction=2e-5,
+        damping_ratio=1e-3,
+        rotation=turn,
+        stagger=0.55,
+        modes=(first, second),
+    )
+    found, alone = (damping_curve(each, threads=1) for each in (two, replace(two, modes=(first,))))
+    place, below = np.log(np.geomspace(0.6e-3, 4e-3, 30)), alone.descending
+    right = np.interp(place, np.log(below.amplitude), below.damping_ratio)
+    for way in (found.descending, found.slow_ramp, found.abrupt_start):
+        assert np.interp(place, np.log(way.amplitude), way.damping_ratio) == pytest.approx(right, rel=0.05)
+    assert found.error < 0.2
 
 
 def test_own_damping_has_no_part_in_it() -> None:
