@@ -17,7 +17,7 @@ from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.report import verdict
 from workflows.scene.load import as_scene_file
-from workflows.solve import coupling, damper, limits, remedies
+from workflows.solve import coupling, damper, limits
 from workflows.solve.results import Reduced, SpeedPoint
 
 QUIET = Stages(visible=False)
@@ -414,18 +414,3 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     assert (point.verdict.grade, point.verdict.reason) == ("unknown", "sideways")
     answer = verdict.answer(held).verdict
     assert f"No verdict: at 10000 rpm {others} the ball from {1e3 * own.cutoff:.2g} mm on" in answer
-
-
-@pytest.mark.parametrize("stagger", ["0 deg", "90 deg"])
-def test_the_friction_that_sets_a_ball_rolling_counts_all_that_moves_it(stagger: str) -> None:
-    """One percent below it the plate endures what moves the ball, one above it does not; what is counted needs less."""
-    held = workflows.run(thin(rotor__stagger=stagger, damper__rolling_friction="0.05 mm"))
-    (point,) = held.speeds
-    assert point.verdict.grade == "locked"
-    friction, limit = remedies.what_moves(held, point).rolling_friction, limits.endured(held)
-    assert friction > 0.05e-3 * limit / point.damping_curve.driven_from
-    begins = []
-    for factor in (0.99, 1.01):
-        (near,) = workflows.run(thin(rotor__stagger=stagger, damper__rolling_friction=factor * friction)).speeds
-        begins.append(near.damping_curve.cutoff < limit)
-    assert begins == [True, False]

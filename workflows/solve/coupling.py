@@ -209,7 +209,7 @@ def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
             return math.inf
         low, high = amplitude[first - 1 : first + 1]
     begin = float(np.interp(0.0, excess[first - 1 : first + 1], (low, high)))
-    return begin if begin < NOTABLE * alone else math.inf
+    return begin if begin < _NOTABLE * alone else math.inf
 
 
 def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
@@ -241,7 +241,7 @@ def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.
     return needed
 
 
-NOTABLE = 0.99
+_NOTABLE = 0.99
 """Share of the amplitude that moves a ball along x below which it counts that something moves it before."""
 
 

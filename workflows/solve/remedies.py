@@ -5,11 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from workflows.scene.damper import Damper
-from workflows.solve import coupling
-from workflows.solve.damper import verdict_damper
 from workflows.solve.limits import endured, lever, rim_slope, room
 from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
 
@@ -19,8 +15,8 @@ class Remedy(NamedTuple):
 
     Attributes:
         amplitude: from which on the ball moves [m].
-        rolling_friction: up to which it moves at the amplitude that the plate endures [m]; nan where its dent, or
-            a floor that leans, holds it.
+        rolling_friction: up to which the forces that its motion counts move it at the amplitude that the plate
+            endures [m]; nan where its dent, or a floor that leans, holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
         omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
         without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
@@ -45,7 +41,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         return None
     if limit is None:
         return Remedy(figures.cutoff)
-    ease = _ease(results, point, limit)
+    ease = limit / figures.drives_from
     dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
     slope = dent + lean
     radius = (
@@ -68,22 +64,9 @@ def friction_that_moves(results: Results, reduction: VibrationReduction) -> floa
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
     near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
-    share, own = reduction.endured_level / reduction.moves_from, near.damping_curve
-    return _eased(results, near, share if own is None else _ease(results, near, share * own.cutoff))
-
-
-def _ease(results: Results, point: SpeedPoint, amplitude: float) -> float:
-    """Force that moves a resting ball at an amplitude [m], over the force that does."""
-    own, damper = point.damping_curve, results.scene.damper
-    if own is None or damper is None:
-        return math.nan
-    counted = amplitude / own.drives_from
-    if own.driven_from is None:
-        return counted
-    system = verdict_damper(results.scene, results.effects, point)
-    (grip,) = coupling.grip_needed(system, point, np.array([amplitude]))
-    whole = float(grip) / (lever(results.scene, point) / damper.radius + _dent(results, point))
-    return whole if counted < coupling.NOTABLE * whole else counted
+    own = near.damping_curve
+    alone = own.cutoff / own.drives_from if own is not None and own.driven_from is not None else 1.0
+    return _eased(results, near, alone * reduction.endured_level / reduction.moves_from)
 
 
 def _dent(results: Results, point: SpeedPoint) -> float:
