@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.errors import read_from
+from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.scene.plate_mesh import place
@@ -103,10 +104,6 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     return modal_model(operators, plate.diagram, [plate.numbers[k] for k in order], errors, at)
 
 
-UNCUT = "The scene's damper is left out: the plate is as heavy as before its cavities are cut."
-"""What a plate alone lacks."""
-
-
 def plate_only(source: SceneFile) -> SceneFile:
     """The scene without its damper.
 
@@ -115,9 +112,16 @@ def plate_only(source: SceneFile) -> SceneFile:
     """
     if source.scene.given is not None:
         raise source.wrong("the table is missing: campbell needs a plate, a blade or known modes", "[plate]")
-    damper = source.scene.damper
-    if source.scene.plate is not None and damper is not None and damper.cut:
-        source = replace(source, remarks=(*source.remarks, UNCUT))
+    damper, material = source.scene.damper, source.scene.material
+    if material is not None and damper is not None and damper.cut:
+        grams = significant(1e3 * material.density * damper.cut, 2)
+        counted = (
+            "leaves that out too" if source.scene.effects.cavity_mass is False else "includes that where it matters"
+        )
+        uncut = (
+            f"The frequencies are those of the plate without the damper, before the cavities take {grams} g out of it"
+        )
+        source = replace(source, remarks=(*source.remarks, f"{uncut}; `run` {counted} ([effects] cavity_mass)."))
     return source.plate_alone()
 
 

@@ -92,6 +92,8 @@ def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: 
     assert document["schema_version"] == 1
     point = document["speeds"][0]
     assert ("damper" in point) == ("reduced" in point) == (command != "campbell")
+    uncut = "before the cavities take 5.5 g out of it; `run` leaves that out too ([effects] cavity_mass)."
+    assert any(uncut in note for note in document["notes"]) == (command == "campbell")
     assert list(tmp_path.iterdir()) == [scene]
 
 
