@@ -44,6 +44,8 @@ def test_what_differs_is_what_was_changed(found, soft_and_stiff):
     assert len(rows) == 2 * len(soft.speeds)
     for row, point in zip(rows[1::2], stiff.speeds, strict=True):
         assert row["damping_ratio_percent"] == pytest.approx(100 * point.damping_curve.peak, rel=1e-12)
+        assert row["damping_ratio_error"] == point.damping_curve.error > 0
+        assert row["verdict"] == point.verdict.grade
     assert rows[0]["damping_ratio_percent"] > rows[1]["damping_ratio_percent"], "softer walls take more"
 
 
@@ -52,6 +54,11 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
     for name, results in zip(("soft", "stiff"), soft_and_stiff, strict=False):
         assert f"{name}: {report.headline(results)}" in text
         assert report.headline(results).removesuffix(".") in repr(results)
+        of_run = [
+            line.split()[-1] for line in text.splitlines() if line[:5].strip().isdecimal() and line.split()[1] == name
+        ]
+        assert of_run == [point.verdict.grade for point in results.speeds]
+    assert "± %: estimated relative error of the figure to its left." in text
     assert "damper.restitution" in text
 
 
