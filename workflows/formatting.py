@@ -64,6 +64,11 @@ def apart(value: float, other: float, digits: int = 2) -> int:
     return next((n for n in range(digits, 17) if significant(value, n) != significant(other, n)), digits)
 
 
+def factor(ratio: float, digits: int = 2) -> str:
+    """How many times as much something is, not rounded to once."""
+    return significant(ratio, apart(ratio, 1.0, digits))
+
+
 def span(low: float, high: float, digits: int = 2) -> str:
     """A range, or one number where both ends read the same."""
     one, other = significant(low, digits), significant(high, digits)

@@ -1,12 +1,14 @@
 """Units at the boundary: everything arrives in SI or not at all."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from workflows import formatting
+from workflows.report import templates
 from workflows.scene import quantities
 from workflows.scene.quantities import Kind, UnitError, to_si
 
@@ -135,6 +137,16 @@ def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
 def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> None:
     """One below 0 that is more than what rounding leaves keeps its digits."""
     assert formatting.percent(share, 3) == said
+
+
+def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
+    assert [formatting.factor(ratio) for ratio in (2.345, 1.043, 1.0004, 0.997)] == ["2.3", "1.04", "1.0004", "0.997"]
+    flat = [SimpleNamespace(hardness_ratio=ratio, dent_radius=1e-4) for ratio in (1.002, 1.021)]
+    (said,) = templates.said("remarks/flows", contacts=flat)
+    assert "is up to 1.02 times the hardness" in said
+    (said,) = templates.said("remarks/veering", veerings=[(1000.0, 2000.0, ["flap 2", "twist 1"])] * 5)
+    assert said.count("Between 1000 and 2000 rpm (flap 2, twist 1)") == 1
+    assert "), and at 1 further place, modes change" in said
 
 
 @pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])

@@ -154,6 +154,6 @@ def listed(items: Sequence[float | str], joint: str = "and") -> str:
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
-    formatting.apart,
+    *(formatting.apart, formatting.factor),
     *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
 )
