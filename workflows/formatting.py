@@ -69,10 +69,14 @@ def factor(ratio: float, digits: int = 2) -> str:
     return significant(ratio, apart(ratio, 1.0, digits))
 
 
+def interval(low: str, high: str, joint: str = " to ", before: str = "", alone: str = "") -> str:
+    """A range, after a word; or, where both its ends read the same, one of them, after another word."""
+    return f"{before}{low}{joint}{high}" if low != high else f"{alone}{low}"
+
+
 def span(low: float, high: float, digits: int = 2) -> str:
-    """A range, or one number where both ends read the same."""
-    one, other = significant(low, digits), significant(high, digits)
-    return one if one == other else f"{one} to {other}"
+    """The same of two numbers."""
+    return interval(significant(low, digits), significant(high, digits))
 
 
 def fixed(value: float | None, places: int = 0) -> str:
@@ -136,8 +140,8 @@ def revolutions(speeds: Sequence[float]) -> str:
     """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
     each = [f"{in_rpm(speed):.6g}" for speed in speeds]
     if len(each) > _SPEEDS_LISTED:
-        low, high = (f"{in_rpm(end(speeds)):.6g}" for end in (min, max))
-        return f"{len(each)} speeds from {low} to {high} rpm"
+        low, high = (f"{in_rpm(bound(speeds)):.6g}" for bound in (min, max))
+        return f"{len(each)} speeds {interval(low, high, before='from ', alone='at ')} rpm"
     return f"{' and '.join(part for part in (', '.join(each[:-1]), each[-1]) if part)} rpm"
 
 

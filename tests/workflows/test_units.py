@@ -149,6 +149,19 @@ def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
     assert "), and at 1 further place, modes change" in said
 
 
+def test_a_range_without_width_is_one_value() -> None:
+    assert formatting.span(3.204, 3.196) == "3.2"
+    assert formatting.interval("2", "3", " and ", "between ", "at ") == "between 2 and 3"
+    assert formatting.revolutions([366.5191, 366.5192, 366.5191, 366.5192, 366.5191]) == "5 speeds at 3500 rpm"
+    near, far = (SimpleNamespace(rpm=rpm, omega=rpm * math.pi / 30, load_g=rpm) for rpm in (3500.1, 3500.2))
+    assert templates.stretch([near, far], [near, far]) == "at 3500 rpm (3500 g)"
+    assert templates.said("phrases/between_speeds", points=[near, far]) == ["at 3500 rpm"]
+    (said,) = templates.said("remarks/veering", veerings=[(3500.1, 3500.2, ["flap 2", "twist 1"])])
+    assert said.startswith("Near 3500 rpm (flap 2, twist 1) modes change")
+    amplitudes = {"of": [(4.271e-4, 4.273e-4)], "g": 51234.0, "limited": False, "error": 0.0}
+    assert templates.said("answer/range", carrier="blade", **amplitudes) == ["at amplitudes of 0.43 mm (21.9 g)"]
+
+
 @pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])
 def test_no_whole_number_is_minus_nothing(value: float, said: str) -> None:
     assert formatting.fixed(value) == said

@@ -102,7 +102,7 @@ def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
     places = sorted(points, key=lambda point: point.load_g)
     at = sorted(places.index(point) for point in chosen)
     first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
-    if len(at) == 1:
+    if first == last:
         return f"at {first}"
     if at[-1] - at[0] >= len(at):
         among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"
@@ -154,6 +154,6 @@ def listed(items: Sequence[float | str], joint: str = "and") -> str:
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
-    *(formatting.apart, formatting.factor),
+    *(formatting.apart, formatting.factor, formatting.interval),
     *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
 )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, plain, revolutions, rounded_rpm, share, significant
+from workflows.formatting import aligned, amount, fixed, interval, plain, revolutions, rounded_rpm, share, significant
 from workflows.io.files import finite
 from workflows.laws import lawful
 from workflows.progress import Stages
@@ -182,7 +182,7 @@ def _head(results: Results) -> str:
         return f"{title}: 0 speeds"
     if len(speeds) == 1:
         return f"{title}: 1 speed, {amount(speeds[0])} rpm"
-    return f"{title}: {len(speeds)} speeds, {amount(min(speeds))} to {amount(max(speeds))} rpm"
+    return f"{title}: {len(speeds)} speeds, {interval(amount(min(speeds)), amount(max(speeds)))} rpm"
 
 
 @lawful()

@@ -20,7 +20,7 @@ from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
-from workflows.formatting import percent, share, significant
+from workflows.formatting import interval, percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
@@ -591,8 +591,8 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     known = np.array([modes.omega for modes in model.speeds])
     slack, key = modal_model.SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
-        have = f"{in_rpm(known.min()):.6g} to {in_rpm(known.max()):.6g} rpm"
-        problem = f"the modes are known from {have}: expected speeds among them, not {in_rpm(omega):.6g} rpm"
+        have = interval(f"{in_rpm(known.min()):.6g}", f"{in_rpm(known.max()):.6g}", before="from ", alone="at ")
+        problem = f"the modes are known {have} rpm: expected speeds among them, not {in_rpm(omega):.6g} rpm"
         raise source.wrong(problem, key)
     lost = np.flatnonzero(model.likeness[: source.scene.rotor.modes] < _ALIKE)
     if np.abs(known - omega).min() > slack and lost.size:

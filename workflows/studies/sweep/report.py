@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.formatting import readable, significant, whole
+from workflows.formatting import interval, readable, significant, span, whole
 from workflows.io.files import as_json, finite
 from workflows.io.folder import replacing_file
 from workflows.report import plots
@@ -133,7 +133,7 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
     from matplotlib.patches import Patch
 
     named = [
-        Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
+        Patch(color=colour, label=span(low, high))
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
     if idle:
@@ -461,7 +461,7 @@ def render(data: xr.Dataset) -> str:
         best = _best_keys(data, entries)
         best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
     drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}
-    ranges = {n: f"{_formatted(data, n, v.min())} to {_formatted(data, n, v.max())}" for n, v in drawn.items()}
+    ranges = {n: interval(_formatted(data, n, v.min()), _formatted(data, n, v.max())) for n, v in drawn.items()}
     return from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),
