@@ -151,9 +151,14 @@ def test_no_word_of_a_figure_has_the_colour_of_a_line(page: str) -> None:
 
 
 def test_engine_orders_are_answered_in_the_report(page: str, document: dict[str, Any], paper: Scene) -> None:
-    """Each crossing is where an order of the scene meets the first bending mode, and its row is that of the results."""
-    text = re.sub(r"(<[^>]+>|[ \n])+", " ", page[page.index("Under engine orders") :])
-    assert "spindamp response" in text
+    """Each crossing is where an order of the scene meets the first bending mode, and its row is that of the results.
+
+    All sentences on them stand before their table.
+    """
+    told, _, text = re.sub(r"(<[^>]+>|[ \n])+", " ", page).partition("Under engine orders")
+    assert "spindamp response computes the forced motion" in told
+    assert len(re.findall(r"At engine order \d", told)) == len(document["reductions"])
+    assert not re.search("At engine order|Estimated from free vibration[;,]|rough estimate", text)
     assert {each["order"] for each in document["reductions"]} <= set(paper["excitation"]["orders"])
     first = [speed["modes"][0]["frequency_hz"] for speed in document["speeds"]]
     for each in document["reductions"]:

@@ -162,16 +162,17 @@ class Answer:
 
     verdict: str
     sentences: tuple[str, ...]
+    leading: int = 0
 
     @property
     def lead(self) -> tuple[str, ...]:
-        """What stands before the first table."""
-        return self.sentences[:_LEAD]
+        """What stands before the first table: all on engine orders."""
+        return self.sentences[: self.leading or _LEAD]
 
     @property
     def details(self) -> tuple[str, ...]:
         """What stands below."""
-        return self.sentences[_LEAD:]
+        return self.sentences[self.leading or _LEAD :]
 
     def besides(self, notes: Sequence[str]) -> list[str]:
         """Remarks without the sentences that the answer has already."""
@@ -185,7 +186,7 @@ def answer(results: Results) -> Answer:
     (main, *clauses), sentences = _alone(results)
     orders, unsure = _orders(results), _unsure(results)
     if not orders or all(each.reason for each in results.reductions):
-        return Answer("; ".join([main, *clauses, *unsure]), (*map(" ".join, orders), *sentences))
+        return Answer("; ".join([main, *clauses, *unsure]), (*map(" ".join, orders), *sentences), len(orders))
     (first, *rest), *others = orders
     alike = "; ".join([f"{main[0].lower()}{main[1:]}".replace(": ", ", ", 1), *clauses])
     told = [each for each in results.reductions if not each.reason]
@@ -193,7 +194,8 @@ def answer(results: Results) -> Answer:
     estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
     crossings = [" ".join(each) for each in (rest, *others) if each]
     by_itself = f"Compared with the damping by air alone: {alike}."
-    return Answer("; ".join([first.removesuffix("."), *unsure]), (*crossings, estimated, by_itself, *sentences))
+    leading = (*crossings, estimated)
+    return Answer("; ".join([first.removesuffix("."), *unsure]), (*leading, by_itself, *sentences), len(leading))
 
 
 def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
@@ -280,7 +282,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
             elif k == len(stretches) - 1:
                 where = f"from {first} on"
             else:
-                inside = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
+                inside = f"at {last}" if first == last else f"from {first} to {last}"
                 where = f"up to {last}" if k - 1 in known else inside
             words.append(f"{_WORDS[rank]} {where}")
         main = ", ".join(words)

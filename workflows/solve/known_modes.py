@@ -592,7 +592,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     slack, key = modal_model.SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
         have = interval(f"{in_rpm(known.min()):.6g}", f"{in_rpm(known.max()):.6g}", before="from ", alone="at ")
-        problem = f"the modes are known {have} rpm: expected speeds among them, not {in_rpm(omega):.6g} rpm"
+        problem = f"the modes are known {have} rpm: expected a speed there, not {in_rpm(omega):.6g} rpm"
         raise source.wrong(problem, key)
     lost = np.flatnonzero(model.likeness[: source.scene.rotor.modes] < _ALIKE)
     if np.abs(known - omega).min() > slack and lost.size:
