@@ -120,11 +120,11 @@ def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
         those = [p for p in points if p.verdict and p.verdict.reason == reason]
         if those:
             where = "" if len(those) == len(points) else f" {stretch(those, points)}"
-            of = {"reason": reason, "first": those[0], "frictions": [_friction(results, point) for point in those]}
+            frictions, curves = [_friction(results, p) for p in those], [p.damping_curve for p in those]
+            of = {"reason": reason, "curves": curves, "frictions": frictions}
             flows = reason == Reason.CONTACT
             why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
-            there = "there " if where and reason != Reason.SIDEWAYS else ""  # which names a speed of its own
-            clauses.append(f"no verdict{where}: {there}{why}")
+            clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
     torn = remarks.torn_from(results)
     return clauses if torn is None else [*clauses, f"no verdict {torn}"]
 
