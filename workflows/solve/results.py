@@ -319,7 +319,7 @@ class Verdict:
     """largest damping ratio within what the structure endures; null: no verdict"""
     amplitude: Annotated[float | None, quantity("m")]
     """amplitude at the cavity where that is"""
-    useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS)]
+    useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS, headline=True)]
     """amplitudes between which the damping is at least half its peak, as far as the structure endures them"""
     reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
@@ -716,7 +716,7 @@ class SpeedPoint:
     floor is included. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
     contact: Annotated[ContactFigures | None, part(prefix="contact_")] = None
     """of the ball at rest on its floor, where their materials are known by name"""
-    verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None
+    verdict: Annotated[Verdict | None, part(prefix="verdict_")] = None
     """on the damper at this speed, from its own figures"""
     static_displacement: Annotated[float | None, quantity("m")] = field(default=None, repr=False)
     """the largest by which the centrifugal load displaces a solid blade"""

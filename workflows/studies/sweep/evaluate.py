@@ -255,8 +255,8 @@ def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurv
     damper = each.verdict_damper
     curve, sideways = damper_curve(damper, known, **how), coupling.moves_sideways_from(damper, each.point)
     point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, sideways=sideways))
-    _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
+    _fill(row, replace(point, verdict=verdict))
     row["grade"] = verdict.rank
     for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
         if value is not None:
