@@ -591,7 +591,7 @@ FILES = {
     "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
     "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
     "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
-    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m. Give the unit"),
+    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
     "in a point": (deck(scaled(0.0)), "measures 0 m"),
     "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
     "cut": (deck()[:-40], "not a (readable )?mesh file"),

@@ -132,7 +132,7 @@ REFUSED = {
     "no origin": (('origin = ["0 m", "0 m", "0 m"]\n', ""), r"\[rotor\] origin: missing: a point on the spin axis"),
     "in mm": (
         ('root = "nroot"', 'unit = "mm"'),
-        r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m in the unit given: are .* in m\?",
+        r"\[blade\] unit = 'mm': the mesh measures 0.00024 m in the unit given: are its coordinates in m\?",
     ),
     "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
     "at the root": (

@@ -219,7 +219,7 @@ def blade_of(source: SceneFile) -> Blade:
     Raises:
         BadInput: the mesh or its root is no good; it needs more memory than there is.
     """
-    from fem.meshes.volume import read_volume
+    from fem.meshes.volume import SizeError, read_volume
     from fem.solid.blade import Blade, named_root, root_at
 
     scene, path = source.scene, source.blade_mesh
@@ -230,7 +230,8 @@ def blade_of(source: SceneFile) -> Blade:
         mesh = read_volume(path, spec.scale, spec.size)
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
-        raise BadInput(text, file=source.name, key="[blade] mesh", value=spec.mesh) from error
+        key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
+        raise BadInput(text, file=source.name, key=f"[blade] {key}", value=value) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
