@@ -110,7 +110,14 @@ def solved(folder, speeds):
 
 
 REFUSED = {
-    "no set": (("nroot", "base"), r"\[blade\] root = 'base': the mesh has no set 'base': its sets are EALL, NROOT"),
+    "no set": (
+        ("nroot", "base"),
+        r"\[blade\] root = 'base': expected a set of nodes in the file \(NROOT, EALL\) or a radius",
+    ),
+    "no set but like one": (
+        ("nroot", "rnoot"),
+        r"\[blade\] root = 'rnoot': expected .* '100 mm': did you mean 'NROOT'\?",
+    ),
     "no radius": (("nroot", "1 m"), r"\[blade\] root = '1 m': no nodes lie at the radius 1 m"),
     "no file": (("fan.inp", "fin.inp"), r"\[blade\] mesh = 'fin.inp': no such file beside the scene"),
     "axis between root and tip": (
@@ -136,8 +143,8 @@ REFUSED = {
     ),
     "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
     "at the root": (
-        ('["340 mm", "26 mm", "25 mm"]', '"NROOT"'),
-        r"\[damper\] at = 'NROOT': this place is clamped: no mode moves it$",
+        ('["340 mm", "26 mm", "25 mm"]', '"nroot"'),
+        r"\[damper\] at = 'nroot': this place is clamped: no mode moves it$",
     ),
     "an effect": (
         ("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"),
