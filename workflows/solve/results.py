@@ -365,9 +365,9 @@ class VibrationReduction:
     family: Annotated[str, quantity("")]
     """what the mode does"""
     rpm: Annotated[float, quantity("rpm")]
-    """speed of the crossing without the ball"""
+    """speed of the crossing without the ball: one at which order and mode differ by no more than 1e-5 of the frequency"""
     frequency_hz: Annotated[float, quantity("Hz")]
-    """frequency there"""
+    """of the order there"""
     ratio: Annotated[Unknown, quantity("1")] = math.nan
     """least amplitude with the ball over the one without, of all levels endured; null: none"""
     level: Annotated[Unknown, quantity("1")] = math.nan
