@@ -22,7 +22,7 @@ from workflows.report.templates import stretch
 from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
-from workflows.solve import limits
+from workflows.solve import excitation, limits
 from workflows.solve.results import (
     ErrorParts,
     ForceLevel,
@@ -526,14 +526,27 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
     assert answer(results(count="64")).verdict.startswith("Of little use: at most ")
 
 
-def test_printed_equations_have_no_estimate_at_engine_orders(paper: Scene) -> None:
-    """Orders 2 and 3 meet modes within the speeds, but the printed equations know no force."""
-    said = answer(
-        workflows.run(changed(paper, damper__formulation="printed", release__cycles=2, accuracy__frequency=0.02))
-    )
-    assert said.verdict == "No verdict: the equations as printed do not conserve energy"
+@pytest.mark.parametrize(
+    ("changes", "verdict", "reason"),
+    [
+        (
+            {"formulation": "printed"},
+            "the equations as printed do not cons",
+            "the equations as printed support no force",
+        ),
+        ({"count": 1}, "a ball of radius 1 mm and 1", "no solid is as dense as this ball"),
+    ],
+)
+def test_a_damper_that_is_refused_has_no_estimate_at_engine_orders(
+    changes: dict[str, Any], verdict: str, reason: str, paper: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Orders 2 and 3 meet modes within the speeds; where, is not solved."""
+    monkeypatch.setattr(excitation, "solved_crossings", lambda *_: pytest.fail("crossings were solved"))
+    scene = changed(paper, release__cycles=2, accuracy__frequency=0.02)
+    said = answer(workflows.run(changed(scene, **{f"damper__{key}": value for key, value in changes.items()})))
+    assert said.verdict.startswith(f"No verdict: {verdict}")
     assert [each for each in said.sentences if "ngine order" in each] == [
-        "Engine orders 2 and 3: no estimate, since the equations as printed support no force."
+        f"Engine orders 2 and 3: no estimate, since {reason}."
     ]
 
 

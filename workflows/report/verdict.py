@@ -12,7 +12,7 @@ from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits
-from workflows.solve.excitation import HELPS
+from workflows.solve.excitation import HELPS, refused
 from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
@@ -167,12 +167,12 @@ class Answer:
     @property
     def lead(self) -> tuple[str, ...]:
         """What stands before the first table: all on engine orders."""
-        return self.sentences[: self.leading or _LEAD]
+        return self.sentences[: max(self.leading, _LEAD)]
 
     @property
     def details(self) -> tuple[str, ...]:
         """What stands below."""
-        return self.sentences[self.leading or _LEAD :]
+        return self.sentences[max(self.leading, _LEAD) :]
 
     def besides(self, notes: Sequence[str]) -> list[str]:
         """Remarks without the sentences that the answer has already."""
@@ -349,8 +349,8 @@ def _orders(results: Results) -> list[list[str]]:
     excitation = results.scene.excitation
     if excitation is None or results.scene.damper is None or not results.speeds:
         return []
-    if limits.is_printed(results):
-        return [said("answer/printed_orders", results, orders=excitation.orders)]
+    if not results.reductions and (reason := refused(results)) is not None:
+        return [said("answer/refused_orders", results, orders=excitation.orders, reason=reason)]
     every = sorted(results.reductions, key=_usefulness)
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})

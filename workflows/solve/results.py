@@ -365,7 +365,7 @@ class VibrationReduction:
     family: Annotated[str, quantity("")]
     """what the mode does"""
     rpm: Annotated[float, quantity("rpm")]
-    """speed of the crossing without the ball: one at which order and mode differ by no more than 1e-5 of the frequency"""
+    """speed of the crossing without the ball, at which order and mode differ by no more than 1e-5 of the frequency"""
     frequency_hz: Annotated[float, quantity("Hz")]
     """of the order there"""
     ratio: Annotated[Unknown, quantity("1")] = math.nan
