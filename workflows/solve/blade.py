@@ -19,16 +19,8 @@ from workflows.formatting import percent, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import resources
-from workflows.solve.known_modes import (
-    Request,
-    Seat,
-    SpaceStructure,
-    about_spin_axis,
-    named_set,
-    seat_of,
-    space_structure,
-)
+from workflows.solve import known_modes, resources
+from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
 from workflows.solve.results import Floats
 
 if TYPE_CHECKING:
@@ -246,7 +238,7 @@ def blade_of(source: SceneFile) -> Blade:
     stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     try:
         if spec.root is not None and spec.root_radius is None:
-            root = named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
+            root = known_modes.named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         blade = Blade(mesh, stuff, root, about.axis, about.origin)

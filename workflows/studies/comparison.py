@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from os import PathLike
@@ -118,26 +118,22 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
 _KEYS = ("load_g", "first_frequency_hz", "cutoff_g", "damping_ratio_percent", "at_amplitude_mm")
 """Of the columns of a run's table that are put side by side at each speed."""
 
-
-def _of_frequency(point: SpeedPoint) -> float | None:
-    return None if (followed := point.followed) is None else finite(point.modes[followed].error_estimate)
-
-
-def _of_damping(point: SpeedPoint) -> float | None:
-    return None if point.damping_curve is None else finite(point.damping_curve.error)
-
-
-_written = partial(share, digits=2)
-_ERRORS = {
-    "first_frequency_hz": Column("first_frequency_error", "± %", lambda _, p: _of_frequency(p), _written),
-    "damping_ratio_percent": Column("damping_ratio_error", "± %", lambda _, p: _of_damping(p), _written),
+_ERRORS: dict[str, Callable[[SpeedPoint], float | None]] = {
+    "first_frequency_hz": lambda p: None if (k := p.followed) is None else p.modes[k].error_estimate,
+    "damping_ratio_percent": lambda p: None if p.damping_curve is None else p.damping_curve.error,
 }
 """Relative errors, by the columns that they stand beside."""
 _ERROR_MEANS = "± %: estimated relative error of the figure to its left."
 
-_COLUMNS = [
-    each for column in COLUMNS if column.key in _KEYS for each in (column, _ERRORS.get(column.key)) if each is not None
-]
+
+def _with_error(column: Column) -> tuple[Column, ...]:
+    if (error := _ERRORS.get(column.key)) is None:
+        return (column,)
+    key = f"{column.key.rpartition('_')[0]}_error"
+    return column, Column(key, "± %", lambda _, p: finite(error(p)), partial(share, digits=2))
+
+
+_COLUMNS = [each for column in COLUMNS if column.key in _KEYS for each in _with_error(column)]
 _HEADS = ("rpm", "run", *(column.head for column in _COLUMNS), "useful")
 
 _SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
