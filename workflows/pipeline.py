@@ -113,7 +113,7 @@ def plate_only(source: SceneFile) -> SceneFile:
     if source.scene.given is not None:
         raise source.wrong("the table is missing: campbell needs a plate, a blade or known modes", "[plate]")
     damper, material = source.scene.damper, source.scene.material
-    if material is not None and damper is not None and damper.cut:
+    if source.scene.plate is not None and material is not None and damper is not None and damper.cut:
         grams = significant(1e3 * material.density * damper.cut, 2)
         counted = (
             "leaves that out too" if source.scene.effects.cavity_mass is False else "includes that where it matters"
@@ -126,7 +126,7 @@ def plate_only(source: SceneFile) -> SceneFile:
 
 
 def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
-    """The scene at one speed [rad/s]; by default its middle one.
+    """The scene at one speed [rad/s], where no order crosses a mode; by default its middle one.
 
     Raises:
         BadInput: it has no damper.
@@ -134,4 +134,6 @@ def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
     if source.scene.damper is None:
         raise source.wrong("the table is missing: ringdown needs a damper", "[damper]")
     speeds = sorted(source.scene.rotor.speeds)
-    return source.changed(rotor={"speeds": (speeds[(len(speeds) - 1) // 2] if omega is None else omega,)})
+    return source.changed(
+        rotor={"speeds": (speeds[(len(speeds) - 1) // 2] if omega is None else omega,)}, excitation=None
+    )

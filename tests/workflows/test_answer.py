@@ -247,7 +247,7 @@ def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
         assert 1 <= radius / (1e3 * remedy.radius) < 1.01
         assert ("rpm (" in sentence) == (found is some), "one speed does not tell how the frequency goes with it"
         assert sum("would move" in each for each in answer(found).sentences) == 1
-    assert answer(every).verdict == "No: the ball never moves"
+    assert answer(every).verdict == "No: the ball never moves within what the plate endures"
 
 
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:

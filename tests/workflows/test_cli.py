@@ -97,6 +97,13 @@ def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: 
     assert list(tmp_path.iterdir()) == [scene]
 
 
+def test_a_ring_down_does_not_speak_of_engine_orders(spindamp: Command) -> None:
+    """Which cross no mode at one speed, and were not asked for; nor are balls that ring down said never to move."""
+    said = spindamp("ringdown", "paper").out
+    assert "No: the balls never move within what the plate endures. At 10000 rpm the balls move above" in said
+    assert "ngine order" not in said
+
+
 def test_json_is_what_is_written(spindamp: Command, tmp_path: Path) -> None:
     outcome = spindamp("run", "structure", "--json", "--out", "out")
     assert json.loads(outcome.out) == json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
