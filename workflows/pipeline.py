@@ -134,6 +134,5 @@ def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
     if source.scene.damper is None:
         raise source.wrong("the table is missing: ringdown needs a damper", "[damper]")
     speeds = sorted(source.scene.rotor.speeds)
-    return source.changed(
-        rotor={"speeds": (speeds[(len(speeds) - 1) // 2] if omega is None else omega,)}, excitation=None
-    )
+    speed = speeds[(len(speeds) - 1) // 2] if omega is None else omega
+    return source.changed(rotor={"speeds": (speed,)}, excitation=None)

@@ -145,6 +145,10 @@ def test_amplitudes_that_the_plate_does_not_endure_are_no_range(finished: Path, 
     assert half[0] > 9.2e-3
     assert "at 7500 rpm at amplitudes" not in said
     assert "at 5000 rpm at amplitudes" in said
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    best, endured = (document["speeds"][1]["verdict"][key] for key in ("amplitude", "useful_range"))
+    cells = f"<td>{1e3 * best:.3g}</td>\n<td>{1e3 * endured[1]:.3g}</td>"
+    assert cells.replace(".00<", "<") in page, "and the report's table ends there too"
 
 
 def test_a_ratio_of_no_load_releases_nothing() -> None:

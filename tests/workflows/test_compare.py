@@ -80,12 +80,14 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
     structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
     other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
     other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
+    other["design"] = {"clearance": ["0.1 mm", "4 mm"], "amplitude": ["1 mm", "2 mm"]}
     found = spindamp.compare(soft_and_stiff[2], other)
     write_study(report, found, tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "<h1>stiff · slow</h1>" in page
     for text in (report.text(found), page):
         assert "damper.radius, mm" in text
+        assert "design.clearance, mm" in text
         assert "rotor.speeds, rpm" in text
         assert "9000" in text
         assert "*" in text

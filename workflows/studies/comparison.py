@@ -188,7 +188,8 @@ def _differences(comparison: Comparison) -> list[tuple[str, list[str]]]:
     """Keys of the scenes that are not the same in all, with their units, and the value in each."""
     table = []
     for key, values in comparison.differences.items():
-        factor, unit = readable(plan.find(key, "compare").unit if key in plan.every() else "")
+        in_scenes = key in plan.every() or key.startswith("design.")
+        factor, unit = readable(plan.Key(key, key, None).unit if in_scenes else "")
         table.append((f"{key}, {unit}" if unit else key, [_value(value, factor) for value in values]))
     return table
 
