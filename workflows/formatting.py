@@ -138,11 +138,16 @@ def turning(omega: float) -> str:
 
 def revolutions(speeds: Sequence[float]) -> str:
     """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
-    each = [f"{in_rpm(speed):.6g}" for speed in speeds]
-    if len(each) > _SPEEDS_LISTED:
+    if len(speeds) > _SPEEDS_LISTED:
         low, high = (f"{in_rpm(bound(speeds)):.6g}" for bound in (min, max))
-        return f"{len(each)} speeds {interval(low, high, before='from ', alone='at ')} rpm"
-    return f"{' and '.join(part for part in (', '.join(each[:-1]), each[-1]) if part)} rpm"
+        return f"{len(speeds)} speeds {interval(low, high, before='from ', alone='at ')} rpm"
+    return f"{listed([f'{in_rpm(speed):.6g}' for speed in speeds])} rpm"
+
+
+def listed(items: Sequence[float | str], joint: str = "and") -> str:
+    """A few levels, or texts, in words."""
+    texts = [each if isinstance(each, str) else significant(each) for each in items]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -145,15 +145,9 @@ def rounded(value: float, *, up: bool = False) -> str:
     return formatting.significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
-def listed(items: Sequence[float | str], joint: str = "and") -> str:
-    """A few levels, or texts, in words."""
-    texts = [each if isinstance(each, str) else formatting.significant(each) for each in items]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
-
-
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
-    *(formatting.apart, formatting.factor, formatting.interval),
-    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
+    *(formatting.apart, formatting.factor, formatting.interval, formatting.listed),
+    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded),
 )
