@@ -80,6 +80,9 @@ def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
     assert found["least"] == pytest.approx(np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["greatest"] == pytest.approx(180 - 2 * np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["odd_cells"] == 1
+    told = spindamp("view", flat, "--out", "page.html").out
+    assert "; 1 cell has an angle below 20° or above 150°" in told
+    assert ": 1 edge, " in told
 
 
 def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> None:
