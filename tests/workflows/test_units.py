@@ -142,8 +142,9 @@ def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> N
 def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
     assert [formatting.factor(ratio) for ratio in (2.345, 1.043, 1.0004, 0.997)] == ["2.3", "1.04", "1.0004", "0.997"]
     flat = [SimpleNamespace(hardness_ratio=ratio, dent_radius=1e-4) for ratio in (1.002, 1.021)]
-    (said,) = templates.said("remarks/flows", contacts=flat)
-    assert "is up to 1.02 times the hardness" in said
+    for radius, width in ((2e-3, "to a width of up to 0.2 mm"), (1e-4, "over the ball's whole width")):
+        (said,) = templates.said("remarks/flows", contacts=flat, damper=SimpleNamespace(radius=radius))
+        assert said.endswith(f"is up to 1.02 times the hardness of the softer material, and the contact yields {width}")
     (said,) = templates.said("remarks/veering", veerings=[(1000.0, 2000.0, ["flap 2", "twist 1"])] * 5)
     assert said.count("Between 1000 and 2000 rpm (flap 2, twist 1)") == 1
     assert "), and at 1 further place, modes change" in said
