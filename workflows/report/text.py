@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from fem.modal_model import ModalModel, families
 from workflows import pipeline
 from workflows.errors import one_line
-from workflows.formatting import aligned, amount, fixed, interval, plain, revolutions, rounded_rpm, share, significant
+from workflows.formatting import aligned, amount, fixed, plain, revolutions, rounded_rpm, share, significant
 from workflows.io.files import finite
 from workflows.laws import lawful
 from workflows.progress import Stages
@@ -34,7 +34,7 @@ _MODES_AT_MOST = 8
 def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
     """The summary, ready to print; remarks on how the scene is written come first wherever the notes are."""
     answer = verdict.answer(results)
-    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
+    parts = [_head(results)]
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
@@ -176,13 +176,7 @@ def brief_html(results: Results) -> str:
 
 
 def _head(results: Results) -> str:
-    speeds = [point.rpm for point in results.speeds]
-    title = one_line(results.scene.title)
-    if not speeds:
-        return f"{title}: 0 speeds"
-    if len(speeds) == 1:
-        return f"{title}: 1 speed, {amount(speeds[0])} rpm"
-    return f"{title}: {len(speeds)} speeds, {interval(amount(min(speeds)), amount(max(speeds)))} rpm"
+    return f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"
 
 
 @lawful()
