@@ -408,7 +408,8 @@ def _point(data: xr.Dataset, place: dict[str, int]) -> dict[str, Any]:
 def _best_keys(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str]:
     """The keys of the best point in words."""
     keys = {} if entries["best"] is None else entries["best"]["keys"]
-    return {name: _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    names = {"rpm": SPEEDS}
+    return {names.get(name, name): _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
 
 
 def _spread(data: xr.Dataset) -> dict[str, Any] | None:
