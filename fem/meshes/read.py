@@ -186,7 +186,7 @@ def _check_kind(path: Path) -> None:
     if path.suffix.lower() in (".html", ".htm"):
         raise MeshError("a page, no mesh: open it in a browser")
     if kind is not None:
-        raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
+        raise MeshError(f"{kind} is geometry without a mesh: mesh the mid-surface, or the volume (with Gmsh, say)")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
         raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
     if path.suffix.lower() in NASTRAN and _BULK not in path.read_bytes().upper():
