@@ -64,9 +64,9 @@ def apart(value: float, other: float, digits: int = 2) -> int:
     return next((n for n in range(digits, 17) if significant(value, n) != significant(other, n)), digits)
 
 
-def factor(ratio: float, digits: int = 2) -> str:
-    """How many times as much something is, not rounded to once."""
-    return significant(ratio, apart(ratio, 1.0, digits))
+def beside(value: float, other: float, digits: int = 2) -> str:
+    """A number in so many digits, or as many as it takes not to read like another that it is compared with."""
+    return significant(value, apart(value, other, digits))
 
 
 def interval(low: str, high: str, joint: str = " to ", before: str = "", alone: str = "") -> str:

@@ -15,7 +15,7 @@ from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
-from workflows.formatting import percent, significant, span, turning
+from workflows.formatting import beside, percent, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -181,7 +181,7 @@ def _deflection(request: Request) -> tuple[Called, SolidOperators]:
         return Called(True, f"{at} the load bends or untwists the blade too much for a linear prestress"), operators
     called = bool(shifts.max() > scene.budget.rough_shift)
     why = (
-        f"{at} it moves frequencies by at most about {significant(100 * float(shifts.max()), 2)} %,"
+        f"{at} it moves frequencies by at most about {beside(100 * shifts.max(), 10 * scene.accuracy.frequency)} %,"
         f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % asked for"
     )
     return Called(called, why, LeftOut(np.array([omega]), shifts[None])), operators
