@@ -115,13 +115,9 @@ def plate_only(source: SceneFile) -> SceneFile:
     damper, material = source.scene.damper, source.scene.material
     if source.scene.plate is not None and material is not None and damper is not None and damper.cut:
         grams = significant(1e3 * material.density * damper.cut, 2)
-        counted = (
-            "leaves that out too" if source.scene.effects.cavity_mass is False else "includes that where it matters"
-        )
-        uncut = (
-            f"The frequencies are those of the plate without the damper, before the cavities take {grams} g out of it"
-        )
-        source = replace(source, remarks=(*source.remarks, f"{uncut}; `run` {counted} ([effects] cavity_mass)."))
+        uncut = f"The frequencies are those of the plate alone, before the cavities take {grams} g out of it"
+        counted = "which `run` includes where [effects] cavity_mass is on"
+        source = replace(source, remarks=(*source.remarks, f"{uncut}, {counted}."))
     return source.plate_alone()
 
 

@@ -92,7 +92,7 @@ def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: 
     assert document["schema_version"] == 1
     point = document["speeds"][0]
     assert ("damper" in point) == ("reduced" in point) == (command != "campbell")
-    uncut = "before the cavities take 5.5 g out of it; `run` leaves that out too ([effects] cavity_mass)."
+    uncut = "before the cavities take 5.5 g out of it, which `run` includes where [effects] cavity_mass is on."
     assert any(uncut in note for note in document["notes"]) == (command == "campbell")
     assert list(tmp_path.iterdir()) == [scene]
 

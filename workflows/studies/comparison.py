@@ -2,21 +2,20 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from workflows.errors import BadInput
-from workflows.formatting import DASH, aligned, readable, share, whole
+from workflows.formatting import DASH, aligned, readable, whole
 from workflows.io import provenance, serialise
-from workflows.io.files import as_table, campbell, finite
+from workflows.io.files import as_table, campbell
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.templates import from_template
-from workflows.report.text import COLUMNS, Column
+from workflows.report.text import COLUMNS
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneFile, SceneLike, as_scene_file
 from workflows.solve import limits
@@ -115,25 +114,11 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return entries
 
 
-_KEYS = ("load_g", "first_frequency_hz", "cutoff_g", "damping_ratio_percent", "at_amplitude_mm")
-"""Of the columns of a run's table that are put side by side at each speed."""
+_LEFT_OUT = ("cutoff_ratio", "sdc", "hits")
+"""Of the columns of a run's table; the others are put side by side at each speed."""
 
-_ERRORS: dict[str, Callable[[SpeedPoint], float | None]] = {
-    "first_frequency_hz": lambda p: None if (k := p.followed) is None else p.modes[k].error_estimate,
-    "damping_ratio_percent": lambda p: None if p.damping_curve is None else p.damping_curve.error,
-}
-"""Relative errors, by the columns that they stand beside."""
+_COLUMNS = [column for column in COLUMNS if column.key not in _LEFT_OUT]
 _ERROR_MEANS = "± %: estimated relative error of the figure to its left."
-
-
-def _with_error(column: Column) -> tuple[Column, ...]:
-    if (error := _ERRORS.get(column.key)) is None:
-        return (column,)
-    key = f"{column.key.rpartition('_')[0]}_error"
-    return column, Column(key, "± %", lambda _, p: finite(error(p)), partial(share, digits=2))
-
-
-_COLUMNS = [each for column in COLUMNS if column.key in _KEYS for each in _with_error(column)]
 _HEADS = ("rpm", "run", *(column.head for column in _COLUMNS), "useful")
 
 _SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
@@ -159,8 +144,7 @@ def headline(results: Results) -> str:
 
 def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
-    runs = zip(comparison.names, comparison.results, strict=True)
-    lines = [line for name, results in runs for line in (f"{name}: {headline(results)}", "")]
+    lines = [line for run in _runs(comparison) for line in (f"{run['name']}: {run['headline']}", "")]
     differences = [(key, *values) for key, values in _differences(comparison)]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
     return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *_legend(comparison)])
