@@ -183,6 +183,8 @@ def test_a_range_without_width_is_one_value() -> None:
     assert templates.said("phrases/between_speeds", points=[near, far]) == ["at 3500 rpm"]
     (said,) = templates.said("remarks/veering", veerings=[(3500.1, 3500.2, ["flap 2", "twist 1"])])
     assert said.startswith("Near 3500 rpm (flap 2, twist 1) modes change")
+    (said,) = templates.said("answer/between", ranges={"at amplitudes of 1 mm": [near, far]}, held={})
+    assert said.startswith("At 3500 rpm the ball gives")
     amplitudes = {"of": [(4.271e-4, 4.273e-4)], "g": 51234.0, "limited": False, "error": 0.0}
     assert templates.said("answer/range", carrier="blade", **amplitudes) == ["at amplitudes of 0.43 mm (21.9 g)"]
 
