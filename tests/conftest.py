@@ -8,7 +8,9 @@ import gc
 import os
 import sys
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+if "OMP_NUM_THREADS" not in os.environ:
+    assert "numpy" not in sys.modules, "a plugin of pytest has imported numpy: set OMP_NUM_THREADS=1"
+    os.environ["OMP_NUM_THREADS"] = "1"
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 gc.set_threshold(100_000, 50, 100)

@@ -113,10 +113,9 @@ def _written(value: object, limit: int, depth: int) -> str:
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """A hint for a misspelling, or nothing."""
-    known = list(known)
-    same = [name for name in known if name.lower() == word.lower()]
-    close = same or difflib.get_close_matches(word[:80], known, n=1, cutoff=0.6)
-    return f": did you mean '{close[0]}'?" if close and close[0] != word else ""
+    names = {name.lower(): name for name in known}
+    close = difflib.get_close_matches(word[:80].lower(), names, n=1, cutoff=0.6)
+    return f": did you mean '{names[close[0]]}'?" if close and names[close[0]] != word else ""
 
 
 def one_line(text: str) -> str:

@@ -64,10 +64,19 @@ def apart(value: float, other: float, digits: int = 2) -> int:
     return next((n for n in range(digits, 17) if significant(value, n) != significant(other, n)), digits)
 
 
+def beside(value: float, other: float, digits: int = 2) -> str:
+    """A number in so many digits, or as many as it takes not to read like another that it is compared with."""
+    return significant(value, apart(value, other, digits))
+
+
+def interval(low: str, high: str, joint: str = " to ", before: str = "", alone: str = "") -> str:
+    """A range, after a word; or, where both its ends read the same, one of them, after another word."""
+    return f"{before}{low}{joint}{high}" if low != high else f"{alone}{low}"
+
+
 def span(low: float, high: float, digits: int = 2) -> str:
-    """A range, or one number where both ends read the same."""
-    one, other = significant(low, digits), significant(high, digits)
-    return one if one == other else f"{one} to {other}"
+    """The same of two numbers."""
+    return interval(significant(low, digits), significant(high, digits))
 
 
 def fixed(value: float | None, places: int = 0) -> str:
@@ -129,11 +138,16 @@ def turning(omega: float) -> str:
 
 def revolutions(speeds: Sequence[float]) -> str:
     """Rotation speeds [rad/s] in rpm: each of a few, or how many from where to where."""
-    each = [f"{in_rpm(speed):.6g}" for speed in speeds]
-    if len(each) > _SPEEDS_LISTED:
-        low, high = (f"{in_rpm(end(speeds)):.6g}" for end in (min, max))
-        return f"{len(each)} speeds from {low} to {high} rpm"
-    return f"{' and '.join(part for part in (', '.join(each[:-1]), each[-1]) if part)} rpm"
+    if len(speeds) > _SPEEDS_LISTED:
+        low, high = (f"{in_rpm(bound(speeds)):.6g}" for bound in (min, max))
+        return f"{len(speeds)} speeds {interval(low, high, before='from ', alone='at ')} rpm"
+    return f"{listed([f'{in_rpm(speed):.6g}' for speed in speeds])} rpm"
+
+
+def listed(items: Sequence[float | str], joint: str = "and") -> str:
+    """A few levels, or texts, in words."""
+    texts = [each if isinstance(each, str) else significant(each) for each in items]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

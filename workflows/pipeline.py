@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workflows.errors import read_from
+from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.scene.plate_mesh import place
@@ -103,10 +104,6 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     return modal_model(operators, plate.diagram, [plate.numbers[k] for k in order], errors, at)
 
 
-UNCUT = "The scene's damper is left out: the plate is as heavy as before its cavities are cut."
-"""What a plate alone lacks."""
-
-
 def plate_only(source: SceneFile) -> SceneFile:
     """The scene without its damper.
 
@@ -115,14 +112,17 @@ def plate_only(source: SceneFile) -> SceneFile:
     """
     if source.scene.given is not None:
         raise source.wrong("the table is missing: campbell needs a plate, a blade or known modes", "[plate]")
-    damper = source.scene.damper
-    if source.scene.plate is not None and damper is not None and damper.cut:
-        source = replace(source, remarks=(*source.remarks, UNCUT))
+    damper, material = source.scene.damper, source.scene.material
+    if source.scene.plate is not None and material is not None and damper is not None and damper.cut:
+        grams = significant(1e3 * material.density * damper.cut, 2)
+        uncut = f"The frequencies are those of the plate alone, before the cavities take {grams} g out of it"
+        counted = "which `run` includes where [effects] cavity_mass is on"
+        source = replace(source, remarks=(*source.remarks, f"{uncut}, {counted}."))
     return source.plate_alone()
 
 
 def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
-    """The scene at one speed [rad/s]; by default its middle one.
+    """The scene at one speed [rad/s], where no order crosses a mode; by default its middle one.
 
     Raises:
         BadInput: it has no damper.
@@ -130,4 +130,5 @@ def at_one_speed(source: SceneFile, omega: float | None = None) -> SceneFile:
     if source.scene.damper is None:
         raise source.wrong("the table is missing: ringdown needs a damper", "[damper]")
     speeds = sorted(source.scene.rotor.speeds)
-    return source.changed(rotor={"speeds": (speeds[(len(speeds) - 1) // 2] if omega is None else omega,)})
+    speed = speeds[(len(speeds) - 1) // 2] if omega is None else omega
+    return source.changed(rotor={"speeds": (speed,)}, excitation=None)

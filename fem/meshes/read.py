@@ -72,7 +72,7 @@ def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.flo
         raise MeshError(f"{path}: no such mesh file")
     try:
         raw = raw_mesh(path)
-        mesh, points = _surface(raw)
+        mesh, points = surface_of(raw)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
     return mesh, None if field is None else _values(raw, field, points)
@@ -186,7 +186,7 @@ def _check_kind(path: Path) -> None:
     if path.suffix.lower() in (".html", ".htm"):
         raise MeshError("a page, no mesh: open it in a browser")
     if kind is not None:
-        raise MeshError(f"{kind} is geometry without a mesh: mesh its mid-surface (with Gmsh, say) and give that file")
+        raise MeshError(f"{kind} is geometry without a mesh: mesh the mid-surface, or the volume (with Gmsh, say)")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
         raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
     if path.suffix.lower() in NASTRAN and _BULK not in path.read_bytes().upper():
@@ -213,8 +213,8 @@ def _check_named_files(path: Path) -> None:
             raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
 
 
-def _surface(raw: Any) -> tuple[Any, NDArray[np.int64]]:
-    """The mesh, and which of the file's points it has."""
+def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
+    """The mesh of what `raw_mesh` gives of a file, and which of its points it has; see `read_field`."""
     from skfem import MeshQuad, MeshTri
 
     kinds = {block.type for block in raw.cells}

@@ -258,10 +258,10 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
         raise MeshError(f"{path}: no such mesh file")
     try:
         if path.suffix.lower() in GEOMETRY:
-            return _of_raw(path, _meshed(path, scale, size), 1.0)
+            return volume_of(path, _meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
-        return _of_raw(path, raw_mesh(path), scale)
+        return volume_of(path, raw_mesh(path), scale)
     except MeshError as error:
         raise type(error)(f"{path}: {error}") from None
 
@@ -300,8 +300,8 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.finalize()
 
 
-def _of_raw(path: Path, raw: Any, scale: float) -> VolumeMesh:
-    """The mesh of what a reader gives of a file, in m."""
+def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
+    """The mesh of what `raw_mesh` gives of a file, in m; see `read_volume`."""
     solid = _solid(raw)
     kinds = sorted({block.type for block in solid})
     _check_kinds(kinds)
@@ -330,10 +330,8 @@ def _of_raw(path: Path, raw: Any, scale: float) -> VolumeMesh:
     if not SIZES[0] <= extent <= SIZES[1]:
         given = "" if scale == 1.0 else " in the unit given"
         fits = [name for name, unit in (("m", 1.0), ("mm", 1e-3)) if SIZES[0] <= extent / scale * unit <= SIZES[1]]
-        question = f"are its coordinates in {' or '.join(fits)}?" if fits else "expected 2 mm to 20 m."
-        raise SizeError(
-            f"the mesh measures {extent:.3g} m{given}: {question} Give the unit of its coordinates as `unit`"
-        )
+        question = f"are its coordinates in {' or '.join(fits)}?" if fits else "expected 2 mm to 20 m"
+        raise SizeError(f"the mesh measures {extent:.3g} m{given}: {question}")
     renumbered = [(kind, _upright(kind, number[nodes], points)) for kind, nodes in cells]
     sets = {}
     for name, nodes in _sets(raw).items():
@@ -350,13 +348,9 @@ def _solid(raw: Any) -> list[Any]:
     return [block for block in raw.cells if getattr(block, "dim", cell_dimension(block.type)) == 3]
 
 
-def has_volume(path: Path) -> bool:
-    """Whether a mesh file holds cells with a volume.
-
-    Raises:
-        MeshError: it cannot be read.
-    """
-    return bool(_solid(raw_mesh(path)))
+def has_volume(raw: Any) -> bool:
+    """Whether what `raw_mesh` gives of a file has cells with a volume."""
+    return bool(_solid(raw))
 
 
 def cell_dimension(kind: str) -> int:

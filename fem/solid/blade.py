@@ -82,25 +82,6 @@ class Blade:
         return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def named_root(mesh: VolumeMesh, name: str) -> Indices:
-    """Nodes of a named set of a mesh.
-
-    Args:
-        mesh: with its node sets.
-        name: of the set, in capital or small letters.
-
-    Raises:
-        MeshError: the mesh has no such set.
-    """
-    known = {each.lower(): nodes for each, nodes in mesh.sets.items()}
-    if name.lower() not in known:
-        there = ", ".join(sorted(mesh.sets)) or "none"
-        raise MeshError(
-            f"the mesh has no set {name!r}: its sets are {there}; a radius (a length) holds the nodes there"
-        )
-    return known[name.lower()]
-
-
 FACING = 0.7
 """Cosine of the angle to the axis from which on a face at the inner end looks inwards."""
 

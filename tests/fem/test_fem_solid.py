@@ -18,7 +18,7 @@ from fem.modal_model import ModalModel, ModesAtSpeed, deflection, place, pull, r
 from fem.modes import solve_real
 from fem.reduction.known_modes import cavity_shifts
 from fem.solid.assembly import assemble_solid, pattern
-from fem.solid.blade import Blade, named_root, root_at
+from fem.solid.blade import Blade, root_at
 from fem.solid.mesh_error import mesh_errors
 from fem.solid.sweep import SolvedBlade, deflection_shifts, sweep_blade
 from fem.statics import tangent, unbalanced
@@ -143,7 +143,7 @@ def blade(name, cells=(12, 6, 2), full=False):
     mesh = VolumeMesh(raw.points, (("hexahedron20", raw.cells[0].data),), raw.point_sets)
     angle = np.radians(stagger)
     axis = np.array([0.0, np.sin(angle), np.cos(angle)])
-    return assemble_solid(Blade(mesh, material, named_root(mesh, "nroot"), axis, ORIGIN), full=full)
+    return assemble_solid(Blade(mesh, material, mesh.sets["NROOT"], axis, ORIGIN), full=full)
 
 
 def tip(name, operators, state, speed):
@@ -201,7 +201,7 @@ def test_errors_are_covered_on_meshes_that_are_far_too_coarse(name):
     for cells in ((24, 12, 2), (6, 3, 1), (6, 3, 2)):
         raw = make.solid(COARSELY[name], cells)
         mesh = VolumeMesh(raw.points, (("hexahedron20", raw.cells[0].data),), raw.point_sets)
-        operators = assemble_solid(Blade(mesh, TITANIUM, named_root(mesh, "nroot"), AXIS, ORIGIN))
+        operators = assemble_solid(Blade(mesh, TITANIUM, mesh.sets["NROOT"], AXIS, ORIGIN))
         modes = solve_real(operators, 0.0, operators.stiffness, 10, np.zeros_like(operators.load))
         known[cells] = modes.frequencies_hz[:8]
         off = known[cells] / known[24, 12, 2] - 1.0
@@ -221,7 +221,7 @@ def test_modes_far_above_say_nothing_of_the_first_error(name):
     for cells in ((20, 12, 2), (8, 4, 1)):
         raw = make.solid(FAR_ABOVE[name], cells)
         mesh = VolumeMesh(raw.points, (("hexahedron20", raw.cells[0].data),), raw.point_sets)
-        operators = assemble_solid(Blade(mesh, TITANIUM, named_root(mesh, "nroot"), AXIS, ORIGIN))
+        operators = assemble_solid(Blade(mesh, TITANIUM, mesh.sets["NROOT"], AXIS, ORIGIN))
         modes = solve_real(operators, 0.0, operators.stiffness, 8, np.zeros_like(operators.load))
         first[cells] = modes.frequencies_hz[0]
     off = first[8, 4, 1] / first[20, 12, 2] - 1.0
@@ -591,7 +591,7 @@ FILES = {
     "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
     "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
     "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
-    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m. Give the unit"),
+    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
     "in a point": (deck(scaled(0.0)), "measures 0 m"),
     "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
     "cut": (deck()[:-40], "not a (readable )?mesh file"),
@@ -619,8 +619,6 @@ def test_roots_that_hold_nothing():
             Blade(mesh, STEEL, np.array(few, dtype=int), AXIS, ORIGIN)
     with pytest.raises(MeshError, match="the mesh lies around the spin axis: name the set of nodes that is its root"):
         root_at(mesh, AXIS, mesh.points.mean(axis=0))
-    with pytest.raises(MeshError, match="no set 'base': its sets are none"):
-        named_root(mesh, "base")
     with pytest.raises(MeshError, match="no nodes lie at the radius 5 m"):
         root_at(mesh, AXIS, ORIGIN - [1, 0, 0], 5.0)
     with pytest.raises(MeshError, match="2 nodes do not hold the blade"):
@@ -648,7 +646,7 @@ def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
     path.write_text("\n".join(lines) + "\n")
     found = read_volume(path, 1e-3)
     np.testing.assert_allclose(found.points, mesh.points, atol=1e-12)
-    np.testing.assert_array_equal(np.sort(named_root(found, "NROOT")), np.sort(root))
+    np.testing.assert_array_equal(np.sort(found.sets["Nroot"]), np.sort(root))
     with pytest.raises(MeshError, match=r"measures 1e\+03 m: are its coordinates in mm"):
         read_volume(path)
     path.write_text("\n".join(lines[: len(lines) // 2]))

@@ -22,7 +22,7 @@ from workflows.report.templates import stretch
 from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
-from workflows.solve import limits, remedies
+from workflows.solve import excitation, limits, remedies
 from workflows.solve.results import (
     ErrorParts,
     ForceLevel,
@@ -145,6 +145,10 @@ def test_amplitudes_that_the_plate_does_not_endure_are_no_range(finished: Path, 
     assert half[0] > 9.2e-3
     assert "at 7500 rpm at amplitudes" not in said
     assert "at 5000 rpm at amplitudes" in said
+    page = (finished / "report.html").read_text(encoding="utf-8")
+    best, endured = (document["speeds"][1]["verdict"][key] for key in ("amplitude", "useful_range"))
+    cells = f"<td>{1e3 * best:.3g}</td>\n<td>{1e3 * endured[1]:.3g}</td>"
+    assert cells.replace(".00<", "<") in page, "and the report's table ends there too"
 
 
 def test_a_ratio_of_no_load_releases_nothing() -> None:
@@ -250,7 +254,7 @@ def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
         assert 1 <= radius / (1e3 * remedy.radius) < 1.01
         assert ("rpm (" in sentence) == (found is some), "one speed does not tell how the frequency goes with it"
         assert sum("would move" in each for each in answer(found).sentences) == 1
-    assert answer(every).verdict == "No: the ball never moves"
+    assert answer(every).verdict == "No: the ball never moves within what the plate endures"
 
 
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:
@@ -529,14 +533,27 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
     assert answer(results(count="64")).verdict.startswith("Of little use: at most ")
 
 
-def test_printed_equations_have_no_estimate_at_engine_orders(paper: Scene) -> None:
-    """Orders 2 and 3 meet modes within the speeds, but the printed equations know no force."""
-    said = answer(
-        workflows.run(changed(paper, damper__formulation="printed", release__cycles=2, accuracy__frequency=0.02))
-    )
-    assert said.verdict == "No verdict: the equations as printed do not conserve energy"
+@pytest.mark.parametrize(
+    ("changes", "verdict", "reason"),
+    [
+        (
+            {"formulation": "printed"},
+            "the equations as printed do not cons",
+            "the equations as printed support no force",
+        ),
+        ({"count": 1}, "a ball of radius 1 mm and 1", "no solid is as dense as this ball"),
+    ],
+)
+def test_a_damper_that_is_refused_has_no_estimate_at_engine_orders(
+    changes: dict[str, Any], verdict: str, reason: str, paper: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Orders 2 and 3 meet modes within the speeds; where, is not solved."""
+    monkeypatch.setattr(excitation, "solved_crossings", lambda *_: pytest.fail("crossings were solved"))
+    scene = changed(paper, release__cycles=2, accuracy__frequency=0.02)
+    said = answer(workflows.run(changed(scene, **{f"damper__{key}": value for key, value in changes.items()})))
+    assert said.verdict.startswith(f"No verdict: {verdict}")
     assert [each for each in said.sentences if "ngine order" in each] == [
-        "Engine orders 2 and 3: no estimate, since the equations as printed support no force."
+        f"Engine orders 2 and 3: no estimate, since {reason}."
     ]
 
 

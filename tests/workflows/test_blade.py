@@ -110,7 +110,14 @@ def solved(folder, speeds):
 
 
 REFUSED = {
-    "no set": (("nroot", "base"), r"\[blade\] root = 'base': the mesh has no set 'base': its sets are EALL, NROOT"),
+    "no set": (
+        ("nroot", "base"),
+        r"\[blade\] root = 'base': expected a set of nodes in the file \(NROOT, EALL\) or a radius",
+    ),
+    "no set but like one": (
+        ("nroot", "rnoot"),
+        r"\[blade\] root = 'rnoot': expected .* '100 mm': did you mean 'NROOT'\?",
+    ),
     "no radius": (("nroot", "1 m"), r"\[blade\] root = '1 m': no nodes lie at the radius 1 m"),
     "no file": (("fan.inp", "fin.inp"), r"\[blade\] mesh = 'fin.inp': no such file beside the scene"),
     "axis between root and tip": (
@@ -132,12 +139,12 @@ REFUSED = {
     "no origin": (('origin = ["0 m", "0 m", "0 m"]\n', ""), r"\[rotor\] origin: missing: a point on the spin axis"),
     "in mm": (
         ('root = "nroot"', 'unit = "mm"'),
-        r"\[blade\] mesh = 'fan.inp': the mesh measures 0.00024 m in the unit given: are .* in m\?",
+        r"\[blade\] unit = 'mm': the mesh measures 0.00024 m in the unit given: are its coordinates in m\?",
     ),
     "off it": (('"340 mm"', '"540 mm"'), r"\[damper\] at = .* lies 0.2 m off the structure"),
     "at the root": (
-        ('["340 mm", "26 mm", "25 mm"]', '"NROOT"'),
-        r"\[damper\] at = 'NROOT': this place is clamped: no mode moves it$",
+        ('["340 mm", "26 mm", "25 mm"]', '"nroot"'),
+        r"\[damper\] at = 'nroot': this place is clamped: no mode moves it$",
     ),
     "an effect": (
         ("[accuracy]", "[effects]\ncoriolis = true\n[accuracy]"),
@@ -435,7 +442,9 @@ def test_meshes_of_first_order_are_warned_of_wherever_they_are_used(tmp_path, sp
     scene = tmp_path / "bricks.toml"
     for arguments in (("check", scene), ("check", scene, "--json"), ("campbell", scene)):
         assert "The mesh is of first order" in spindamp(*arguments).out
-    assert "The mesh is of first order" in spindamp("campbell", scene, "--out", tmp_path / "out").out
+    said = spindamp("campbell", scene, "--out", tmp_path / "out").out
+    assert "The mesh is of first order" in said
+    assert "before the cavities" not in said, "a blade is solved as its mesh is"
 
 
 def test_check_gives_a_place_without_what_rounding_leaves_of_it(bricks, spindamp):
@@ -450,7 +459,7 @@ def test_at_one_speed_a_blade_does_not_say_at_which_other_its_ball_would_move(br
     """Its frequency at another is not known."""
     source = on_bricks(bricks, 'rolling_friction = "0.02 mm"', 'rolling_friction = "1 mm"')
     verdict, (first, *_) = (found := answer(pipeline.run(source))).verdict, found.sentences
-    assert verdict == "No: the balls never move"
+    assert verdict == "No: the balls never move within what the blade endures"
     assert "they would move with a rolling friction below" in first
     assert "rpm (" not in first
 

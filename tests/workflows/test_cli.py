@@ -92,7 +92,16 @@ def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: 
     assert document["schema_version"] == 1
     point = document["speeds"][0]
     assert ("damper" in point) == ("reduced" in point) == (command != "campbell")
+    uncut = "before the cavities take 5.5 g out of it, which `run` includes where [effects] cavity_mass is on."
+    assert any(uncut in note for note in document["notes"]) == (command == "campbell")
     assert list(tmp_path.iterdir()) == [scene]
+
+
+def test_a_ring_down_does_not_speak_of_engine_orders(spindamp: Command) -> None:
+    """Which cross no mode at one speed, and were not asked for; nor are balls that ring down said never to move."""
+    said = " ".join(spindamp("ringdown", "paper").out.split())
+    assert "No: the balls never move within what the plate endures. At 10000 rpm the balls move above" in said
+    assert "ngine order" not in said
 
 
 def test_json_is_what_is_written(spindamp: Command, tmp_path: Path) -> None:

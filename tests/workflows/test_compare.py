@@ -44,6 +44,8 @@ def test_what_differs_is_what_was_changed(found, soft_and_stiff):
     assert len(rows) == 2 * len(soft.speeds)
     for row, point in zip(rows[1::2], stiff.speeds, strict=True):
         assert row["damping_ratio_percent"] == pytest.approx(100 * point.damping_curve.peak, rel=1e-12)
+        assert row["damping_ratio_error"] == point.damping_curve.error > 0
+        assert row["verdict"] == point.verdict.grade
     assert rows[0]["damping_ratio_percent"] > rows[1]["damping_ratio_percent"], "softer walls take more"
 
 
@@ -52,6 +54,11 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
     for name, results in zip(("soft", "stiff"), soft_and_stiff, strict=False):
         assert f"{name}: {report.headline(results)}" in text
         assert report.headline(results).removesuffix(".") in repr(results)
+        of_run = [
+            line.split()[-1] for line in text.splitlines() if line[:5].strip().isdecimal() and line.split()[1] == name
+        ]
+        assert of_run == [point.verdict.grade for point in results.speeds]
+    assert "± %: estimated relative error of the figure to its left." in text
     assert "damper.restitution" in text
 
 
@@ -73,12 +80,14 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
     structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
     other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
     other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
+    other["design"] = {"clearance": ["0.1 mm", "4 mm"], "amplitude": ["1 mm", "2 mm"]}
     found = spindamp.compare(soft_and_stiff[2], other)
     write_study(report, found, tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "<h1>stiff · slow</h1>" in page
     for text in (report.text(found), page):
         assert "damper.radius, mm" in text
+        assert "design.clearance, mm" in text
         assert "rotor.speeds, rpm" in text
         assert "9000" in text
         assert "*" in text

@@ -346,7 +346,7 @@ BAD_KEYS: list[tuple[str, dict[str, Any], str]] = [
     ("displaced far", {"static": [[[0.0, 0.0, 1e6]] * 9]}, "larger than the structure"),
     ("degrees", {"rotations": [[[[0, 180 / np.pi * -0.02, 0]] * 9, [[0, 0, 0.3]] * 9]]}, "expected rotations in rad"),
     ("too heavy", {"mass_unit": "t"}, "would have an effective mass of 174 kg"),
-    ("another speed", {"speeds_rpm": [4000.0]}, "known from 4000 to 4000 rpm"),
+    ("another speed", {"speeds_rpm": [4000.0]}, "known at 4000 rpm"),
 ]
 
 
@@ -365,11 +365,11 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("no such file", {"structure__modes": "none.json"}, "[structure] modes = 'none.json': no such file"),
     ("a folder", {"structure__modes": "."}, "found a folder"),
     ("another kind", {"structure__modes": "scene.toml"}, "expected a file of modes whose name ends in"),
-    ("two speeds", {"rotor__speeds": ["0 rpm", "3000 rpm"]}, "known from 3000 to 3000 rpm"),
+    ("two speeds", {"rotor__speeds": ["0 rpm", "3000 rpm"]}, "known at 3000 rpm"),
     ("speeds of a file", {"structure__modes": {"3000rpm": "bar.json", "x": "bar.json"}}, "[structure] modes"),
     ("another unit", {"structure__unit": "m"}, "says 'mm': leave this out"),
     ("no place", {"damper__at": None}, "[damper] at: missing"),
-    ("no set", {"damper__at": "TOP"}, "expected one of its sets of nodes: TIP"),
+    ("no set", {"damper__at": "TOP"}, "expected a set of nodes in the file (TIP)"),
     ("no node", {"damper__at": 12}, "no such node: expected a number from 1 to 9"),
     ("a plate's place", {"damper__at": ["200 mm", "0 mm"]}, "expected three lengths"),
     ("off", {"damper__at": ["400 mm", "0 mm", "0 mm"]}, "m off the structure"),
@@ -378,7 +378,11 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
     ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),
     ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "do not describe the surface"),
-    ("force at no set", {"excitation": FORCE | {"at": "TOP"}}, "[excitation] at = 'TOP': expected one of its sets"),
+    (
+        "force at no set",
+        {"excitation": FORCE | {"at": "TOP"}},
+        "[excitation] at = 'TOP': expected a set of nodes in the file",
+    ),
     ("force off", {"excitation": FORCE | {"at": ["400 mm", "0 mm", "0 mm"]}}, "[excitation] at"),
     ("no direction", {"excitation": {**ORDER, "force": "1 N", "at": 9}}, "[excitation] direction: missing"),
     ("a place for a base", {"excitation": {**ORDER, "base": "1 g", "at": 9}}, "belongs to a force"),

@@ -20,6 +20,7 @@ import workflows
 from tests.limits import HANG
 from tests.workflows.browser import Reader
 from tests.workflows.conftest import Outcome, Scene, changed, on_mesh, write
+from workflows.formatting import revolutions
 from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.solve.results import Results
@@ -120,7 +121,7 @@ def test_results_in_brief(damper: Results, coarse: Results) -> None:
     for results in (damper, coarse, replace(damper, speeds=damper.speeds[:1]), replace(coarse, speeds=())):
         assert len(repr(results)) < 500
         assert len(repr(results).splitlines()) <= 3
-        assert repr(results).startswith(f"{results.scene.title}: {len(results.speeds)} speed")
+        assert repr(results).startswith(f"{results.scene.title}: {revolutions(results.scene.rotor.speeds)}\n")
     assert "rpm" in repr(damper)
     for part in (damper.speeds[0], damper.speeds[0].damper, coarse.surface, coarse.speeds[1].damper):
         assert len(repr(part)) < 3000

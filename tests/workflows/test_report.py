@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import spindamp
 import workflows
 from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows import formatting
+from workflows.io import serialise
 from workflows.report import remarks, text, verdict
 from workflows.report.page import load_results, save
 from workflows.scene.load import SHIPPED, parse
@@ -151,9 +153,14 @@ def test_no_word_of_a_figure_has_the_colour_of_a_line(page: str) -> None:
 
 
 def test_engine_orders_are_answered_in_the_report(page: str, document: dict[str, Any], paper: Scene) -> None:
-    """Each crossing is where an order of the scene meets the first bending mode, and its row is that of the results."""
-    text = re.sub(r"(<[^>]+>|[ \n])+", " ", page[page.index("Under engine orders") :])
-    assert "spindamp response" in text
+    """Each crossing is where an order of the scene meets the first bending mode, and its row is that of the results.
+
+    All sentences on them stand before their table.
+    """
+    told, _, text = re.sub(r"(<[^>]+>|[ \n])+", " ", page).partition("Under engine orders")
+    assert "spindamp response computes the forced motion" in told
+    assert len(re.findall(r"At engine order \d", told)) == len(document["reductions"])
+    assert not re.search("At engine order|Estimated from free vibration[;,]|rough estimate", text)
     assert {each["order"] for each in document["reductions"]} <= set(paper["excitation"]["orders"])
     first = [speed["modes"][0]["frequency_hz"] for speed in document["speeds"]]
     for each in document["reductions"]:
@@ -161,6 +168,17 @@ def test_engine_orders_are_answered_in_the_report(page: str, document: dict[str,
         assert min(first) < each["frequency_hz"] < max(first)
         row = f"{each['order']} flap {each['mode']} {each['rpm']:,.0f} {100 * (1 - each['ratio']):.2g} "
         assert row.replace(",", "\u2009") in text
+
+
+def test_a_crossing_is_met_as_closely_as_is_said(document: dict[str, Any], paper: Scene) -> None:
+    """By the plate solved at its speed."""
+    meaning = serialise.schema()["$defs"]["VibrationReduction"]["properties"]["rpm"]["description"]
+    tolerance = float(re.findall(r"\d+e-\d+", meaning)[0])
+    met = document["reductions"]
+    speeds = [*paper["rotor"]["speeds"], *(f"{each['rpm']} rpm" for each in met)]
+    found = spindamp.campbell(changed(paper, rotor__speeds=speeds)).speeds[-len(met) :]
+    for each, point in zip(met, found, strict=True):
+        assert point.modes[each["mode"] - 1].frequency_hz == pytest.approx(each["frequency_hz"], rel=tolerance)
 
 
 def test_a_diagram_has_the_orders_of_its_scene(paper: Scene) -> None:

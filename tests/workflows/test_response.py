@@ -103,7 +103,7 @@ def test_the_last_line_says_what_the_table_shows(known):
     """The damping ratio of the best row, which free vibration at that amplitude has too, bouncing or not."""
     (best,) = report.best_rows(known)
     said = report.text(known).splitlines()[-1]
-    match = re.search(r"at ([\d.]+) N the \d+ balls together reduce .* damping ratio of ([\d.]+) % would", said)
+    match = re.search(r"and ([\d.]+) N the \d+ balls together reduce .* damping ratio of ([\d.]+) % would", said)
     assert float(match[1]) == pytest.approx(best.force, rel=1e-2)
     curve = best.passage.figures.descending
     free = float(np.interp(best.mean, curve.amplitude, curve.damping_ratio))
@@ -224,7 +224,7 @@ def test_motion_that_has_not_settled_is_said_with_its_error(known, monkeypatch):
 def test_closing_lines_are_of_what_the_headline_calls_useful(known, monkeypatch):
     """A ball at rest whose mass makes the amplitude smaller damps nothing; nor is 0.5 % of use."""
     *others, best = study.rows(known)
-    assert report.text(known).splitlines()[-1].startswith("order 3, flap mode at 4020 rpm: at ")
+    assert report.text(known).splitlines()[-1].startswith("At engine order 3 (4020 rpm, flap mode) and ")
     still = dataclasses.replace(best, regime="locked")
     little = dataclasses.replace(best, mean=0.995 * best.without)
     for every in ([*others, still], [dataclasses.replace(row, mean=row.without) for row in others] + [little]):

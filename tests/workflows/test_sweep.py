@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 
@@ -189,6 +190,14 @@ def test_points_are_what_runs_give(document, here):
             assert point[name] == speed["damper"][name], name
         assert point.damping_ratio_peak == speed["working"]["damping_ratio_peak"]
         assert point.range_high == speed["working"]["range"][1]
+        useful = [point.verdict_useful_range_low, point.verdict_useful_range_high]
+        assert np.array_equal(useful, np.array(speed["verdict"]["useful_range"], float), equal_nan=True)
+    limited = found.isel({"rotor.speeds": [1]})
+    assert "restitution = 0.5, rotor.speeds = 5000 rpm: a damping ratio" in report.text(limited)
+    low, high = (1e3 * float(limited[f"verdict_useful_range_{end}"][0]) for end in ("low", "high"))
+    assert high < 1e3 * limited.range_high[0], "which the plate does not endure"
+    page = " ".join(re.sub("<[^>]+>", " ", report.render(limited)).split())
+    assert f"at least half of the peak from, mm {low:.3g} and up to, mm {high:.3g} " in page
 
 
 def test_quick_figures_are_within_a_percent(here):

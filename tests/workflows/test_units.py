@@ -1,13 +1,18 @@
 """Units at the boundary: everything arrives in SI or not at all."""
 
 import math
+import re
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from workflows import formatting
+from workflows.effects import selection
+from workflows.report import templates
 from workflows.scene import quantities
+from workflows.scene.load import load
 from workflows.scene.quantities import Kind, UnitError, to_si
 
 RIGHT = [
@@ -135,6 +140,53 @@ def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
 def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> None:
     """One below 0 that is more than what rounding leaves keeps its digits."""
     assert formatting.percent(share, 3) == said
+
+
+def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
+    assert [formatting.beside(ratio, 1) for ratio in (2.345, 1.043, 1.0004, 0.997)] == [
+        "2.3",
+        "1.04",
+        "1.0004",
+        "0.997",
+    ]
+    flat = [SimpleNamespace(hardness_ratio=ratio, dent_radius=1e-4) for ratio in (1.002, 1.021)]
+    for radius, width in ((2e-3, "to a width of up to 0.2 mm"), (1e-4, "over the ball's whole width")):
+        (said,) = templates.said("remarks/flows", contacts=flat, damper=SimpleNamespace(radius=radius))
+        assert said.endswith(f"is up to 1.02 times the hardness of the softer material, and the contact yields {width}")
+    (said,) = templates.said("remarks/veering", veerings=[(1000.0, 2000.0, ["flap 2", "twist 1"])] * 5)
+    assert said.count("Between 1000 and 2000 rpm (flap 2, twist 1)") == 1
+    assert "), and at 1 further place, modes change" in said
+
+
+def test_what_is_compared_reads_otherwise() -> None:
+    """What Coriolis forces move is just above what is asked for: 2 (2 Omega L / (pi c))², twice in one digit."""
+    source = load("paper")
+    wave = math.sqrt(182.6e9 / 7850.0)
+    moved = 2 * (max(source.scene.rotor.speeds) * 0.2 / (0.5 * math.pi * wave)) ** 2
+    why = selection.resolve(source.changed(accuracy={"frequency": 0.999 * moved}).scene, "", None)["coriolis"].why
+    more, less = re.fullmatch(
+        r"it lowers .* by about ([\d.]+) % at most, more than the ([\d.]+) % asked for", why
+    ).groups()
+    assert float(more) > float(less)
+    mode = SimpleNamespace(number=1, whole=1.004e-3)
+    of = {"parts": {"mesh": mode.whole}, "target": 1e-3, "met": False, "keys": [], "attainable": "0.002"}
+    (said,) = templates.said("remarks/sentence", first=mode, last=mode, **of)
+    assert said.startswith("Mode 1 is accurate to 0.1004 % (")
+
+
+def test_a_range_without_width_is_one_value() -> None:
+    assert formatting.span(3.204, 3.196) == "3.2"
+    assert formatting.interval("2", "3", " and ", "between ", "at ") == "between 2 and 3"
+    assert formatting.revolutions([366.5191, 366.5192, 366.5191, 366.5192, 366.5191]) == "5 speeds at 3500 rpm"
+    near, far = (SimpleNamespace(rpm=rpm, omega=rpm * math.pi / 30, load_g=rpm) for rpm in (3500.1, 3500.2))
+    assert templates.stretch([near, far], [near, far]) == "at 3500 rpm (3500 g)"
+    assert templates.said("phrases/between_speeds", points=[near, far]) == ["at 3500 rpm"]
+    (said,) = templates.said("remarks/veering", veerings=[(3500.1, 3500.2, ["flap 2", "twist 1"])])
+    assert said.startswith("Near 3500 rpm (flap 2, twist 1) modes change")
+    (said,) = templates.said("answer/between", ranges={"at amplitudes of 1 mm": [near, far]}, held={})
+    assert said.startswith("At 3500 rpm the ball gives")
+    amplitudes = {"of": [(4.271e-4, 4.273e-4)], "g": 51234.0, "limited": False, "error": 0.0}
+    assert templates.said("answer/range", carrier="blade", **amplitudes) == ["at amplitudes of 0.43 mm (21.9 g)"]
 
 
 @pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import meshio
+import meshlane
 import numpy as np
 import pytest
 
@@ -79,6 +80,9 @@ def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
     assert found["least"] == pytest.approx(np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["greatest"] == pytest.approx(180 - 2 * np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["odd_cells"] == 1
+    told = spindamp("view", flat, "--out", "page.html").out
+    assert "; 1 cell has an angle below 20° or above 150°" in told
+    assert ": 1 edge, " in told
 
 
 def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> None:
@@ -142,16 +146,22 @@ def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path)
     assert "mm, as --unit says" in said
 
 
-def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path) -> None:
-    """A box of 8 x 1 x 1 inches, which could be one of 8 m, too."""
+def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A box of 8 x 1 x 1 inches, which could be one of 8 m, too; each file is read once."""
     nodes = cell("hexahedron20").nodes
     nodes = (nodes - nodes.min(axis=0)) / np.ptp(nodes, axis=0) * [8.0, 1.0, 1.0]
     meshio.write(tmp_path / "box.vtu", meshio.Mesh(nodes, [("hexahedron20", np.arange(20)[None])]))
+    reads, read = [], meshlane.read
+    monkeypatch.setattr(meshlane, "read", lambda path: reads.append(path) or read(path))
     assert "taken as m, which is an assumption: --unit gives" in spindamp("view", "box.vtu", "--out", "page.html").out
+    assert len(reads) == 1
     found = json.loads(spindamp("view", "box.vtu", "--unit", "in", "--json").out)
     assert found["unit"] == "in"
     assert found["extent"]["x"] == pytest.approx([0.0, 8 * 0.0254])
-    refused(spindamp("view", "box.vtu", "--unit", "um"), "box.vtu: the mesh measures 8e-06 m in the unit given")
+    wrong = "box.vtu: --unit = 'um': the mesh measures 8e-06 m in the unit given: are its coordinates in m or mm?"
+    refused(spindamp("view", "box.vtu", "--unit", "um"), wrong)
+    meshio.write(tmp_path / "box.vtu", meshio.Mesh(1e4 * nodes, [("hexahedron20", np.arange(20)[None])]))
+    refused(spindamp("view", "box.vtu"), "box.vtu: --unit: the mesh measures 8e+04 m: expected 2 mm to 20 m")
 
 
 def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, Any], spindamp: Command) -> None:

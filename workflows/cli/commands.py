@@ -7,11 +7,11 @@ light commands start fast.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -292,6 +292,7 @@ def view(
     """
     import webbrowser
 
+    from workflows.io.files import as_json
     from workflows.io.folder import writable
     from workflows.report import figures, mode_viewer, viewer
     from workflows.scene.load import slug
@@ -319,7 +320,7 @@ def view(
         if out is not None:
             viewer.write(data, out, first, number)
         shown = {"rpm": data.speeds[first].rpm, "mode": number + 1} if data.surface.at else {}
-        _print_json({"title": data.title, "file": out and str(out), **shown, **data.numbers})
+        typer.echo(as_json({"title": data.title, "file": out and str(out), **shown, **data.numbers}))
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
@@ -341,7 +342,7 @@ def check(
 
     The output includes the effects that the scene calls for, the reason for each, and the size of a run.
     """
-    from workflows.io import provenance
+    from workflows.io import files, provenance
     from workflows.solve import resources
     from workflows.solve.blade import space_of
     from workflows.solve.model_choice import choose_model, model, translated_errors
@@ -355,7 +356,7 @@ def check(
         space = space_of(source, slowest=True)
     if json:
         record = provenance.document(source, choice.effects, choice.theory, planform, space)
-        _print_json(record | {"sizes": vars(sizes)})
+        typer.echo(files.as_json(record | {"sizes": vars(sizes)}))
         return
     typer.echo("\n".join(provenance.heading(source, planform, space)))
     typer.echo(provenance.as_toml(source.scene, choice.effects, choice.theory))
@@ -437,12 +438,6 @@ def _folder(out: Path | None, json: bool, prefix: str, source: SceneFile) -> Pat
     from workflows.scene.load import slug
 
     return out if out is not None or json else Path(f"{prefix}-{slug(source.scene.title)}")
-
-
-def _print_json(document: Mapping[str, Any]) -> None:
-    from json import dumps
-
-    typer.echo(dumps(document, indent=1, allow_nan=False))
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from fem.meshes.mesh_sequence import Planform
 from workflows.effects.definition import GIVEN, PRINTED, Called, Case, Definition, Refusal, not_printed
-from workflows.formatting import significant, turning
+from workflows.formatting import beside, significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Damper
 from workflows.scene.materials import KNOWN
@@ -88,7 +88,9 @@ def _floor_tilt(case: Case) -> Called:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
     at = turning(omega) + (", estimated for a beam" if scene.given is None else "")
-    reason = f"the load pulls the ball down the slope by {about}{significant(100 * share, 2)} % of its drive at {at}"
+    reason = (
+        f"the load pulls the ball down the slope by {about}{beside(100 * share, 100 * target)} % of its drive at {at}"
+    )
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {reason}")
     return Called(False, f"{reason}, less than the {significant(100 * target)} % asked for")

@@ -21,7 +21,7 @@ from workflows.effects.definition import (
     Refusal,
     everywhere,
 )
-from workflows.formatting import significant, turning
+from workflows.formatting import beside, share, significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -66,16 +66,14 @@ def _coriolis(case: Case) -> Called:
     wave = math.sqrt(material.youngs_modulus / material.density)
     moved = 2.0 * (fastest / (0.5 * math.pi * wave / plate_mesh.sides(plate, case.form)[0])) ** 2
     if moved > target:
-        why = f"it lowers frequencies of motion in the plane of rotation by about {_percent(moved, 1)} % at most"
-        return Called(
-            True,
-            f"{why}, more than the {significant(100 * target)} % asked for",
-            everywhere(fastest, moved, scene.rotor.modes),
+        most = (
+            f"{beside(100 * moved, 100 * target, 1)} % at most, more than the {significant(100 * target)} % asked for"
         )
+        why = f"it lowers frequencies of motion in the plane of rotation by about {most}"
+        return Called(True, why, everywhere(fastest, moved, scene.rotor.modes))
     if scene.effects.coriolis != "auto":  # what is settled costs nothing
-        return Called(
-            False, f"coupled to the plate's stretching it moves frequencies by {_percent(moved, 1)} % at most"
-        )
+        most = f"{share(moved, 1)} % at most"
+        return Called(False, f"coupled to the plate's stretching it moves frequencies by {most}")
     try:
         shift = _solved_with_coriolis(scene, case.form, case.on["large_deflection"])
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
@@ -83,9 +81,9 @@ def _coriolis(case: Case) -> Called:
     if shift is None:
         return Called(False, "the plate diverges without it")
     largest, omega = shift.largest
-    why = f"at {turning(omega)} it moves frequencies by up to {_percent(largest, 1)} %"
-    beside = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
-    return Called(largest > target, f"{why}, {beside}", LeftOut(shift.omega, shift.shifts))
+    why = f"at {turning(omega)} it moves frequencies by up to {beside(100 * largest, 100 * target, 1)} %"
+    compared = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
+    return Called(largest > target, f"{why}, {compared}", LeftOut(shift.omega, shift.shifts))
 
 
 def _solved_with_coriolis(scene: Scene, form: Planform | None, large_deflection: bool) -> Turned | None:
@@ -131,8 +129,8 @@ def _large_deflection(case: Case) -> Called:
     strain = strain_of_a_flat_blade(scene)
     if strain is not None and (moved := moved_by_strain(scene, strain)) <= target:
         reason = (
-            f"the load lies in the plate's own plane and strains it by {_percent(strain)} %, which moves frequencies by"
-            f" {_percent(moved)} % at most, less than the {significant(100 * target)} % asked for"
+            f"the load lies in the plate's own plane and strains it by {share(strain, 2)} %, which moves frequencies by"
+            f" {beside(100 * moved, 100 * target)} % at most, less than the {significant(100 * target)} % asked for"
         )
         return Called(False, reason, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
     try:
@@ -145,8 +143,8 @@ def _large_deflection(case: Case) -> Called:
         return Called(True, f"at {turning(bent.omega)} the plate diverges either with it or without it")
     state = (
         f"at {turning(bent.omega)} the load turns parts of the plate by up to {significant(bent.rotation, 2)} rad and"
-        f" strains it by up to {_percent(bent.strain)} %, which moves frequencies by at most about"
-        f" {_percent(bent.shift)} %"
+        f" strains it by up to {share(bent.strain, 2)} %, which moves frequencies by at most about"
+        f" {beside(100 * bent.shift, 100 * target)} %"
     )
     moves = LeftOut(np.array([bent.omega]), bent.shifts[None])
     if bent.shift > scene.budget.left_out:
@@ -192,10 +190,6 @@ def _solved_with_deflection(scene: Scene, form: Planform | None) -> Bent | None:
 
     effects = fem.Effects(spin_softening=scene.effects.spin_softening is not False)
     return bent(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes)
-
-
-def _percent(part: float, digits: int = 2) -> str:
-    return significant(100 * part, digits)
 
 
 def _rotary_inertia(case: Case) -> Called:

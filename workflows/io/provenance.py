@@ -14,7 +14,7 @@ from fem.meshes.planform import clamped_length
 from workflows import versions
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
-from workflows.formatting import DASH, aligned, revolutions, significant
+from workflows.formatting import DASH, aligned, interval, revolutions, significant
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN
@@ -104,7 +104,7 @@ def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructu
         lines.append(f"{root_text[0].upper()}{root_text[1:]}: {_mm(length)} long")
     if (known := _varying(source, form)) is not None:
         least, greatest, there = map(_mm, known)
-        lines.append(f"Thickness: {least} to {greatest}, {there} at the {what}")
+        lines.append(f"Thickness: {interval(least, greatest)}, {there} at the {what}")
     if scene.damper is not None and scene.plate is not None:
         lines += ["", *_axes("plate")]
     if space is not None:

@@ -102,7 +102,7 @@ def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
     places = sorted(points, key=lambda point: point.load_g)
     at = sorted(places.index(point) for point in chosen)
     first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
-    if len(at) == 1:
+    if first == last:
         return f"at {first}"
     if at[-1] - at[0] >= len(at):
         among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"
@@ -145,15 +145,9 @@ def rounded(value: float, *, up: bool = False) -> str:
     return formatting.significant((math.ceil if up else math.floor)(value / unit) * unit, 3)
 
 
-def listed(items: Sequence[float | str], joint: str = "and") -> str:
-    """A few levels, or texts, in words."""
-    texts = [each if isinstance(each, str) else formatting.significant(each) for each in items]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {joint} {texts[-1]}"
-
-
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
     *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
-    formatting.apart,
-    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded, listed),
+    *(formatting.apart, formatting.beside, formatting.interval, formatting.listed),
+    *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded),
 )

@@ -34,7 +34,7 @@ _MODES_AT_MOST = 8
 def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> str:
     """The summary, ready to print; remarks on how the scene is written come first wherever the notes are."""
     answer = verdict.answer(results)
-    parts = [f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"]
+    parts = [_head(results)]
     parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
     parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
@@ -78,17 +78,24 @@ class Column(NamedTuple):
         return self.written(self.value(results, point)) + self.mark(results, point)
 
 
+_ERROR = "± %"
 COLUMNS = (
     Column("load_g", "load g", lambda _, p: p.load_g, amount),
     Column("first_frequency_hz", "first Hz", lambda _, p: verdict.first_frequency(p), partial(fixed, places=2)),
+    Column("first_frequency_error", _ERROR, lambda _, p: _frequency_error(p), partial(share, digits=2)),
     Column("cutoff_g", "cut-off g", lambda of, p: limits.cutoff(of, p).g, amount, remarks.cutoff_mark),
     Column("cutoff_ratio", "/ load", lambda of, p: limits.cutoff(of, p).ratio, significant, remarks.cutoff_mark),
     Column("sdc", "SDC %", lambda _, p: None if p.damper is None else remarks.lost_at_most(p.damper), share),
     Column("damping_ratio_percent", "ball ζ %", lambda _, p: _figure(p, "peak", 100), significant, remarks.mark),
+    Column("damping_ratio_error", _ERROR, lambda _, p: _figure(p, "error", 1), partial(share, digits=2)),
     Column("at_amplitude_mm", "at mm", lambda _, p: _figure(p, "peak_amplitude", 1e3), significant),
     Column("hits", "hits", lambda _, p: None if p.damper is None else p.damper.impacts, fixed),
 )
-"""Of a damper, beside the speed."""
+"""Of a damper, beside the speed; a run's own table has no errors."""
+
+
+def _frequency_error(point: SpeedPoint) -> float | None:
+    return None if (followed := point.followed) is None else finite(point.modes[followed].error_estimate)
 
 
 def _figure(point: SpeedPoint, name: str, factor: float) -> float | None:
@@ -101,9 +108,10 @@ def rows(results: Results) -> list[tuple[str, ...]]:
     if any(point.damper is not None for point in results.speeds):
         is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
         named = {} if is_first else {"first Hz": f"{verdict.followed_mode(results)} Hz"}
-        table = [("rpm", *(named.get(each.head, each.head) for each in COLUMNS))]
+        columns = [each for each in COLUMNS if each.head != _ERROR]
+        table = [("rpm", *(named.get(each.head, each.head) for each in columns))]
         for point in results.speeds:
-            known = COLUMNS if point.damper is not None else COLUMNS[:1]
+            known = columns if point.damper is not None else columns[:1]
             table.append((amount(point.rpm), *(each.cell(results, point) for each in known)))
         return table
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
@@ -176,13 +184,7 @@ def brief_html(results: Results) -> str:
 
 
 def _head(results: Results) -> str:
-    speeds = [point.rpm for point in results.speeds]
-    title = one_line(results.scene.title)
-    if not speeds:
-        return f"{title}: 0 speeds"
-    if len(speeds) == 1:
-        return f"{title}: 1 speed, {amount(speeds[0])} rpm"
-    return f"{title}: {len(speeds)} speeds, {amount(min(speeds))} to {amount(max(speeds))} rpm"
+    return f"{one_line(results.scene.title)}: {revolutions(results.scene.rotor.speeds)}"
 
 
 @lawful()

@@ -12,7 +12,7 @@ from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits, remedies
-from workflows.solve.excitation import HELPS
+from workflows.solve.excitation import HELPS, refused
 from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
@@ -119,11 +119,11 @@ def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
         those = [p for p in points if p.verdict and p.verdict.reason == reason]
         if those:
             where = "" if len(those) == len(points) else f" {stretch(those, points)}"
-            of = {"reason": reason, "first": those[0], "frictions": [_friction(results, point) for point in those]}
+            frictions, curves = [_friction(results, p) for p in those], [p.damping_curve for p in those]
+            of = {"reason": reason, "curves": curves, "frictions": frictions}
             flows = reason == Reason.CONTACT
             why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
-            there = "there " if where and reason != Reason.SIDEWAYS else ""  # which names a speed of its own
-            clauses.append(f"no verdict{where}: {there}{why}")
+            clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")
     torn = remarks.torn_from(results)
     return clauses if torn is None else [*clauses, f"no verdict {torn}"]
 
@@ -161,16 +161,17 @@ class Answer:
 
     verdict: str
     sentences: tuple[str, ...]
+    leading: int = 0
 
     @property
     def lead(self) -> tuple[str, ...]:
-        """What stands before the first table."""
-        return self.sentences[:_LEAD]
+        """What stands before the first table: all on engine orders."""
+        return self.sentences[: max(self.leading, _LEAD)]
 
     @property
     def details(self) -> tuple[str, ...]:
         """What stands below."""
-        return self.sentences[_LEAD:]
+        return self.sentences[max(self.leading, _LEAD) :]
 
     def besides(self, notes: Sequence[str]) -> list[str]:
         """Remarks without the sentences that the answer has already."""
@@ -184,7 +185,7 @@ def answer(results: Results) -> Answer:
     (main, *clauses), sentences = _alone(results)
     orders, unsure = _orders(results), _unsure(results)
     if not orders or all(each.reason for each in results.reductions):
-        return Answer("; ".join([main, *clauses, *unsure]), (*map(" ".join, orders), *sentences))
+        return Answer("; ".join([main, *clauses, *unsure]), (*map(" ".join, orders), *sentences), len(orders))
     (first, *rest), *others = orders
     alike = "; ".join([f"{main[0].lower()}{main[1:]}".replace(": ", ", ", 1), *clauses])
     told = [each for each in results.reductions if not each.reason]
@@ -192,7 +193,8 @@ def answer(results: Results) -> Answer:
     estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
     crossings = [" ".join(each) for each in (rest, *others) if each]
     by_itself = f"Compared with the damping by air alone: {alike}."
-    return Answer("; ".join([first.removesuffix("."), *unsure]), (*crossings, estimated, by_itself, *sentences))
+    leading = (*crossings, estimated)
+    return Answer("; ".join([first.removesuffix("."), *unsure]), (*leading, by_itself, *sentences), len(leading))
 
 
 def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
@@ -279,7 +281,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
             elif k == len(stretches) - 1:
                 where = f"from {first} on"
             else:
-                inside = f"at {last}" if len(run) == 1 else f"from {first} to {last}"
+                inside = f"at {last}" if first == last else f"from {first} to {last}"
                 where = f"up to {last}" if k - 1 in known else inside
             words.append(f"{_WORDS[rank]} {where}")
         main = ", ".join(words)
@@ -346,8 +348,8 @@ def _orders(results: Results) -> list[list[str]]:
     excitation = results.scene.excitation
     if excitation is None or results.scene.damper is None or not results.speeds:
         return []
-    if limits.is_printed(results):
-        return [said("answer/printed_orders", results, orders=excitation.orders)]
+    if not results.reductions and (reason := refused(results)) is not None:
+        return [said("answer/refused_orders", results, orders=excitation.orders, reason=reason)]
     every = sorted(results.reductions, key=_usefulness)
     met = [_of_order(results, each, excitation.unit) for each in every]
     unmet = sorted(set(excitation.orders) - {each.order for each in every})

@@ -9,7 +9,8 @@ import numpy as np
 import fem
 from fem import modal_model
 from fem.meshes.cells import edges_of
-from fem.meshes.volume import SizeError, has_volume, read_volume
+from fem.meshes.read import raw_mesh, surface_of
+from fem.meshes.volume import SizeError, has_volume, volume_of
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.formatting import significant, whole
@@ -141,11 +142,14 @@ def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
     except quantities.UnitError as error:
         raise BadInput("expected a unit of length such as 'mm'", key="--unit", value=unit) from error
     try:
-        if has_volume(path):
-            return _data_of_volume(path, unit, scale)
-        mesh = fem.read_mesh(path).scaled(scale)
+        raw = raw_mesh(path)
+        if has_volume(raw):
+            return _data_of_volume(path, raw, unit, scale)
+        mesh = surface_of(raw)[0].scaled(scale)
+    except SizeError as error:
+        raise BadInput(str(error), file=str(path), key="--unit", value=unit) from error
     except fem.MeshError as error:
-        raise BadInput(str(error).removeprefix(f"{path}: "), file=str(path)) from error
+        raise BadInput(str(error), file=str(path)) from error
     surface = bare_surface(mesh)
     read = numbers(surface)
     side = float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))
@@ -162,7 +166,7 @@ def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
     )
 
 
-def _data_of_volume(path: Path, given: str | None, scale: float) -> ViewData:
+def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> ViewData:
     """The surface of a volume mesh, in its file's axes.
 
     Raises:
@@ -170,11 +174,12 @@ def _data_of_volume(path: Path, given: str | None, scale: float) -> ViewData:
     """
     unit = given or "m"
     try:
-        mesh = read_volume(path, scale)
-    except SizeError:
-        if given is not None:
-            raise
-        unit, mesh = "mm", read_volume(path, 1e-3)
+        mesh = volume_of(path, raw, scale)
+    except SizeError as error:
+        try:
+            unit, mesh = given or "mm", volume_of(path, raw, scale if given is not None else 1e-3)
+        except SizeError:
+            raise error from None
     triangles = modal_model.faces(mesh.cells)
     used, renumbered = np.unique(triangles, return_inverse=True)
     points, triangles, lines = mesh.points[used], renumbered.reshape(-1, 3), np.searchsorted(used, edges_of(mesh.cells))

@@ -15,11 +15,11 @@ from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import BadInput
-from workflows.formatting import percent, significant, span, turning
+from workflows.formatting import beside, percent, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import resources
+from workflows.solve import known_modes, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
 from workflows.solve.results import Floats
 
@@ -181,7 +181,7 @@ def _deflection(request: Request) -> tuple[Called, SolidOperators]:
         return Called(True, f"{at} the load bends or untwists the blade too much for a linear prestress"), operators
     called = bool(shifts.max() > scene.budget.rough_shift)
     why = (
-        f"{at} it moves frequencies by at most about {significant(100 * float(shifts.max()), 2)} %,"
+        f"{at} it moves frequencies by at most about {beside(100 * shifts.max(), 10 * scene.accuracy.frequency)} %,"
         f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % asked for"
     )
     return Called(called, why, LeftOut(np.array([omega]), shifts[None])), operators
@@ -219,8 +219,8 @@ def blade_of(source: SceneFile) -> Blade:
     Raises:
         BadInput: the mesh or its root is no good; it needs more memory than there is.
     """
-    from fem.meshes.volume import read_volume
-    from fem.solid.blade import Blade, named_root, root_at
+    from fem.meshes.volume import SizeError, read_volume
+    from fem.solid.blade import Blade, root_at
 
     scene, path = source.scene, source.blade_mesh
     spec, material = scene.blade, scene.material
@@ -230,14 +230,15 @@ def blade_of(source: SceneFile) -> Blade:
         mesh = read_volume(path, spec.scale, spec.size)
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
-        raise BadInput(text, file=source.name, key="[blade] mesh", value=spec.mesh) from error
+        key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
+        raise BadInput(text, file=source.name, key=f"[blade] {key}", value=value) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
     stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     try:
         if spec.root is not None and spec.root_radius is None:
-            root = named_root(mesh, spec.root)
+            root = known_modes.named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         blade = Blade(mesh, stuff, root, about.axis, about.origin)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.rotor import from_rpm
 from workflows.errors import BadInput
-from workflows.formatting import turning, whole
+from workflows.formatting import interval, turning, whole
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction
 
@@ -149,7 +149,7 @@ def no_crossing(points: Sequence[SpeedPoint], orders: Sequence[int], file: str, 
     """
     low, high = min(point.rpm for point in points), max(point.rpm for point in points)
     what = "no order crosses a mode" if driven else "none of these orders drives a mode at the damper's place"
-    problem = f"{what} between {whole(low)} and {whole(high)} rpm"
+    problem = f"{what} {interval(whole(low), whole(high), ' and ', 'between ', 'at ')} rpm"
     for order in orders if driven else ():
         rpm = crossing_beyond(points, order)
         problem += "" if rpm is None else f"; order {order} would meet the first mode near {whole(rpm)} rpm"

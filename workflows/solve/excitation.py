@@ -177,21 +177,24 @@ def endured(results: Results, crossing: Crossing) -> float | None:
     return None if root_stress(results, crossing) is None else limits.endured(results)
 
 
+def refused(results: Results) -> Reason | None:
+    """Why a damper has a verdict at no speed, the lowest, where the load is least, included; None where it may have."""
+    return limits.inadmissible(results, min(results.speeds, key=lambda point: point.omega))
+
+
 def estimates(state: StructureState, stages: Stages) -> tuple[VibrationReduction, ...]:
     """What the ball does at every crossing of a run's orders with its modes, from free vibration.
 
-    None without [excitation] and a damper, and by the printed equations, which know no force.
+    None without [excitation] and a damper, and where the damper is refused at all speeds.
 
     Raises:
         BadInput, NoAnswer: see :class:`workflows.solve.structure.StructureSolver`.
     """
     excitation, spec = state.source.scene.excitation, state.source.scene.damper
-    if excitation is None or spec is None or state.solver is None or spec.formulation == "printed":
+    results = state.results(stages=stages)
+    if excitation is None or spec is None or state.solver is None or refused(results) is not None:
         return ()
-    solver, results = (
-        state.solver.with_switches(coupling.with_forced_effects(state.source)),
-        state.results(stages=stages),
-    )
+    solver = state.solver.with_switches(coupling.with_forced_effects(state.source))
     met = solved_crossings(solver, state.points, excitation)
     return tuple(estimates_at(solver, results, met, excitation))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
@@ -20,7 +20,7 @@ from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
-from workflows.formatting import percent, share, significant
+from workflows.formatting import interval, percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
@@ -29,6 +29,7 @@ from workflows.solve.results import (
     Diagram,
     ErrorParts,
     Floats,
+    Ints,
     Mode,
     ModeAtSeat,
     SeatDescription,
@@ -591,8 +592,8 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     known = np.array([modes.omega for modes in model.speeds])
     slack, key = modal_model.SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
-        have = f"{in_rpm(known.min()):.6g} to {in_rpm(known.max()):.6g} rpm"
-        problem = f"the modes are known from {have}: expected speeds among them, not {in_rpm(omega):.6g} rpm"
+        have = interval(f"{in_rpm(known.min()):.6g}", f"{in_rpm(known.max()):.6g}", before="from ", alone="at ")
+        problem = f"the modes are known {have} rpm: expected a speed there, not {in_rpm(omega):.6g} rpm"
         raise source.wrong(problem, key)
     lost = np.flatnonzero(model.likeness[: source.scene.rotor.modes] < _ALIKE)
     if np.abs(known - omega).min() > slack and lost.size:
@@ -774,17 +775,27 @@ def _pull(model: ModalModel, at: Place) -> Pull:
     return modal_model.pull(model, at)
 
 
+def named_set(source: SceneFile, sets: Mapping[str, Ints], name: str, key: str, beside: str = "") -> Ints:
+    """Nodes of a set that a scene names, in capital or small letters, which are the same in Abaqus and CalculiX.
+
+    beside: what may stand there instead.
+
+    Raises:
+        BadInput: there is no such set.
+    """
+    alike = [name] if name in sets else [each for each in sets if each.lower() == name.lower()]
+    if len(alike) != 1:
+        there = f"expected a set of nodes in the file ({', '.join(sets)})" if sets else "the file has no sets of nodes"
+        raise source.wrong(f"{there}{beside}{did_you_mean(name, sets)}", key, name)
+    return sets[alike[0]]
+
+
 def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | int | None, key: str) -> Floats:
     """The point that `at` means: itself, a node, or the middle of a set of nodes."""
     if isinstance(at, tuple):
         return np.array(at, dtype=np.float64)
     if isinstance(at, str):
-        if at not in model.sets:
-            names = list(model.sets)
-            there = f"expected one of its sets of nodes: {', '.join(names)}" if names else "the file has no sets"
-            problem = f"{there}{did_you_mean(at, names)}"
-            raise source.wrong(problem, key, at)
-        return np.asarray(model.points[model.sets[at]].mean(axis=0))
+        return np.asarray(model.points[named_set(source, model.sets, at, key)].mean(axis=0))
     labels = np.arange(1, len(model.points) + 1) if model.labels is None else model.labels
     rows = np.flatnonzero(labels == at)
     if not rows.size:

@@ -319,7 +319,7 @@ class Verdict:
     """largest damping ratio within what the structure endures; null: no verdict"""
     amplitude: Annotated[float | None, quantity("m")]
     """amplitude at the cavity where that is"""
-    useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS)]
+    useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS, headline=True)]
     """amplitudes between which the damping is at least half its peak, as far as the structure endures them"""
     reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
@@ -365,9 +365,9 @@ class VibrationReduction:
     family: Annotated[str, quantity("")]
     """what the mode does"""
     rpm: Annotated[float, quantity("rpm")]
-    """speed of the crossing without the ball"""
+    """speed of the crossing without the ball, at which order and mode differ by no more than 1e-5 of the frequency"""
     frequency_hz: Annotated[float, quantity("Hz")]
-    """frequency there"""
+    """of the order there"""
     ratio: Annotated[Unknown, quantity("1")] = math.nan
     """least amplitude with the ball over the one without, of all levels endured; null: none"""
     level: Annotated[Unknown, quantity("1")] = math.nan
@@ -716,7 +716,7 @@ class SpeedPoint:
     floor is included. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
     contact: Annotated[ContactFigures | None, part(prefix="contact_")] = None
     """of the ball at rest on its floor, where their materials are known by name"""
-    verdict: Annotated[Verdict | None, part(prefix="verdict_", headline=False)] = None
+    verdict: Annotated[Verdict | None, part(prefix="verdict_")] = None
     """on the damper at this speed, from its own figures"""
     static_displacement: Annotated[float | None, quantity("m")] = field(default=None, repr=False)
     """the largest by which the centrifugal load displaces a solid blade"""

@@ -114,11 +114,12 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     return entries
 
 
-_KEYS = ("load_g", "first_frequency_hz", "cutoff_g", "damping_ratio_percent", "at_amplitude_mm")
-"""Of the columns of a run's table that are put side by side at each speed."""
+_LEFT_OUT = ("cutoff_ratio", "sdc", "hits")
+"""Of the columns of a run's table; the others are put side by side at each speed."""
 
-_COLUMNS = [column for column in COLUMNS if column.key in _KEYS]
-_HEADS = ("rpm", "run", *(column.head for column in _COLUMNS))
+_COLUMNS = [column for column in COLUMNS if column.key not in _LEFT_OUT]
+_ERROR_MEANS = "± %: estimated relative error of the figure to its left."
+_HEADS = ("rpm", "run", *(column.head for column in _COLUMNS), "useful")
 
 _SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
 """What marks of a damping ratio say, in files."""
@@ -129,9 +130,10 @@ def rows(comparison: Comparison) -> list[dict[str, Any]]:
     table = []
     for rpm, points in comparison.points:
         for name, results, point in zip(comparison.names, comparison.results, points, strict=True):
-            values = [None if point is None else each.value(results, point) for each in _COLUMNS]
-            marks = ["" if point is None else each.mark(results, point) for each in _COLUMNS]
-            table.append({"rpm": rpm, "run": name} | dict(zip(_KEYS, values, strict=True)) | {"marks": marks})
+            row = {"rpm": rpm, "run": name, "verdict": point and point.verdict and str(point.verdict.grade)}
+            row |= {each.key: None if point is None else each.value(results, point) for each in _COLUMNS}
+            marks = {each.key: "" if point is None else each.mark(results, point) for each in _COLUMNS}
+            table.append(row | {"marks": marks})
     return table
 
 
@@ -142,8 +144,7 @@ def headline(results: Results) -> str:
 
 def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
-    runs = zip(comparison.names, comparison.results, strict=True)
-    lines = [line for name, results in runs for line in (f"{name}: {headline(results)}", "")]
+    lines = [line for run in _runs(comparison) for line in (f"{run['name']}: {run['headline']}", "")]
     differences = [(key, *values) for key, values in _differences(comparison)]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
     return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *_legend(comparison)])
@@ -154,12 +155,13 @@ def _legend(comparison: Comparison) -> list[str]:
     runs = zip(comparison.names, comparison.results, strict=True)
     lines = [(name, line) for name, results in runs for line in remarks.legend(results)]
     lines.sort(key=lambda each: each[1][0] not in remarks.MARKS)
-    return list(dict.fromkeys(line if line[0] in remarks.MARKS else f"{name}: {line}" for name, line in lines))
+    marks = [line if line[0] in remarks.MARKS else f"{name}: {line}" for name, line in lines]
+    return list(dict.fromkeys([_ERROR_MEANS, *marks]))
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
-    cells = (each.written(row[each.key]) + mark for each, mark in zip(_COLUMNS, row["marks"], strict=True))
-    return (whole(row["rpm"]), row["run"], *cells)
+    cells = (each.written(row[each.key]) + row["marks"][each.key] for each in _COLUMNS)
+    return (whole(row["rpm"]), row["run"], *cells, row["verdict"] or DASH)
 
 
 _ITEMS = 6
@@ -170,7 +172,8 @@ def _differences(comparison: Comparison) -> list[tuple[str, list[str]]]:
     """Keys of the scenes that are not the same in all, with their units, and the value in each."""
     table = []
     for key, values in comparison.differences.items():
-        factor, unit = readable(plan.find(key, "compare").unit if key in plan.every() else "")
+        in_scenes = key in plan.every() or key.startswith("design.")
+        factor, unit = readable(plan.Key(key, key, None).unit if in_scenes else "")
         table.append((f"{key}, {unit}" if unit else key, [_value(value, factor) for value in values]))
     return table
 
@@ -208,8 +211,8 @@ def document(comparison: Comparison) -> dict[str, Any]:
 
 def _record(row: dict[str, Any]) -> dict[str, Any]:
     """A row with what its marks stand for."""
-    _, _, at_rest, mark, _ = row["marks"]
-    said = {"cutoff_at_rest": bool(at_rest)} | dict(zip(_SAID, (mark == each for each in _SAID.values()), strict=True))
+    said = {"cutoff_at_rest": bool(row["marks"]["cutoff_g"])}
+    said |= {name: row["marks"]["damping_ratio_percent"] == each for name, each in _SAID.items()}
     return {name: value for name, value in row.items() if name != "marks"} | said
 
 
@@ -237,20 +240,21 @@ def draw(comparison: Comparison) -> str:
 
 def files(comparison: Comparison) -> dict[str, str | bytes]:
     """The files beside `compare.json`."""
-    figure = draw(comparison)
+    figure, table = draw(comparison), rows(comparison)
+    records = [_record(row) for row in table]
     page = from_template(
         "compare.html.j2",
         result=comparison,
         runs=_runs(comparison),
         differences=_differences(comparison),
         heads=_HEADS,
-        rows=[_cells(row) for row in rows(comparison)],
+        rows=[_cells(row) for row in table],
         marks=_legend(comparison),
-        hollow=any(row["marks"][3] for row in rows(comparison)),
+        hollow=any(row["marks"]["damping_ratio_percent"] for row in table),
         figure=figure,
     )
     return {
-        "compare.csv": as_table(("rpm", "run", *_KEYS, "cutoff_at_rest", *_SAID), map(_record, rows(comparison))),
+        "compare.csv": as_table(dict.fromkeys(key for record in records for key in record), records),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }

@@ -11,7 +11,7 @@ import numpy as np
 
 from damper import Regime
 from fem.rotor import in_rpm
-from workflows.formatting import DASH, aligned, fixed, significant, whole
+from workflows.formatting import DASH, aligned, fixed, listed, significant, whole
 from workflows.io import provenance
 from workflows.io.files import finite, global_attributes
 from workflows.report import figures, plots, remarks, templates, verdict
@@ -223,7 +223,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     followed = np.array([each.level for each in levels])
     unknown = next(row.ratio_error for row in mine if row.force == best.level)
     rough = [] if unknown is None else [f"± {in_percent(unknown)} percentage points: the motion has not settled"]
-    listed = f"the levels followed, {templates.listed(followed.tolist())} {result.excitation.unit}"
+    every = f"the levels followed, {listed(followed.tolist())} {result.excitation.unit}"
     around = neighbours(followed, np.flatnonzero(useful), levels.index(best)) if any(useful) else (math.nan, math.nan)
     return replace(
         estimate,
@@ -234,7 +234,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=bool(rough),
         reason=Reason.NONE,
-        detail=" ".join(rough if rough and any(useful) else [listed, *(f"({each})" for each in rough)]),
+        detail=" ".join(rough if rough and any(useful) else [every, *(f"({each})" for each in rough)]),
     )
 
 

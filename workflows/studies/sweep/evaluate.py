@@ -255,8 +255,8 @@ def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurv
     damper = each.verdict_damper
     curve, first = damper_curve(damper, known, **how), coupling.moves_first_from(damper, each.point)
     point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
-    _fill(row, point)
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
+    _fill(row, replace(point, verdict=verdict))
     row["grade"] = verdict.rank
     for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
         if value is not None:

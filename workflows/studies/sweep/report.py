@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflows.formatting import readable, significant, whole
+from workflows.formatting import interval, readable, significant, span, whole
 from workflows.io.files import as_json, finite
 from workflows.io.folder import replacing_file
 from workflows.report import plots
@@ -133,7 +133,7 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
     from matplotlib.patches import Patch
 
     named = [
-        Patch(color=colour, label=f"{significant(low, 2)} to {significant(high, 2)}")
+        Patch(color=colour, label=span(low, high))
         for low, high, colour in zip(levels, levels[1:], colours, strict=False)
     ]
     if idle:
@@ -408,7 +408,8 @@ def _point(data: xr.Dataset, place: dict[str, int]) -> dict[str, Any]:
 def _best_keys(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str]:
     """The keys of the best point in words."""
     keys = {} if entries["best"] is None else entries["best"]["keys"]
-    return {name: _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    names = {"rpm": SPEEDS}
+    return {names.get(name, name): _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
 
 
 def _spread(data: xr.Dataset) -> dict[str, Any] | None:
@@ -432,7 +433,8 @@ _FIGURES = (
     ("best_damping_ratio", "damping ratio, %", 100.0),
     ("best_amplitude", "at an amplitude of, mm", 1e3),
     ("cutoff", "at rest below, mm", 1e3),
-    ("range_high", "half is left up to, mm", 1e3),
+    ("verdict_useful_range_low", "at least half of the peak from, mm", 1e3),
+    ("verdict_useful_range_high", "and up to, mm", 1e3),
     ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
     ("ball_mass", "mass of the balls, g", 1e3),
     ("working_error", "error of the damping ratio, %", 100.0),
@@ -461,7 +463,7 @@ def render(data: xr.Dataset) -> str:
         best = _best_keys(data, entries)
         best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
     drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}
-    ranges = {n: f"{_formatted(data, n, v.min())} to {_formatted(data, n, v.max())}" for n, v in drawn.items()}
+    ranges = {n: interval(_formatted(data, n, v.min()), _formatted(data, n, v.max())) for n, v in drawn.items()}
     return from_template(
         "sweep.html.j2",
         plots.shades_css(SHADES),

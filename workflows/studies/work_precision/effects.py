@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias
 
+from fem.rotor import from_rpm
 from workflows import formatting, pipeline
 from workflows.effects.selection import EFFECTS, called_for
 from workflows.errors import SpindampError
@@ -21,9 +22,6 @@ from workflows.solve import blade, limits, structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Figures, Mode, Pair, SpeedPoint
 from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
-
-_NAMED = 3
-"""Speeds that are named one by one; of more, the range is given."""
 
 
 @dataclass(frozen=True)
@@ -144,10 +142,7 @@ def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
 
 
 def _at(speeds: Iterable[float]) -> str:
-    ordered = sorted(speeds)
-    if len(ordered) <= _NAMED:
-        return f"at {', '.join(map(whole, ordered))} rpm"
-    return f"at {len(ordered)} speeds from {whole(ordered[0])} to {whole(ordered[-1])} rpm"
+    return f"at {formatting.revolutions([from_rpm(rpm) for rpm in sorted(speeds)])}"
 
 
 @dataclass(frozen=True)
@@ -481,7 +476,7 @@ def _spent(row: EffectChange) -> str:
         return formatting.DASH
     low, high = (formatting.significant(1e3 * end, 2) for end in row.time_spread_s)
     middle = "within noise" if row.within_noise else formatting.significant(1e3 * row.time_s, 2)
-    return f"{middle} ({low} to {high})"
+    return f"{middle} ({formatting.interval(low, high)})"
 
 
 def _flat(row: EffectChange) -> dict[str, Any]:
