@@ -291,7 +291,8 @@ def cure(results: Results) -> dict[str, Any]:
         if max(sizes[name]) > 0.0 and max(left.values()) > target and (key := _remedy(results, name)) is not None:
             keys.append(key)
             left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
-    rest = max(left[mode.number] - (mode.parts.mesh or 0.0) for mode in modes)
+    given = results.scene.in_space  # whose mesh is a part like any other
+    rest = max(left[mode.number] - (0.0 if given else mode.parts.mesh or 0.0) for mode in modes)
     thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
     enough = bool(keys) and rest <= target / 2 and not (thin and _DEFLECTED in keys)
     return {"keys": keys if enough else [], "attainable": _attainable(max(mode.whole for mode in modes))}

@@ -369,30 +369,30 @@ def _usefulness(reduction: VibrationReduction) -> tuple[bool, bool, float, int]:
 
 def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> list[str]:
     """What the ball does at a crossing: by how much, at which levels, and why not at the others; by sentences."""
+    borne = [each for each in reduction.levels if each.endured]
+    overload = [each.level for each in reduction.levels if not each.endured]
+    known = {"it": reduction, "unit": unit, "overload": overload, "deflection": limits.deflection_governs(results)}
     if reduction.reason or not math.isfinite(reduction.range[0]):
         held = not reduction.reason and reduction.moves_from >= reduction.endured_level
         friction = remedies.friction_that_moves(results, reduction) if held else math.nan
-        return said("answer/no_order", results, it=reduction, unit=unit, friction=friction)
+        held |= bool(borne) and reduction.moves_from > max(each.level for each in borne)
+        return said("answer/no_order", results, held=held, friction=friction, **known)
     low, high = reduction.range
     most = 1 - reduction.ratio
-    borne = [each for each in reduction.levels if each.endured]
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
     outside = [] if reduction.loose else outside  # a rough estimate does not tell levels apart
     helped = any(each.level >= reduction.moves_from and each.ratio <= HELPS for each in borne)
     return said(
         "answer/order",
         results,
-        it=reduction,
-        unit=unit,
         most=most,
         idle=[] if helped else [each.level for each in reduction.levels],
         leans=any(any(point.lean) for point in results.speeds),
-        deflection=limits.deflection_governs(results),
-        overload=[each.level for each in reduction.levels if not each.endured],
         at_rest=[each.level for each in borne if each.level < reduction.moves_from],
         useless=[each.level for each in outside if each.ratio >= 1],
         less=[each.level for each in outside if 0 < 1 - each.ratio < most / 2],
         aside=[each for each in outside if 1 - each.ratio >= most / 2],
+        **known,
     )
 
 

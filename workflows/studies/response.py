@@ -296,8 +296,10 @@ NEAR_BEST = 0.9
 
 
 def best_level(reduction: VibrationReduction) -> float:
-    """Where the ball does most by free vibration, to two digits."""
-    return float(f"{reduction.level:.2g}")
+    """Where the ball does most by free vibration, to as few digits as leave it in the range of levels that help."""
+    low, high = reduction.range
+    rounded = (float(f"{reduction.level:.{digits}g}") for digits in (2, 3, 4))
+    return next((level for level in rounded if low <= level <= high), reduction.level)
 
 
 def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:

@@ -217,13 +217,14 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         return replace(estimate, reason=Reason.OTHER_MODE, detail=HIDDEN)
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
-    best = min(borne, key=lambda each: each.ratio)
+    moved = [each for each in borne if each.level >= passage.least_force]
+    best = min(moved or borne, key=lambda each: each.ratio)
     enough = min(half_way(best.ratio), HELPS)
-    useful = [each.endured and each.ratio <= enough for each in levels]
+    useful = [each in moved and each.endured and each.ratio <= enough for each in levels]
     followed = np.array([each.level for each in levels])
     unknown = next(row.ratio_error for row in mine if row.force == best.level)
     rough = [] if unknown is None else [f"± {in_percent(unknown)} percentage points: the motion has not settled"]
-    every = f"the levels followed, {listed(followed.tolist())} {result.excitation.unit}"
+    every = f"the levels followed, {listed([each.level for each in borne])} {result.excitation.unit}"
     around = neighbours(followed, np.flatnonzero(useful), levels.index(best)) if any(useful) else (math.nan, math.nan)
     return replace(
         estimate,
