@@ -72,8 +72,7 @@ def _coriolis(case: Case) -> Called:
         why = f"it lowers frequencies of motion in the plane of rotation by about {most}"
         return Called(True, why, everywhere(fastest, moved, scene.rotor.modes))
     if scene.effects.coriolis != "auto":  # what is settled costs nothing
-        most = f"{share(moved, 1)} % at most"
-        return Called(False, f"coupled to the plate's stretching it moves frequencies by {most}")
+        return Called(False, f"coupled to the plate's stretching it moves frequencies by {share(moved, 1)} % at most")
     try:
         shift = _solved_with_coriolis(scene, case.form, case.on["large_deflection"])
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key

@@ -78,16 +78,15 @@ class Column(NamedTuple):
         return self.written(self.value(results, point)) + self.mark(results, point)
 
 
-_ERROR = "± %"
 COLUMNS = (
     Column("load_g", "load g", lambda _, p: p.load_g, amount),
     Column("first_frequency_hz", "first Hz", lambda _, p: verdict.first_frequency(p), partial(fixed, places=2)),
-    Column("first_frequency_error", _ERROR, lambda _, p: _frequency_error(p), partial(share, digits=2)),
+    Column("first_frequency_error", "± %", lambda _, p: _frequency_error(p), partial(share, digits=2)),
     Column("cutoff_g", "cut-off g", lambda of, p: limits.cutoff(of, p).g, amount, remarks.cutoff_mark),
     Column("cutoff_ratio", "/ load", lambda of, p: limits.cutoff(of, p).ratio, significant, remarks.cutoff_mark),
     Column("sdc", "SDC %", lambda _, p: None if p.damper is None else remarks.lost_at_most(p.damper), share),
     Column("damping_ratio_percent", "ball ζ %", lambda _, p: _figure(p, "peak", 100), significant, remarks.mark),
-    Column("damping_ratio_error", _ERROR, lambda _, p: _figure(p, "error", 1), partial(share, digits=2)),
+    Column("damping_ratio_error", "± %", lambda _, p: _figure(p, "error", 1), partial(share, digits=2)),
     Column("at_amplitude_mm", "at mm", lambda _, p: _figure(p, "peak_amplitude", 1e3), significant),
     Column("hits", "hits", lambda _, p: None if p.damper is None else p.damper.impacts, fixed),
 )
@@ -108,7 +107,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
     if any(point.damper is not None for point in results.speeds):
         is_first = all(point.followed == 0 or not point.modes for point in results.speeds)
         named = {} if is_first else {"first Hz": f"{verdict.followed_mode(results)} Hz"}
-        columns = [each for each in COLUMNS if each.head != _ERROR]
+        columns = [each for each in COLUMNS if not each.key.endswith("_error")]
         table = [("rpm", *(named.get(each.head, each.head) for each in columns))]
         for point in results.speeds:
             known = columns if point.damper is not None else columns[:1]

@@ -119,8 +119,7 @@ def _unjudged(results: Results, points: Sequence[SpeedPoint]) -> list[str]:
         those = [p for p in points if p.verdict and p.verdict.reason == reason]
         if those:
             where = "" if len(those) == len(points) else f" {stretch(those, points)}"
-            frictions, curves = [_friction(results, p) for p in those], [p.damping_curve for p in those]
-            of = {"reason": reason, "curves": curves, "frictions": frictions}
+            of = {"reason": reason, "those": those, "frictions": [_friction(results, point) for point in those]}
             flows = reason == Reason.CONTACT
             why = remarks.flows(results, those) if flows else phrase("answer/outside", results, **of)
             clauses.append(f"no verdict{where}: {'there ' if where else ''}{why}")

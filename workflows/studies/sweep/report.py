@@ -408,8 +408,7 @@ def _point(data: xr.Dataset, place: dict[str, int]) -> dict[str, Any]:
 def _best_keys(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, str]:
     """The keys of the best point in words."""
     keys = {} if entries["best"] is None else entries["best"]["keys"]
-    names = {"rpm": SPEEDS}
-    return {names.get(name, name): _formatted(data, name, value) for name, value in keys.items() if name != SPEEDS}
+    return {SPEEDS if n == "rpm" else n: _formatted(data, n, value) for n, value in keys.items() if n != SPEEDS}
 
 
 def _spread(data: xr.Dataset) -> dict[str, Any] | None:
