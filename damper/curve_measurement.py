@@ -130,8 +130,9 @@ def damping_curve(
         sweeps: down through the amplitudes, from as many starts; a half or a quarter of them where that is enough, by
             what halves of them show. Abrupt starts are at as many amplitudes an octave, up to 12.
         stay: cycles that a sweep down takes for an octave, and four times as many in half as many sweeps where the pace
-            moves the peak, as it does where hits take next to nothing from the ball. 4 sweeps of 60 take a fifth of the
-            time, and move the peak by less than 1 %, mostly. Sweeps up take as many cycles in all.
+            moves the peak, as it does where hits take next to nothing from the ball. 4 sweeps of 60 take half of the
+            time, and move the peak by less than 1 % where the ball has one motion at an amplitude. Sweeps up take as
+            many cycles in all.
         reach: amplitude up to which the curve goes at least [m].
     """
     bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
