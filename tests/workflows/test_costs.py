@@ -32,7 +32,7 @@ from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
 from workflows.studies.work_precision.effects import EffectChange, EffectStudy, changes, effect_study
-from workflows.studies.work_precision.integration import integrate
+from workflows.studies.work_precision.integration import Integration
 from workflows.studies.work_precision.study import study
 from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, measure
 
@@ -40,7 +40,7 @@ RELEASE = (20e-3, 5e-3)
 QUIET = Stages(visible=False)
 
 
-FEW_INTEGRATORS = {"RK45": (1e-3,), "DOP853": (1e-9,)}
+FEW_INTEGRATORS = {"RK45": (1e-3,), "DOP853": (1e-12,)}
 
 
 @pytest.mark.parametrize(
@@ -52,12 +52,14 @@ FEW_INTEGRATORS = {"RK45": (1e-3,), "DOP853": (1e-9,)}
         {"damping_ratio": 0.05, "friction": 0.0, "restitution": 0.9},
         {"rolling_friction": 0.0, "damping_ratio": 0.01},
         {"centrifugal_acceleration": 0.0, "restitution": 0.7},
+        {"floor_tilt": (3.0, 0.0)},
+        {"floor_radius": (0.05, 0.06), "rotation": 100.0, "stagger": 0.3},
     ],
 )
 def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
     """Two programs that share no line, to a hundred times the tolerance of the integrator, which errs step by step."""
     damper = scenes.paper(**changes)
-    exact, peer = ringdown(damper, RELEASE, 5), integrate(damper, RELEASE, 5, "DOP853", 1e-12)
+    exact, peer = ringdown(damper, RELEASE, 5), Integration(damper, RELEASE, 5, "DOP853", 1e-12)
     assert peer.impacts == exact.impacts > 0
     assert peer.final == pytest.approx(exact.energy.final, abs=1e-10 * exact.energy.initial)
     assert peer.structure == pytest.approx(exact.energy.structure, abs=1e-10 * exact.energy.initial)
@@ -65,7 +67,7 @@ def test_the_peer_and_the_exact_events_agree(changes: dict[str, Any]) -> None:
 
 def test_the_peer_knows_no_slip() -> None:
     with pytest.raises(ValueError, match="floor_friction"):
-        integrate(scenes.paper(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
+        Integration(scenes.paper(floor_friction=0.3), RELEASE, 5, "DOP853", 1e-9)
 
 
 @pytest.mark.parametrize(("seconds", "runs"), [(0.01, 6), (1.5, 2), (5.0, 1)])
@@ -176,7 +178,7 @@ def test_the_damper_ladder(accuracy: dict[str, Any]) -> None:
     (exact,) = rows(accuracy, "damper", "exact")
     assert exact["error"] < 1e-8
     assert exact["error"] < 10 * accuracy["chosen"]["damper"]["error_estimate"]
-    assert rows(accuracy, "damper", "solve_ivp, DOP853")[-1]["error"] < 1e-5
+    assert rows(accuracy, "damper", "solve_ivp, DOP853")[-1]["error"] < 1e-7
 
 
 def test_the_structures_own_damping_hides_nothing() -> None:
