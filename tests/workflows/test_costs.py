@@ -375,8 +375,9 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timin
 
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Times and damping ratios that nobody reads: each effect is switched once, the damper measured to a percent."""
+    """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    monkeypatch.setattr("workflows.studies.work_precision.effects._scatter", lambda *_: {})
     monkeypatch.setattr(
         damper_stage, "figures", lambda system: damping_curve(damper_stage.in_leading_modes(system), **QUICK)
     )
@@ -637,12 +638,18 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
         assert ("within the scatter of chaotic motion: peak_sdc" in said) is not beyond
 
 
-def test_either_side_may_scatter(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="module")
+def switched() -> dict[str, EffectChange]:
+    """The effects of the known structure, untimed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+        return {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
+
+
+def test_either_side_may_scatter(switched: dict[str, EffectChange]) -> None:
     """A ball that rolls without resistance bounces at random, which the scene's own state does not."""
-    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
-    assert rows["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
-    assert rows["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
+    assert switched["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
+    assert switched["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
 
 
 def test_a_change_within_the_error_of_its_sides_is_none() -> None:
@@ -679,10 +686,8 @@ def test_a_row_without_a_largest_change_says_why(found: dict[str, Any], words: s
     assert f'<td class="number">{words}<div' in str(effects_report.files(switches)["report.html"])
 
 
-def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_times_are_those_of_the_effect(switched: dict[str, EffectChange]) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
-    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    rows = {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
-    on, off = rows["impact_friction"], rows["ball_slip"]
+    on, off = switched["impact_friction"], switched["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
     assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)
