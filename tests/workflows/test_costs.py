@@ -377,7 +377,7 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timin
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    monkeypatch.setattr("workflows.studies.work_precision.effects._scatter", lambda *_: {})
+    monkeypatch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
     monkeypatch.setattr(
         damper_stage, "figures", lambda system: damping_curve(damper_stage.in_leading_modes(system), **QUICK)
     )
