@@ -72,7 +72,7 @@ class Reference(Integration):
         return low + dt, block[k + 1]
 
     def book(self, a: np.ndarray, lag: float, new: np.ndarray) -> None:
-        """Take the state after a flight, and the work done on it."""
+        """Count what rolling resistance and force do on the way to a new state."""
         for i in range(2):
             if self.regime[i] == "roll":
                 self.rolling += self.m * self.a_r * abs(new[self.s[i]] - self.x[self.s[i]])
