@@ -61,7 +61,7 @@ def test(arguments):
     mypy = subprocess.Popen(
         [PYTHON, "-m", "mypy"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
-    pytest = [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder", *arguments]
+    pytest = [PYTHON, "-m", "pytest", "-n", "auto", *arguments]
 
     def tests():
         kernels.wait()  # each process of pytest would compile them

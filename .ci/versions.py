@@ -121,7 +121,7 @@ def check(environment: Environment, expected: list[str]) -> None:
     if here != expected:
         changes = difflib.unified_diff(expected, here, "with constraints.txt", "here", lineterm="", n=0)
         raise Failure("other figures than with the versions of constraints.txt", "\n".join(changes))
-    pytest = [python, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadscope", "--no-loadscope-reorder"]
+    pytest = [python, "-m", "pytest", "-q", "-n", "auto"]
     print(together(place, TESTING, [*pytest, "tests/damper", "tests/fem"])[0].splitlines()[-1])
 
 

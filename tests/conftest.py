@@ -18,22 +18,26 @@ gc.set_threshold(100_000, 50, 100)
 LONGEST = (
     "workflows/test_design.py",
     "fem/test_fem_solid.py",
-    "fem/test_fem_theories.py",
-    "fem/test_fem_choice.py",
     "workflows/test_response.py",
+    "fem/test_fem_theories.py",
     "workflows/test_costs.py",
     "workflows/test_answer.py",
-    "workflows/test_sweep.py",
-    "fem/test_fem_singular.py",
+    "fem/test_fem_choice.py",
+    "fem/test_fem_sweep.py",
     "fem/test_fem_perturbed.py",
     "workflows/test_sweep_survives.py",
-    "workflows/test_notebook.py",
-    "fem/test_fem_sweep.py",
-    "workflows/test_ends.py",
     "workflows/test_moving_floor.py",
+    "workflows/test_sweep.py",
+    "workflows/test_blade.py",
+    "fem/test_fem_singular.py",
+    "workflows/test_ends.py",
+    "workflows/test_notebook.py",
+    "damper/test_reference.py",
+    "survey/test_survey.py",
+    "fem/test_fem_bent.py",
     "workflows/test_cli.py",
 )
-"""Modules that take ten seconds and more; begun first, so that no core waits for another at the end."""
+"""Modules that take ten seconds of a processor and more; begun first, so that no core waits for another at the end."""
 
 
 def pytest_collection_modifyitems(items):

@@ -13,7 +13,7 @@ import numpy as np
 
 from damper import ringdowns
 from tests.damper.scenes import paper
-from workflows.studies.work_precision.integration import integrate
+from workflows.studies.work_precision.integration import Integration
 
 CYCLES, RELEASES, EVERY = 20, 1024, 64
 
@@ -29,7 +29,7 @@ def main(turns: int = 5) -> None:
         begun = time.process_time()
         batch = ringdowns(damper, release, CYCLES, threads=1)
         middle = time.process_time()
-        peers = [integrate(damper, (x, y), CYCLES, "DOP853", 1e-9) for x, y in few.tolist()]
+        peers = [Integration(damper, (x, y), CYCLES, "DOP853", 1e-9) for x, y in few.tolist()]
         spent.append((middle - begun, time.process_time() - middle))
     ours, theirs = np.median(spent, axis=0) / (RELEASES * CYCLES, len(few) * CYCLES)
     hits = batch.impacts[EVERY // 2 :: EVERY].sum(), sum(peer.impacts for peer in peers)

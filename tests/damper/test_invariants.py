@@ -60,7 +60,9 @@ VIOLENT = {
 @pytest.mark.parametrize("name", VIOLENT)
 def test_sampled_energy_never_rises_in_the_shortest_flights(name: str) -> None:
     fields, release = VIOLENT[name]
-    run = ringdown(ParticleDamper(**fields), release, 10, ball_velocity=(-1e-9, 0.0), keep_events=True)
+    run = ringdown(ParticleDamper(**fields), release, 1, ball_velocity=(-1e-9, 0.0), keep_events=True)
+    assert len(run.rows) == 3
+    assert 0 < run.rows["time"][-1] < 1e-14
     start = sample(run, [0.0, 1e-25])
     np.testing.assert_allclose(start.displacement, [release] * 2, rtol=1e-15)
     assert abs(run.energy.residual) <= 1e-10 * run.energy.initial

@@ -46,18 +46,19 @@ Command = Callable[..., Outcome]
 """The command line, called by a test."""
 
 
+BALL: Scene = {
+    "radius": "1 mm",
+    "cavity": ["2.5 mm", "2.4 mm"],
+    "restitution": 0.5,
+    "friction": 0.3,
+    "rolling_friction": "0.01 mm",
+}
+"""A table [damper] without its balls' mass."""
+
 KNOWN: Scene = {
     "structure": {"frequency": "269.5 Hz", "mass": "1 kg"},
     "rotor": {"radius": "20 cm"},
-    "damper": {
-        "mass_ratio": 0.006,
-        "count": 183,
-        "radius": "1 mm",
-        "cavity": ["2.5 mm", "2.4 mm"],
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": "0.01 mm",
-    },
+    "damper": {"mass_ratio": 0.006, "count": 183} | BALL,
     "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
 }
 """A ball on a known structure at 20 cm, without speeds."""

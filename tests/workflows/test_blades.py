@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import BALL, Scene, changed
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
@@ -19,25 +19,14 @@ from workflows.solve import model_choice
 
 TAPER: Scene = {
     "title": "taper",
-    "plate": {
-        "length": "20 cm",
-        "width": "8 cm",
-        "thickness": {"x": ["0 cm", "20 cm"], "values": ["4 mm", "2 mm"]},
-    },
+    "plate": {"length": "20 cm", "width": "8 cm", "thickness": {"x": ["0 cm", "20 cm"], "values": ["4 mm", "2 mm"]}},
     "material": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
     "rotor": {"speeds": ["3000 rpm"], "modes": 3},
     "accuracy": {"frequency": 1e-2},
 }
 POLYNOMIAL = {"polynomial": [["4 mm"], ["-10 um/mm"]]}
 ROOT = {"stiffness": "5e8 N/m/m", "rotational_stiffness": "5e3 N*m/rad/m"}
-BALL = {
-    "mass": "1 g",
-    "radius": "0.5 mm",
-    "cavity": ["1.5 mm", "1.4 mm"],
-    "restitution": 0.5,
-    "friction": 0.3,
-    "rolling_friction": "0.1 mm",
-}
+SMALL = BALL | {"mass": "1 g", "radius": "0.5 mm", "cavity": ["1.5 mm", "1.4 mm"], "rolling_friction": "0.1 mm"}
 
 
 def frequencies(scene: Scene) -> list[float]:
@@ -86,7 +75,7 @@ def test_a_resolved_scene_is_the_same_scene() -> None:
 
 
 def test_check_says_the_thickness(tmp_path: Path) -> None:
-    source = SceneFile(parse(changed(TAPER, damper=BALL, release={"ratio": 0.3})), "scene", tmp_path)
+    source = SceneFile(parse(changed(TAPER, damper=SMALL, release={"ratio": 0.3})), "scene", tmp_path)
     assert "# Thickness: 2 mm to 4 mm, 2 mm at the damper" in provenance.heading(source)
     found = provenance.document(source, selection.resolve(source.scene), None)
     assert found["thickness"] == pytest.approx({"least": 2e-3, "greatest": 4e-3, "damper": 2e-3})
@@ -111,7 +100,7 @@ def test_the_pull_at_the_root(tmp_path: Path) -> None:
 
 def test_the_cavity_fits_where_it_is(tmp_path: Path) -> None:
     """2.8 mm go into the middle, 3 mm thick, and not into the tip; field and table alike."""
-    narrow = BALL | {"cavity": ["2.8 mm", "2.4 mm"]}
+    narrow = SMALL | {"cavity": ["2.8 mm", "2.4 mm"]}
     for scene in (TAPER, of_mesh(written(tmp_path / "blade.vtu"))):
         inside = changed(scene, damper=narrow | {"at": ["10 cm", "0 cm"]}, release={"ratio": 0.3})
         plate_mesh.planform(SceneFile(parse(inside), "scene", tmp_path))
@@ -182,7 +171,7 @@ def test_a_cone_is_solved_as_fem_has_it() -> None:
 
 
 def test_a_damper_takes_no_cone() -> None:
-    coned = changed(TAPER, rotor__precone="4 deg", damper=BALL, release={"ratio": 0.3})
+    coned = changed(TAPER, rotor__precone="4 deg", damper=SMALL, release={"ratio": 0.3})
     with pytest.raises(BadInput, match="the load then slopes along the cavity's floor"):
         parse(coned)
     parse(changed(coned, rotor__precone="0 deg"))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import spindamp as package
-from tests.workflows.conftest import Command, Scene, changed, refused, write
+from tests.workflows.conftest import BALL, Command, Scene, changed, refused, write
 from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import mode_viewer
@@ -25,16 +25,9 @@ SCENE: Scene = {
     "title": "Known",
     "structure": {"modes": "rest.frd"},
     "rotor": {"speeds": ["0 rpm"], "axis": [0, 0, 1], "origin": ["0 m", "0 m", "0 m"], "gravity": "10 m/s^2"},
-    "damper": {
-        "at": ["200 mm", "0 mm", "0 mm"],
-        "ball_material": "steel",
-        "radius": "3 mm",
-        "cavity": ["7 mm", "7 mm"],
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": "0.06 mm",
-        "damping_ratio": 0.001,
-    },
+    "damper": BALL
+    | {"at": ["200 mm", "0 mm", "0 mm"], "ball_material": "steel", "radius": "3 mm", "cavity": ["7 mm", "7 mm"]}
+    | {"rolling_friction": "0.06 mm", "damping_ratio": 0.001},
     "release": {"displacement": ["1 mm", "0 mm"], "cycles": 5},
 }
 BOTH = {"0 rpm": "rest.frd", "10000 rpm": "fast.frd"}

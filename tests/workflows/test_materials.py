@@ -15,7 +15,7 @@ import pytest
 import damper.contact
 import spindamp
 import workflows
-from tests.workflows.conftest import Command, Scene, changed, write
+from tests.workflows.conftest import BALL, Command, Scene, changed, write
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
@@ -145,15 +145,8 @@ def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper: Sce
 def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
     """A ball of a material on a floor of titanium, on a structure of 0.5 kg at 236 Hz, in 1 mm of clearance."""
     radius = float(diameter) / 2
-    damper = {
-        "ball_material": ball,
-        "floor_material": "Ti-6Al-4V",
-        "radius": f"{radius} mm",
-        "cavity": [f"{2 * radius + 1} mm"] * 2,
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": "0.01 mm",
-    }
+    damper = BALL | {"ball_material": ball, "floor_material": "Ti-6Al-4V"}
+    damper |= {"radius": f"{radius} mm", "cavity": [f"{2 * radius + 1} mm"] * 2}
     rotor = {"speeds": ["5000 rpm", "15000 rpm"], "radius": "20 cm"}
     return {"structure": {"frequency": "236 Hz", "mass": "0.5 kg"}, "rotor": rotor, "damper": damper, **changes}
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import workflows
 from tests.workflows.browser import findings, needs_chromium
-from tests.workflows.conftest import KNOWN, Command, Scene, changed, measured_quickly, write
+from tests.workflows.conftest import BALL, KNOWN, Command, Scene, changed, measured_quickly, write
 from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
@@ -93,8 +93,7 @@ def page_of_it(spinning_up: Drawn) -> str:
     return render(spinning_up.results, spinning_up.pictures)
 
 
-BALL = {name: value for name, value in KNOWN["damper"].items() if name not in ("mass_ratio", "count")}
-BALL |= {"rolling_friction": "0.1 mm"}
+ROUGH = BALL | {"rolling_friction": "0.1 mm"}
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +104,7 @@ def holed(captured: list[Any]) -> Drawn:
         "plate": {"mesh": str(MESHES / "plate_with_hole.msh"), "thickness": "1 cm"},
         "material": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
         "rotor": {"speeds": ["10 rpm", "3000 rpm"], "modes": 3},
-        "damper": BALL | {"at": ["15 cm", "2 cm"], "mass": "2 g"},
+        "damper": ROUGH | {"at": ["15 cm", "2 cm"], "mass": "2 g"},
         "release": {"displacement": ["4 mm", "0 mm"], "cycles": 100},
         "accuracy": {"frequency": 0.1},
     }

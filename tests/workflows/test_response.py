@@ -596,30 +596,26 @@ def test_nothing_hinders_a_reader(written):
     assert findings(written / "report.html") == []
 
 
+def titanium(hub, ball, force):
+    """A slender blade along whose first mode order 2 runs."""
+    return {
+        "plate": {"length": "200 mm", "width": "70 mm", "thickness": "5 mm", "theory": "kirchhoff"},
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["3000 rpm", "9000 rpm"], "modes": 3, "hub_radius": hub},
+        "damper": ball,
+        "excitation": {"orders": [2], "force": force},
+    }
+
+
 def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
     """Four balls, whose pull stiffens the mode by 0.7 %; the order runs along it, and would meet it 1.6 % later.
 
     The load holds the balls, so that no motion has to be followed.
     """
     monkeypatch.setattr(study, "SPEEDS", 21)
-    scene = {
-        "plate": {"length": "200 mm", "width": "70 mm", "thickness": "5 mm", "theory": "kirchhoff"},
-        "material": {"name": "Ti-6Al-4V"},
-        "rotor": {"speeds": ["3000 rpm", "9000 rpm"], "modes": 3, "hub_radius": "250 mm"},
-        "damper": {
-            "at": ["185 mm", "0 mm"],
-            "count": 4,
-            "ball_material": "steel",
-            "radius": "2 mm",
-            "cavity": ["4.5 mm", "4.5 mm"],
-            "restitution": 0.6,
-            "friction": 0.2,
-            "rolling_friction": "1 mm",
-            "damping_ratio": 0.002,
-        },
-        "excitation": {"orders": [2], "force": "0.1 N"},
-        "accuracy": {"frequency": 0.01},
-    }
+    ball = {"at": ["185 mm", "0 mm"], "count": 4, "ball_material": "steel", "radius": "2 mm", "damping_ratio": 0.002}
+    ball |= {"cavity": ["4.5 mm", "4.5 mm"], "restitution": 0.6, "friction": 0.2, "rolling_friction": "1 mm"}
+    scene = titanium("250 mm", ball, "0.1 N") | {"accuracy": {"frequency": 0.01}}
     for modes in (True, False):
         found = respond(as_scene_file(scene | {"effects": {"structural_modes": modes}}))
         (passage,) = found.passages
@@ -662,15 +658,9 @@ def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
 @pytest.mark.parametrize(("hub", "mass_ratio"), [("0 mm", 0.06), ("250 mm", 0.01), ("250 mm", 0.06)])
 def test_a_ball_at_rest_moves_the_crossing(hub, mass_ratio):
     """A locked ball's ratio is that of two oscillators, each where the order meets it among 601 speeds."""
-    scene = {
-        "plate": {"length": "200 mm", "width": "70 mm", "thickness": "5 mm", "theory": "kirchhoff"},
-        "material": {"name": "Ti-6Al-4V"},
-        "rotor": {"speeds": ["3000 rpm", "9000 rpm"], "modes": 3, "hub_radius": hub},
-        "damper": {**STRUCTURE["damper"], "at": ["185 mm", "0 mm"], "count": 40, "mass_ratio": mass_ratio},
-        "effects": {"cavity_mass": False},
-        "excitation": {"orders": [2], "force": "0.01 N"},
-    }
-    scene = changed(scene, damper__radius="2 mm", damper__cavity=["4.05 mm"] * 2, damper__rolling_friction="1 mm")
+    ball = STRUCTURE["damper"] | {"at": ["185 mm", "0 mm"], "count": 40, "mass_ratio": mass_ratio}
+    ball |= {"radius": "2 mm", "cavity": ["4.05 mm"] * 2, "rolling_friction": "1 mm"}
+    scene = titanium(hub, ball, "0.01 N") | {"effects": {"cavity_mass": False}}
     (level,) = spindamp.run(scene).reductions[0].levels
     points = StructureSolver(as_scene_file(scene), Stages()).at(np.linspace(3000, 9000, 601) * math.pi / 30).points
     order = np.array([2 * point.omega for point in points])

@@ -52,7 +52,7 @@ Vary = Annotated[
 Count = Annotated[
     int | None, typer.Option("--sample", metavar="N", help="Spread N points over all ranges instead of a grid.")
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="Fewer and shorter measurements: mostly within 1 %, about twice as fast.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Measure by fewer and faster sweeps, mostly to within 1 %.")]
 Uncertain = Annotated[
     bool,
     typer.Option(

@@ -269,7 +269,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
         row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
         if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
-            theirs = _scatter(time.value.points, partial(run, **switches), judged)
+            theirs = scatter_of(time.value.points, partial(run, **switches), judged)
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
             row = replace(row, scatter=both)
         return replace(
@@ -285,7 +285,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
         state = run()
         own, judged = state.points, _judged(state)
         releases |= {point.rpm: point.damper.release for point in own if point.damper is not None}
-        scatter = _scatter(own, run, judged) if source.scene.damper else {}
+        scatter = scatter_of(own, run, judged) if source.scene.damper else {}
         step.advance("as the scene has it")
         rows = []
         for name, on in effects.items():
@@ -306,7 +306,7 @@ def _judged(state: structure.StructureState) -> dict[float, int]:
     return {rpm: rank for rpm, rank in ranks.items() if rank >= 0}
 
 
-def _scatter(
+def scatter_of(
     points: tuple[SpeedPoint, ...], run: Callable[..., structure.StructureState], judged: Mapping[float, int]
 ) -> dict[str, float]:
     """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""

@@ -1,216 +1,394 @@
-"""The ball's equations integrated by SciPy's `solve_ivp`: independently, sharing no line with `damper`."""
+"""The ball's equations, from the Lagrangian, integrated by SciPy's `solve_ivp`; they share no code with `damper`.
+
+The coordinates z = (q, s) are the structure's modes and the ball's place in its cavity. The mass matrix is assembled
+from the velocities, the forces are gradients of the potentials, a stuck ball is a constraint, an impact an impulse on
+s; only the paper's printed equations, which have no Lagrangian, are written as they stand. Between events all is
+linear. The tests step the same equations by matrix exponentials (`tests/damper/reference.py`).
+"""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-import damper
+from damper import Formulation, Harmonic, Mode, ParticleDamper
 from workflows.solve.results import Floats
 
 Integrator = Literal["RK45", "DOP853", "LSODA", "Radau"]
 
-_CREEP = 1e-9
-"""Relative speed, in omega_1 times the release, below which a hit ends on the wall: near a turning point the paper's
-criterion alone never fires."""
+Event = tuple[float, int, str]
+"""Time [periods 2 pi / omega_1], axis and kind."""
 
 _MOST_EVENTS = 20_000
 
-_KNOWN = (
-    *("modal_mass", "stiffness", "ball_mass", "ball_radius", "cavity", "centrifugal_acceleration", "restitution"),
-    *("friction", "rolling_friction", "damping_ratio", "sticking_ratio", "formulation", "stagger"),
-)
-"""Fields of a damper that the equations here know, or that a ring-down on a level floor does not depend on."""
+
+class Guard(NamedTuple):
+    """Its event happens along an axis once the least of `rows @ x` exceeds `threshold`."""
+
+    axis: int
+    kind: str
+    heading: int
+    rows: Floats
+    threshold: float
+
+    def value(self, x: Floats) -> Any:
+        """Rises through zero when it happens; of one state or of many."""
+        return (x @ self.rows.T).min(axis=-1) - self.threshold
 
 
-@dataclass(frozen=True)
-class PeerResult:
-    """What `solve_ivp` found: wall hits, evaluations of the equations of motion, and energies [J].
+class Integration:
+    """Follows a ball for some periods, 2 pi / omega_1, from a release: one amplitude [m] for each mode.
 
-    structure: what the structure's own dashpot took.
-    """
+    place: of the ball at the release [m].
 
-    initial: float
-    final: float
-    structure: float
-    impacts: int
-    evaluations: int
-
-
-def integrate(
-    damper: damper.ParticleDamper, release: tuple[float, float], cycles: float, method: Integrator, rtol: float
-) -> PeerResult:
-    """Follow a ring-down for some vibration cycles.
+    Read `events`, `impacts`, `evaluations` of the equations; energies [J]: `initial`, `final`, and `structure`, what
+    the structure's own dashpots took.
 
     Raises:
-        ValueError: a field of the damper that this integration does not know differs from its default.
+        ValueError: the restitution depends on the speed, or the ball may slip.
         ArithmeticError: the integrator gives up, or events without end.
     """
-    for name, default in unknown(damper).items():
-        if getattr(damper, name) != default:
-            raise ValueError(f"{name} is not part of this integration")
-    return _Integration(damper, release, method, rtol).run(2 * math.pi * cycles)
-
-
-def unknown(damper: damper.ParticleDamper) -> dict[str, Any]:
-    """Fields of a damper that this integration does not know, with their defaults."""
-    return {field.name: field.default for field in fields(damper) if field.name not in _KNOWN}
-
-
-class _Integration:
-    """Time in 1/omega_1, length in the larger release, mass in M2."""
 
     def __init__(
-        self, damper: damper.ParticleDamper, release: tuple[float, float], method: Integrator, rtol: float
+        self,
+        damper: ParticleDamper,
+        release: tuple[float, ...],
+        cycles: float,
+        method: Integrator = "DOP853",
+        rtol: float = 1e-9,
+        harmonic: Harmonic | None = None,
+        place: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        self.length, self.rate = max(map(abs, release)), damper.stuck_frequency
+        if damper.restitution_by_speed:
+            raise ValueError("restitution_by_speed is not part of this integration")
+        self.damper, self.release, self.cycles, self.harmonic = damper, release, cycles, harmonic
         self.method, self.rtol = method, rtol
-        self.m = damper.ball_mass / damper.modal_mass
-        self.energy_unit = damper.modal_mass * (self.rate * self.length) ** 2
-        self.k = [k / damper.modal_mass / self.rate**2 for k in damper.stiffness]
-        self.gap = [gap / self.length for gap in damper.half_gap]
-        self.resistance = damper.rolling_threshold / (self.rate**2 * self.length)
-        self.printed, self.beta, self.damper = damper.formulation == "printed", damper.inertia_ratio, damper
-        self.spin = damper.spin_mass / damper.modal_mass
-        self.y: Floats = np.zeros(9)
-        self.y[[0, 4]] = [displacement / self.length for displacement in release]
-        self.moves = [0, 0]
+        self.events: list[Event] = []
         self.impacts = self.evaluations = 0
+        self.structure = 0.0
+        d = damper
+        modes = d.modes or (
+            Mode(d.modal_mass, d.stiffness[0], (1.0, 0.0), (d.floor_tilt[0], 0.0)),
+            Mode(d.modal_mass, d.stiffness[1], (0.0, 1.0), (0.0, d.floor_tilt[1])),
+        )
+        self.k = k = len(modes)
+        self.m, self.load, self.printed = d.ball_mass, d.centrifugal_acceleration, d.formulation is Formulation.PRINTED
+        self.spring, masses = (np.array([getattr(mode, name) for mode in modes]) for name in ("stiffness", "mass"))
+        zeta = np.array([d.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes])
+        self.dashpot = 2 * zeta * np.sqrt(self.spring * masses)
+        self.stuck_dashpot = 2 * zeta * np.sqrt(self.spring * (masses + (self.m if self.printed else 0.0)))
+        self.shape, self.slope, drawn = (
+            np.array([getattr(mode, name) for mode in modes]).T for name in ("shape", "slope", "participation")
+        )
+        ride = np.hstack([self.shape, np.eye(2)])  # velocity of the ball's centre
+        self.mass = self.m * ride.T @ ride
+        self.mass[range(k), range(k)] += masses
+        self.push = np.zeros(k + 2)
+        if harmonic is not None:
+            self.push[:k] = np.array(harmonic.force) @ self.shape + np.array(harmonic.modal or 0.0)
+            self.push[:k] -= np.array(harmonic.base) @ drawn
+            self.push -= self.m * np.array(harmonic.base) @ ride
+        unit = np.eye(k + 2)
+        v = [[self.potential(a + b) - self.potential(a) - self.potential(b) for b in unit] for a in unit]
+        self.gradient = np.array(v)  # the potential is a quadratic form
+        self.a_r = d.rolling_friction / d.ball_radius * self.load
+        self.hold = self.a_r + d.break_away * self.load  # of a ball at rest, while it lies in its dent
+        self.grip = (d.floor_friction or 0.0) * self.load
+        self.gap = [c / 2 - d.ball_radius for c in d.cavity]
+        self.rate = math.sqrt(d.stiffness[0] / (d.modal_mass + d.ball_mass))
+        self.floor = 1e-9 * self.rate * float(np.abs(self.shape @ release).max())
+        self.regime, self.direction = ["stuck", "stuck"], [0, 0]
+        self.s, self.w, self.spin = ([start, start + 1] for start in (k, 2 * k + 2, 2 * k + 4))
+        self.one, self.wave = 2 * k + 6, 2 * k + 7
+        phase = 0.0 if harmonic is None else harmonic.phase
+        turn = [1.0, math.cos(phase), math.sin(phase)]
+        self.known: dict[tuple[object, ...], Floats] = {}
+        self.x: Floats = np.concatenate([release, place, np.zeros(k + 2 + 2), turn])
+        self.time, self.initial = 0.0, self.energy()
+        for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
+            self.settle(i)
+        self.go_on()
 
-    def run(self, end: float) -> PeerResult:
-        initial, t = self.energy(), 0.0
-        for axis in (0, 1):
-            self.settle(axis)
-        for _ in range(_MOST_EVENTS):
-            t, happened = self.fly(t, end)
-            if not happened:
-                return PeerResult(initial, self.energy(), self.energy_unit * self.y[8], self.impacts, self.evaluations)
-            for axis, kind in happened:
-                self.resolve(axis, kind)
-        raise ArithmeticError(f"more than {_MOST_EVENTS} events")
+    @property
+    def final(self) -> float:
+        """Energy at present [J]."""
+        return self.energy()
 
-    def dashpot(self, axis: int, stuck: bool) -> float:
-        """The c of eq. (1): in the printed equations it follows the mass that moves."""
-        return 2 * self.damper.damping_ratio * math.sqrt(self.k[axis] * (1 + self.m if stuck and self.printed else 1))
+    def potential(self, z: Floats) -> float:
+        """Of the structure, the load on the tilting and curved floor, and the spin in its plane of rotation."""
+        d, q, s = self.damper, z[: self.k], z[self.k :]
+        v = 0.5 * self.spring @ q**2 + self.m * self.load * (self.slope @ q) @ s
+        if d.floor_radius is not None:
+            v += 0.5 * self.m * self.load * sum(s[i] ** 2 / (d.floor_radius[i] - d.ball_radius) for i in range(2))
+        out = self.outward(self.shape @ q + s) - self.outward(self.shape @ q)  # the rest is in the stiffness
+        return float(v - 0.5 * self.m * d.rotation**2 * out - self.m * np.array(d.lateral_acceleration) @ s)
 
-    def acceleration(self, axis: int, u: float, v: float, moves: int) -> float:
-        """That of the structure, the ball stuck (0) or rolling to one side."""
-        restoring = self.k[axis] * u + self.dashpot(axis, moves == 0) * v
-        if moves == 0:
-            return -restoring / (1 + self.m)
-        push = self.m * self.resistance * moves
+    def outward(self, at: Floats) -> float:
+        """Square of the distance from the axis of rotation in x (flap) and y (chord)."""
+        z, y, sine, cosine = *at, math.sin(self.damper.stagger), math.cos(self.damper.stagger)
+        return float(y**2 * cosine**2 + z**2 * sine**2 - 2 * y * z * sine * cosine)
+
+    def energy(self) -> float:
+        """Of structure and ball [J]."""
+        z, rate, spin = np.split(self.x[: self.one], [self.k + 2, 2 * self.k + 4])
+        turning = 0.0 if self.load == 0 or self.printed else 0.2 * self.m * float(spin @ spin)
+        return float(0.5 * rate @ self.mass @ rate) + self.potential(z) + turning
+
+    def accelerations(self, regime: list[str]) -> Floats:
+        """Rows of z'' over x."""
+        k, n, mass = self.k, self.k + 2, self.mass.copy()
+        force = self.forces()
+        for i in range(2):
+            if regime[i] == "roll":
+                mass[k + i, k + i] += 0.0 if self.load == 0 else 0.4 * self.m
+                force[k + i, self.one] -= self.m * self.a_r * self.direction[i]
+            elif regime[i] == "slide":
+                force[k + i, self.one] -= self.m * self.grip * self.direction[i]
+        free = [*range(k), *(k + i for i in range(2) if regime[i] != "stuck")]
+        rows = np.zeros((n, len(self.x)))
+        rows[free] = np.linalg.solve(mass[np.ix_(free, free)], force[free])
         if self.printed:
-            return push - restoring
-        return (self.beta * push - restoring) / (1 + (1 - self.beta) * self.m)
+            beta = 1.0 if self.load == 0 else 2.5
+            for i in range(2):
+                rows[[i, k + i]] = 0.0
+                held, push = regime[i] == "stuck", self.a_r * self.direction[i]
+                rows[i, i], rows[i, n + i] = -self.spring[i], -(self.stuck_dashpot if held else self.dashpot)[i]
+                rows[i, self.one] = 0.0 if held else self.m * push
+                rows[i] /= self.damper.modal_mass + (self.m if held else 0.0)
+                if not held:
+                    rows[k + i] = -beta * rows[i]
+                    rows[k + i, self.one] -= beta * push
+        return rows
 
-    def motion(self, _: float, y: Floats) -> Floats:
-        self.evaluations += 1
-        rates = np.zeros(9)
-        for axis, moves in enumerate(self.moves):
-            u, v, _, w = y[4 * axis : 4 * axis + 4]
-            a = self.acceleration(axis, u, v, moves)
-            relative = 0.0 if moves == 0 else -self.beta * (a + self.resistance * moves)
-            rates[4 * axis : 4 * axis + 4] = v, a, (w if moves else 0.0), relative
-            rates[8] += self.dashpot(axis, moves == 0) * v**2
-        return rates
+    def forces(self) -> Floats:
+        """Rows of the generalised forces on z over x, without what floor and walls do to the ball."""
+        n = self.k + 2
+        rows = np.zeros((n, len(self.x)))
+        rows[:, :n] = -self.gradient
+        rows[range(self.k), range(n, n + self.k)] = -self.dashpot
+        rows[:, self.wave] = self.push
+        rows[self.k :, self.one] = self.m * np.array(self.damper.lateral_acceleration)
+        return rows
 
-    def fly(self, t: float, end: float) -> tuple[float, list[tuple[int, str]]]:
-        """Integrate to the next event or the end; events of both axes at one instant come together."""
+    def pull(self, i: int) -> Floats:
+        """Rows of the force on s, per unit of the ball's mass, that would hold a ball stuck."""
+        regime = list(self.regime)
+        regime[i] = "stuck"
+        key = (i, *regime, *self.direction)
+        if key not in self.known:
+            self.known[key] = self.held(i, regime)
+        return self.known[key]
+
+    def held(self, i: int, regime: list[str]) -> Floats:
+        """The rows of `pull`."""
+        if self.printed:  # by the stuck and by the rolling law's dashpot
+            rows = np.zeros((2, len(self.x)))
+            rows[:, i], rows[:, self.k + 2 + i] = self.spring[i], (self.stuck_dashpot[i], self.dashpot[i])
+            return rows / (self.damper.modal_mass + self.m)
+        row: Floats = self.forces()[self.k + i] - self.mass[self.k + i] @ self.accelerations(regime)
+        return row[None] / self.m
+
+    def matrix(self) -> Floats:
+        """A in x' = A x."""
+        key = (*self.regime, *self.direction, *np.sign(self.x[self.spin]))
+        if key in self.known:
+            return self.known[key]
+        n, a = self.k + 2, np.zeros((len(self.x), len(self.x)))
+        a[:n, n : 2 * n] = np.eye(n)
+        a[n : 2 * n] = self.accelerations(self.regime)
+        for i in range(2):
+            if self.regime[i] == "roll":
+                a[self.spin[i]] = a[self.w[i]]
+            elif self.regime[i] == "slide":
+                a[self.spin[i], self.one] = 2.5 * self.direction[i] * self.grip
+            elif self.x[self.spin[i]] != 0.0:
+                a[self.spin[i], self.one] = -2.5 * math.copysign(self.grip, self.x[self.spin[i]])
+        if self.harmonic is not None:
+            a[self.wave, self.wave + 1], a[self.wave + 1, self.wave] = -self.harmonic.frequency, self.harmonic.frequency
+        self.known[key] = a
+        return a
+
+    def guards(self) -> list[Guard]:
+        """What can end the present flight."""
+        found, unit = [], np.eye(len(self.x))
+        for i in range(2):
+            s, w, spin, d = unit[self.s[i]], unit[self.w[i]], unit[self.spin[i]], self.direction[i]
+            at, turning = self.x[self.s[i]], self.x[self.spin[i]]
+            if self.regime[i] == "stuck" and turning != 0:
+                side = math.copysign(1, at)
+                found.append(Guard(i, "away", 0, -side * self.pull(i), side * math.copysign(self.grip, turning)))
+                found.append(Guard(i, "grip", 0, -math.copysign(1, turning) * spin[None], 0.0))
+            elif self.regime[i] == "stuck":
+                ways = [way for way in (-1, 1) if way * at < self.gap[i]]
+                found += [Guard(i, "start", way, way * self.pull(i), self.hold) for way in ways]
+            elif self.regime[i] == "roll":
+                found += [Guard(i, "hit", d, d * s[None], self.gap[i]), Guard(i, "reversal", 0, -d * w[None], 0.0)]
+            else:
+                found += [Guard(i, "hit", side, side * s[None], self.gap[i]) for side in (-1, 1)]
+                found.append(Guard(i, "grip", 0, -d * (w - spin)[None], 0.0))
+        return found
+
+    def go_on(self) -> None:
+        """Until the end."""
+        while self.step():
+            if len(self.events) > _MOST_EVENTS:
+                raise ArithmeticError(f"more than {_MOST_EVENTS} events")
+
+    def step(self) -> bool:
+        """To the next event or to the end; whether it was an event."""
+        period = 2 * math.pi / self.rate
+        left = self.cycles * period - self.time
+        if left <= 0:
+            return False
+        guards = self.guards()
+        now = [g for g in guards if (g.kind in ("start", "away") and g.value(self.x) > 0) or self.pushed(g)]
+        lag, guard, x = (0.0, now[0], self.x) if now else self.fly(self.matrix(), guards, left)
+        self.x = x.copy()
+        self.time += left if guard is None else lag
+        if guard is not None:
+            self.events.append((self.time / period, guard.axis, guard.kind))
+            self.happen(guard)
+        return guard is not None
+
+    def fly(self, a: Floats, guards: list[Guard], left: float) -> tuple[float, Guard | None, Floats]:
+        """When the first guard's event happens, which, and the state then; or that at the end."""
         from scipy.integrate import solve_ivp
 
-        watched = [(axis, kind) for axis in (0, 1) for kind in self.kinds(axis)]
-        due = [(axis, kind) for axis, kind in watched if kind != "turn" and self.value(axis, kind, self.y) >= 0]
-        if due:
-            return t, due[:1]
+        if self.damper.floor_friction is not None:
+            raise ValueError("floor_friction is not part of this integration: hits of one wall may be two in a step")
+        beyond = [guard for guard in guards if guard.value(self.x) > 0]
+        if beyond:  # another event at the same instant
+            return 0.0, beyond[0], self.x
+        velocities, dashpot, extended = slice(self.k + 2, 2 * self.k + 2), self.dashpot, np.pad(a, (0, 1))
+        if self.printed:
+            dashpot = np.where([regime == "stuck" for regime in self.regime], self.stuck_dashpot, dashpot)
+
+        def motion(_: float, y: Floats) -> Floats:
+            self.evaluations += 1
+            rates: Floats = extended @ y
+            rates[-1] = dashpot @ y[velocities] ** 2
+            return rates
+
+        def watch(guard: Guard) -> Any:
+            def event(_: float, y: Floats) -> float:
+                return float(min(guard.rows @ y[:-1])) - guard.threshold
+
+            event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
+            return event
+
+        length = max(map(abs, self.release))
+        speed, n = length * self.rate, self.k + 2
+        scale = np.repeat([length, speed, 1.0, self.damper.modal_mass * speed**2], [n, n + 2, 3, 1])
         solved: Any = solve_ivp(
-            self.motion,
-            (t, end),
-            self.y,
+            motion,
+            (0.0, left),
+            [*self.x, 0.0],
             self.method,
             rtol=self.rtol,
-            atol=1e-4 * self.rtol,
-            events=[self.watch(axis, kind) for axis, kind in watched],
+            atol=1e-4 * self.rtol * scale,
+            events=[watch(guard) for guard in guards],
         )
         if solved.status < 0:
             raise ArithmeticError(solved.message)
-        self.y = solved.y[:, -1]
-        happened = [key for key, times in zip(watched, solved.t_events, strict=True) if len(times)]
-        return float(solved.t[-1]), happened
+        self.structure += float(solved.y[-1, -1])
+        found = [guard for guard, times in zip(guards, solved.t_events, strict=True) if len(times)]
+        return float(solved.t[-1]), found[0] if found else None, solved.y[:-1, -1].copy()
 
-    def kinds(self, axis: int) -> tuple[str, ...]:
-        """What can end the present motion of an axis."""
-        if self.moves[axis]:
-            return "hit", "turn"
-        side = self.side(axis)
-        return tuple(kind for kind, way in (("up", 1), ("down", -1)) if way != side)
+    def pushed(self, guard: Guard) -> bool:
+        """Whether a hit of the other wall has just pushed the ball into the wall that it was on."""
+        at, rate = guard.heading * self.x[self.s[guard.axis]], guard.heading * self.x[self.w[guard.axis]]
+        return bool(guard.kind == "hit" and at >= guard.threshold and rate > 0)
 
-    def side(self, axis: int) -> int:
-        """The wall that a stuck ball rests on, 0 for none."""
-        s = self.y[4 * axis + 2]
-        return int(np.sign(s)) if abs(s) >= self.gap[axis] * (1 - 1e-12) else 0
-
-    def value(self, axis: int, kind: str, y: Floats) -> float:
-        """Rises through zero when it happens."""
-        u, v, s, w = y[4 * axis : 4 * axis + 4]
-        moves = self.moves[axis]
-        if kind == "hit":
-            return float(moves * s - self.gap[axis])
-        if kind == "turn":
-            return float(-moves * w)
-        way = 1 if kind == "up" else -1
-        drives = ((self.k[axis] * u + self.dashpot(axis, stuck) * v) / (1 + self.m) for stuck in (True, False))
-        return float(min(way * drive for drive in drives) - self.resistance)
-
-    def watch(self, axis: int, kind: str) -> Callable[[float, Floats], float]:
-        def event(_: float, y: Floats) -> float:
-            return self.value(axis, kind, y)
-
-        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-        return event
-
-    def resolve(self, axis: int, kind: str) -> None:
-        if kind == "hit":
-            self.hit(axis)
-        elif kind == "turn":
-            self.settle(axis)
+    def happen(self, guard: Guard) -> None:
+        """Change velocities and regimes at an event."""
+        i, x = guard.axis, self.x
+        if guard.kind == "hit":
+            self.impacts += 1
+            x[self.s[i]] = guard.heading * self.gap[i]
+            self.hit(i)
+        elif guard.kind == "reversal":
+            self.settle(i)
+        elif guard.kind == "grip":
+            x[self.spin[i]] = x[self.w[i]]
+            if self.regime[i] != "stuck":
+                self.roll(i, int(np.sign(x[self.w[i]])))
+        elif guard.kind == "away":
+            self.slide(i)
         else:
-            self.moves[axis] = 1 if kind == "up" else -1
+            self.roll(i, guard.heading)
 
-    def settle(self, axis: int) -> None:
-        """The ball has stopped relative to the structure: it stays, or rolls the other way."""
-        self.y[4 * axis + 3] = 0.0
-        self.moves[axis] = 0
-        for kind in self.kinds(axis):
-            if self.value(axis, kind, self.y) > 0:
-                self.moves[axis] = 1 if kind == "up" else -1
-                return
+    def roll(self, i: int, direction: int) -> None:
+        """From now on, to one side; 0: stuck."""
+        self.regime[i], self.direction[i] = ("roll" if direction else "stuck"), direction
+        if direction:  # out of the dent, along both axes
+            self.hold = self.a_r
 
-    def hit(self, axis: int) -> None:
-        """Restitution along the wall's normal, capped friction along the wall."""
-        self.impacts += 1
-        m, side = self.m, self.moves[axis]
-        v, w = self.y[[4 * axis + 1, 4 * axis + 3]]
-        impulse = m / (1 + m) * (1 + self.damper.restitution) * w
-        v, w = v + impulse, -self.damper.restitution * w
-        self.y[[4 * axis + 1, 4 * axis + 2, 4 * axis + 3]] = v, side * self.gap[axis], w
-        self.moves[axis] = -side
-        if abs(w) <= max(self.damper.sticking_ratio * abs(v), _CREEP):
-            self.y[4 * axis + 1], self.y[4 * axis + 3], self.moves[axis] = v + m / (1 + m) * w, 0.0, 0
-        other = 1 - axis
-        slide = self.y[4 * other + 3]
-        if self.moves[other] and self.damper.friction > 0 and slide != 0:
-            most = abs(slide) * m / (1 + m if self.printed else 3.5 + m)  # the ball turns about the vertical, too
-            tangential = math.copysign(min(self.damper.friction * abs(impulse), most), slide)
-            self.y[4 * other + 1] += tangential
-            self.y[4 * other + 3] -= tangential * (1 + m) / m
-            if self.printed and self.damper.friction * abs(impulse) >= most:
-                self.settle(other)
+    def slide(self, i: int) -> None:
+        """From now on, to the side to which the ball's surface moves on the floor."""
+        self.regime[i], self.direction[i] = "slide", 1 if self.x[self.w[i]] > self.x[self.spin[i]] else -1
+        self.hold = self.a_r
 
-    def energy(self) -> float:
-        total = 0.0
-        for axis in (0, 1):
-            u, v, _, w = self.y[4 * axis : 4 * axis + 4]
-            total += self.k[axis] * u**2 + v**2 + self.m * (v + w) ** 2 + self.spin * w**2
-        return 0.5 * total * self.energy_unit
+    def settle(self, i: int) -> None:
+        """Stuck, or off the way that the ball is driven."""
+        self.x[self.w[i]] = self.x[self.spin[i]] = 0.0
+        self.roll(i, 0)
+        for guard in self.guards():
+            if guard.axis == i and guard.value(self.x) > 0:
+                self.roll(i, guard.heading)
+
+    def impulse(self, i: int, w: float) -> float:
+        """Give s_i the velocity w by an impulse on it: the floor has no time to act."""
+        n = self.k + 2
+        jump = np.linalg.solve(self.mass, np.eye(n)[self.k + i])
+        size = (w - self.x[self.w[i]]) / jump[self.k + i]
+        self.x[n : 2 * n] += size * jump
+        self.x[self.w[i]] = w
+        j = 1 - i
+        if self.regime[j] == "stuck" and abs(self.x[self.w[j]]) <= 1e-7 * self.floor:
+            self.x[self.w[j]] = 0.0  # two walls that push the ball to each other in turn: the limit of the series
+        return float(size)
+
+    def hit(self, i: int) -> None:
+        """Restitution along the wall's normal, capped friction along the wall, sticking."""
+        d, k, j, x = self.damper, self.k, 1 - i, self.x
+        moved = x[self.w[j]]
+        normal = abs(self.impulse(i, -d.restitution * x[self.w[i]]))
+        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
+            lift = min(d.friction * normal, 2 / 7 * self.m * abs(x[self.spin[i]]))
+            x[self.spin[i]] -= math.copysign(2.5 * lift / self.m, x[self.spin[i]])
+        if x[self.w[j]] != moved:
+            self.after(j)
+        if self.regime[j] != "stuck" and d.friction > 0:
+            slides = x[self.w[j]]
+            give = np.linalg.inv(self.mass)[k + j, k + j]
+            spun = 0.0 if self.printed else 2.5 / self.m  # of the surface, as the ball turns about the vertical
+            change = give * min(d.friction * normal, abs(slides) / (give + spun))
+            left = slides - math.copysign(change, slides)
+            self.impulse(j, 0.0 if abs(left) < 1e-15 * abs(slides) else left)
+            if self.grip > 0 and x[self.w[j]] != x[self.spin[j]]:
+                self.slide(j)
+                if x[self.w[j]] == 0 and abs(x[self.s[j]]) >= self.gap[j]:
+                    self.roll(j, 0)
+            else:
+                x[self.spin[j]] = x[self.w[j]]
+                if x[self.w[j]] == 0:
+                    self.settle(j)
+        structure = self.shape[i] @ x[k + 2 : 2 * k + 2]
+        if abs(x[self.w[i]]) <= max(d.sticking_ratio * abs(structure), self.floor):
+            moved = x[self.w[j]]
+            self.impulse(i, 0.0)
+            self.roll(i, 0)
+            if self.grip == 0:
+                x[self.spin[i]] = 0.0
+            if x[self.w[j]] != moved:
+                self.after(j)
+        else:
+            self.after(i)
+
+    def after(self, i: int) -> None:
+        """The spin follows at once, or the ball slides."""
+        if self.grip > 0:
+            self.slide(i)
+        else:
+            self.x[self.spin[i]] = self.x[self.w[i]]
+            self.roll(i, int(np.sign(self.x[self.w[i]])))

@@ -1,7 +1,7 @@
 """`spindamp accuracy`: error against time for the plate, the speeds, the damper and the whole pipeline."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, Literal
 
@@ -22,7 +22,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle_speed
 from workflows.solve.structure import discretise
-from workflows.studies.work_precision.integration import Integrator, integrate, unknown
+from workflows.studies.work_precision.integration import Integration, Integrator
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, ladder, measure
 
 CYCLES = 20
@@ -44,10 +44,14 @@ _NOTHING = 1e-9
 """Share of the initial energy below which what the ball takes drowns in rounding."""
 
 
+_LEVEL = ("break_away", "floor_tilt", "floor_radius", "lateral_acceleration", "rotation", "modes")
+"""Fields in which a study's damper keeps the default: the paper's fixed steps know no other value."""
+
+
 def level(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper on a level floor with one mode along each axis, which is what the other methods know."""
-    exceptions = ("floor_friction", "restitution_by_speed")  # nothing but the exact events has an answer with these
-    return replace(system, **{name: default for name, default in unknown(system).items() if name not in exceptions})
+    defaults: dict[str, Any] = {each.name: each.default for each in fields(system) if each.name in _LEVEL}
+    return replace(system, **defaults)
 
 
 def damper_study(
@@ -64,7 +68,7 @@ def damper_study(
     if abs(taken) < _NOTHING * exact.initial:
         return None, Choice("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
     try:
-        apart = abs(_taken(integrate(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
+        apart = abs(_taken(Integration(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
         confirmed = (
             f"from which solve_ivp with {_REFERENCE[0]} at rtol {_REFERENCE[1]:g} differs by {significant(apart, 1)};"
             " the exact events' own error is given against that"
@@ -87,7 +91,7 @@ def damper_study(
     ]
     for method, tolerances in METHODS.items():
         for rtol in tolerances:
-            work = partial(integrate, *start, method, rtol)
+            work = partial(Integration, *start, method, rtol)
             cases.append((f"solve_ivp, {method}", f"rtol {rtol:g}", work, lambda run: (run.evaluations, error(run))))
     own = (lambda run: (run.events, error(run.energy))) if apart is None else (lambda run: (run.events, apart))
     cases.append(("exact events", "no step", partial(damper.ringdown, *start), own))
