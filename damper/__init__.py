@@ -2,8 +2,8 @@
 
     from damper import ParticleDamper, capacity, ringdown
 
-A level floor under one mode along x and one along y is the paper's. `floor_tilt`, `floor_radius`, `rotation`, `modes`
-of a `ParticleDamper` and the argument `harmonic` of `ringdown`, go beyond it; the results are the same kind of thing.
+A level floor under one mode along x and one along y is the paper's. Tilting and hollow floors, `rotation` and `modes`
+of a `ParticleDamper`, and the argument `harmonic` of `ringdown`, go beyond it; the results are the same kind of thing.
 `forced` is what a harmonic force leads to in the end, `backbone` the short way to its amplitude.
 
 The heavy parts (compiled kernels) load at the first ring-down.

@@ -9,8 +9,7 @@ import numpy as np
 
 from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
-from fem.reduction.single_mode import Reduced, check_mass
-from fem.sweep.laws import check_reduced
+from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
 
 if TYPE_CHECKING:
     from fem.linalg import Array
@@ -189,24 +188,13 @@ def reduced_modes(
     if free[0] <= 0.0:
         raise Divergence(modes.omega, float(free[0]))
     stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
-    reduced = Reduced(
-        f1_hz=float(np.sqrt(stuck) / (2.0 * np.pi)),
-        M1=mass + ball,
-        K1=stuck * (mass + ball),
-        f2_hz=float(modes.frequencies_hz[index]),
-        M2=mass,
-        K2=float(squares[index]) * mass,
-        ball_mass=ball,
-        mode_index=index,
-        slope=float(at.slope[0, index] / lift),
-        floor_tilt=modes.omega**2 * at.pressing * float(at.slope[0, index] / lift) / stuck,
-    )
-    check_reduced(reduced)
+    mode = FlapMode(mass, float(at.slope[0, index] / lift))
+    system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
     moved, slope, drawn = (np.asarray(part) for part in motion)
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned
-    return reduced, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
+    return system, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
 
 
 def cavity_shifts(modes: ModesAtSpeed, pull: Pull, material: Material, volume: float, weakens: float) -> Array:

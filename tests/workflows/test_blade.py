@@ -23,6 +23,7 @@ from workflows.scene.load import SceneFile, load, parse
 from workflows.solve import engine_orders, excitation, limits, remedies, resources
 from workflows.solve.blade import blade_of, in_words
 from workflows.solve.damper import particle_damper
+from workflows.solve.results import ErrorParts
 from workflows.studies.design.report import active_constraints, verdict
 from workflows.studies.design.space import Optimum, design_space, evaluate_designs
 from workflows.studies.design.study import design
@@ -92,6 +93,21 @@ def test_a_run_has_the_frequencies_of_calculix_and_a_damper_at_the_tip(folder):
         assert all(0.0 < mode.error_estimate < 0.6 for mode in point.modes)
     assert results.speeds[1].modes[1].error_parts.coriolis == pytest.approx(0.0001, abs=0.0003)
     assert results.speeds[1].radius == pytest.approx(0.34, rel=0.01)
+
+
+@pytest.mark.parametrize(("coriolis", "finer"), [(1e-4, True), (9e-4, False)])
+def test_a_finer_mesh_is_named_where_it_is_enough(folder, coriolis, finer):
+    """The accuracy asked for is 0.05 %: no mesh takes away what else is in an error."""
+    results = pipeline.results(*solved(folder, "'0 rpm'"))
+    (point,), scene = results.speeds, results.scene.changed(accuracy={"frequency": 5e-4})
+    none = dict.fromkeys((part.name for part in dataclasses.fields(ErrorParts)), 0.0)
+    parts = ErrorParts(**none | {"mesh": 4e-3, "coriolis": coriolis})
+    modes = tuple(dataclasses.replace(mode, error_parts=parts) for mode in point.modes)
+    said = remarks.sentence(
+        dataclasses.replace(results, scene=scene, speeds=(dataclasses.replace(point, modes=modes),))
+    )
+    assert ("a finer mesh would achieve it" in said) == finer
+    assert ("no setting achieves this" in said) != finer
 
 
 def test_more_speeds_are_the_same_blade(folder):

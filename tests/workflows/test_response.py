@@ -24,7 +24,7 @@ from workflows.scene.load import SHIPPED, as_scene_file
 from workflows.scene.scene import Excitation
 from workflows.solve import engine_orders, excitation
 from workflows.solve.coupling import with_forced_effects
-from workflows.solve.results import Mode, Reduced, SpeedPoint
+from workflows.solve.results import Mode, Reduced, SpeedPoint, VibrationReduction
 from workflows.solve.structure import StructureSolver
 from workflows.studies import response as study
 from workflows.studies import response_report as report
@@ -534,6 +534,12 @@ def test_motion_that_rolls_says_nothing_without_friction(known):
     assert "additional damping ratio" not in report.text(slides)
 
 
+def test_the_best_level_is_rounded_within_those_that_help():
+    """To two digits where that may be; a level beyond what the structure endures would show nothing."""
+    near = [VibrationReduction(2, 1, "flap", 5000.0, 333.0, 0.98, 2.79, ends) for ends in ((2.3, 2.9), (2.3, 2.793))]
+    assert [study.best_level(each) for each in near] == [2.8, 2.79]
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
     """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
@@ -560,7 +566,8 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     assert remarks.BEYOND_MEANS in written
     monkeypatch.setattr(study.excitation, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said = report.sentences(known)[0]
-    assert said.startswith("At engine order 3 (4020 rpm, flap mode): not useful at the levels followed, 2, 20 and ")
+    assert ": not useful at the level followed, 2 N: the load holds the balls at rest up to" in said
+    assert said.endswith("At 20 N the root would be overstressed.")
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):

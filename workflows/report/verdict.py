@@ -374,7 +374,7 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     if reduction.reason or not math.isfinite(reduction.range[0]):
         held = not reduction.reason and reduction.moves_from >= reduction.endured_level
         friction = remedies.friction_that_moves(results, reduction) if held else math.nan
-        held |= bool(borne) and reduction.moves_from > max(each.level for each in borne)
+        held |= bool(reduction.detail and borne) and reduction.moves_from > max(each.level for each in borne)
         return said("answer/no_order", results, held=held, friction=friction, **known)
     low, high = reduction.range
     most = 1 - reduction.ratio

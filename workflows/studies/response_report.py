@@ -224,7 +224,8 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     followed = np.array([each.level for each in levels])
     unknown = next(row.ratio_error for row in mine if row.force == best.level)
     rough = [] if unknown is None else [f"± {in_percent(unknown)} percentage points: the motion has not settled"]
-    every = f"the levels followed, {listed([each.level for each in borne])} {result.excitation.unit}"
+    many = "s" if len(borne) > 1 else ""
+    every = f"the level{many} followed, {listed([each.level for each in borne])} {result.excitation.unit}"
     around = neighbours(followed, np.flatnonzero(useful), levels.index(best)) if any(useful) else (math.nan, math.nan)
     return replace(
         estimate,
