@@ -393,8 +393,11 @@ def test_the_text_has_a_line_for_each_statement():
     result |= {"without_verdict": 1, "without_answer": 2}
     spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
     best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
-    assert said("sweep/text", result=result, best={"a": "1 mm"}, spread=None)[:2] == ["T: 4 points (4 a)", best]
-    assert said("sweep/text", result=result, best={"a": "1 mm"}, spread=spread) == [
+    known = {"result": result, "best": {"a": "1 mm"}, "error": 0.01}
+    assert said("sweep/text", spread=None, **known)[:2] == ["T: 4 points (4 a)", best]
+    roughly = best.replace("0.1 %", "0.1 % (±20 %)")
+    assert said("sweep/text", spread=None, **known | {"error": 0.2})[1] == roughly
+    assert said("sweep/text", spread=spread, **known) == [
         "T: 4 points (4 a)",
         "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), with a median of 0.3 %; share of the"
         " variance by parameter, interactions included: k 50 ± 10 %",

@@ -425,7 +425,14 @@ def _spread(data: xr.Dataset) -> dict[str, Any] | None:
 def text(data: xr.Dataset) -> str:
     """The same in a few lines."""
     entries = document(data)
-    return "\n".join(said("sweep/text", result=entries, best=_best_keys(data, entries), spread=_spread(data)))
+    return "\n".join(said("sweep/text", **_known(data, entries)))
+
+
+def _known(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, Any]:
+    """What sentences on a sweep are made of."""
+    best = entries["best"] or {"values": {}}
+    error = best["values"].get("working_error") or 0.0
+    return {"result": entries, "best": _best_keys(data, entries), "error": error, "spread": _spread(data)}
 
 
 _FIGURES = (
@@ -468,8 +475,7 @@ def render(data: xr.Dataset) -> str:
         plots.shades_css(SHADES),
         result=entries,
         best=best,
-        keys=_best_keys(data, entries),
-        headline=" ".join(said("sweep/headline", result=entries, spread=_spread(data))),
+        headline=" ".join(said("sweep/headline", **_known(data, entries))),
         percentiles=_percentiles(data) if "ST" in data and best is not None else [],
         ranges=ranges,
         figures=draw(data),
