@@ -711,7 +711,8 @@ def test_a_middle_of_speeds_has_both_its_ends() -> None:
     """Slow enough to slide, then weak at one speed, then good, then too fast for as much."""
     verdict = answer(at(100, 700, 1000, 3500, 17500)).verdict
     assert verdict.startswith(
-        "Of little use at 700 rpm (110 g), useful up to 3500 rpm (2740 g), of little use from 17500 rpm (68492 g) on"
+        "Of little use at 700 rpm (110 g), useful from 1000 rpm (224 g) to 3500 rpm (2740 g), of little use from"
+        " 17500 rpm (68492 g) on"
     )
     assert "; no verdict at 100 rpm" in verdict
 
@@ -721,11 +722,11 @@ def test_a_verdict_ends_where_the_contact_yields() -> None:
     found = at(1000, 17500, 20000)
     end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.INADMISSIBLE, Reason.CONTACT))
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict.startswith(
-        "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); no verdict at 20000 rpm"
+        "Useful up to 1000 rpm (224 g), of little use at 17500 rpm (68492 g); no verdict at 20000 rpm"
     )
     end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.LOCKED, Reason.OUT_OF_REACH, 0.0))
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict == (
-        "Useful up to 1000 rpm (224 g), of little use up to 17500 rpm (68492 g); the balls are locked at 20000 rpm"
+        "Useful up to 1000 rpm (224 g), of little use at 17500 rpm (68492 g); the balls are locked at 20000 rpm"
         " (89460 g)"
     )
 

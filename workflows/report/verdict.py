@@ -280,8 +280,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
             elif k == len(stretches) - 1:
                 where = f"from {first} on"
             else:
-                inside = f"at {last}" if first == last else f"from {first} to {last}"
-                where = f"up to {last}" if k - 1 in known else inside
+                where = f"at {last}" if first == last else f"from {first} to {last}"
             words.append(f"{_WORDS[rank]} {where}")
         main = ", ".join(words)
     nothing = [point for point in points if _rank(point) == 0]
