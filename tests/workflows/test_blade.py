@@ -110,7 +110,7 @@ def solved(folder, speeds):
 
 
 REFUSED = {
-    "no set": (("nroot", "base"), r"\[blade\] root = 'base': the mesh has no set 'base': its sets are EALL, NROOT"),
+    "no set": (("nroot", "base"), r"root = 'base': the mesh has no set 'base': its sets are EALL, NALL, NROOT"),
     "no radius": (("nroot", "1 m"), r"\[blade\] root = '1 m': no nodes lie at the radius 1 m"),
     "no file": (("fan.inp", "fin.inp"), r"\[blade\] mesh = 'fin.inp': no such file beside the scene"),
     "axis between root and tip": (
