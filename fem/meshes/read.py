@@ -342,6 +342,7 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
 
 def _abaqus(lines: Lines) -> Iterator[str]:
     sets: dict[str, list[str]] = {}
+    on_nodes: dict[str, str] = {}  # sets that *NODE names, as it spells them: readers do not know them
     here: set[str] = set()
     elsets: set[str] = set()
     of_cells: set[str] = set()
@@ -353,8 +354,9 @@ def _abaqus(lines: Lines) -> Iterator[str]:
         if line.lstrip().startswith("*"):
             key, options = _keyword(line)
             _refuse(where, key, options)
-            if key in ("PART", "INSTANCE", "ASSEMBLY"):  # sets of another have the same names
-                here, elsets, of_cells = set(), set(), set()
+            if key.rpartition(" ")[2] in ("PART", "INSTANCE", "ASSEMBLY"):
+                yield from _sets(on_nodes, sets)
+                here, elsets, of_cells, on_nodes = set(), set(), set(), {}  # sets of another have the same names
             nodes, generates = key == "NODE", "GENERATE" in options
             name = options.get("NSET", "").upper() if key in ("NODE", "NSET") else ""
             cells = options.get("ELSET", "").upper() if key in ("NSET", "ELSET", "ELEMENT") else ""
@@ -372,6 +374,8 @@ def _abaqus(lines: Lines) -> Iterator[str]:
                 sets[name] = []
                 here.add(name)
             own = sets[name] if name else None
+            if name and nodes:
+                on_nodes[name] = options["NSET"]
             kind = _SOLID.fullmatch(options.get("TYPE", "")) if key == "ELEMENT" else None
             line = re.sub(r"(?i)(TYPE\s*=\s*)\w+", rf"\g<1>C3D{kind[1]}", line) if kind else line
             yield re.sub(r"(?i),\s*GENERATE", "", line.replace('"', "")) if key == "NSET" else line.replace('"', "")
@@ -392,6 +396,13 @@ def _abaqus(lines: Lines) -> Iterator[str]:
         if own is not None and not nodes:
             own += parts
             yield ", ".join(parts)
+    yield from _sets(on_nodes, sets)
+
+
+def _sets(names: Mapping[str, str], sets: Mapping[str, list[str]]) -> Iterator[str]:
+    """Sets of nodes in full, by the names that they are to have."""
+    for name, spelled in names.items():
+        yield from (f"*NSET, NSET={spelled}", *sets[name])
 
 
 def _keyword(line: str) -> tuple[str, dict[str, str]]:

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 
 
 class NoMotion(ValueError):
-    """No mode moves the place as asked; the message says how."""
+    """No mode moves the place as asked, or its floor has no axes; the message says how.
+
+    Attributes:
+        about: what is at fault, `at` (the place), `normal` or `direction`.
+    """
+
+    def __init__(self, message: str, about: str = "at") -> None:
+        super().__init__(message)
+        self.about = about
 
 
 STILL = 1e-6
@@ -27,6 +35,9 @@ STILL = 1e-6
 
 LEAST_PRESSED = 0.1
 """Part of the load that has to press the ball onto a floor."""
+
+LEAST_ACROSS = np.radians(10.0)
+"""Angle [rad] from the floor's normal from which on a direction gives axis 1: nearer, its rest across is chance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +86,7 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
             faces the load.
 
     Raises:
-        NoMotion: there is no load's direction there, it does not press on the floor, or axis 1 would be its normal.
+        NoMotion: there is no load's direction there, it does not press on the floor, or axis 1 is nearly its normal.
     """
     deformed, point = _deformed(at, modes)
     arm = model.load(point)
@@ -87,10 +98,13 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
         turned = np.linalg.solve(deformed.T, given)
         normal = np.asarray(turned / np.linalg.norm(turned))
         if arm @ normal <= LEAST_PRESSED * radius:
+            angle, most = np.degrees(np.arccos([float(arm @ normal) / radius, LEAST_PRESSED]))
             raise NoMotion(
-                "the load does not press the ball onto a floor with this normal, which has to point outwards"
+                f"the load does not press the ball onto a floor with this normal, {angle:.3g}° from the load: expected"
+                f" one that points outwards, less than {most:.0f}° from the load",
+                "normal",
             )
-    axes = frame(normal, direction)
+    axes = frame(normal, direction, "load" if given is None else "floor's normal")
     lean = np.zeros(2) if given is None else axes @ arm
     gradient, spread = at.gradient(modes)
     moved = axes @ at.displacement(modes.shapes).T
@@ -108,16 +122,22 @@ def _deformed(at: Place, modes: ModesAtSpeed) -> tuple[Array, Array]:
     return np.eye(3) + at.gradient(still)[0][0], at.point + at.displacement(still.shapes)[0]
 
 
-def frame(normal: Array, direction: Array) -> Array:
-    """Axes (2, 3) of a floor, the first as near to a direction as the floor allows.
+def frame(normal: Array, direction: Array, name: str = "load") -> Array:
+    """Axes (2, 3) of a floor, the first as near to a direction as the floor allows; `name` of what the normal is along.
 
     Raises:
-        NoMotion: it is along the normal.
+        NoMotion: it is nearly along the normal.
     """
     first = direction - (direction @ normal) * normal
     length = float(np.linalg.norm(first))
-    if length <= STILL * float(np.linalg.norm(direction)):
-        raise NoMotion("the direction is along the load, or the normal of the floor, in which it has no axis")
+    angle = np.arctan2(length, abs(direction @ normal))
+    if angle < LEAST_ACROSS:
+        near, least = (f"{np.round(np.degrees(each), 1):g}°" for each in (angle, LEAST_ACROSS))
+        raise NoMotion(
+            f"axis 1 of the cavity lies across the {name}, but its direction is only {near} from that: expected {least}"
+            " or more",
+            "direction",
+        )
     first = first / length
     return np.array([first, np.cross(first, normal)])
 

@@ -14,6 +14,10 @@ ROOT = ["*NSET,NSET=NROOT", ",".join(FACE)]
 ASSEMBLY = ["*ASSEMBLY,NAME=A", "*INSTANCE,NAME=B-1,PART=B", "{}", "*END INSTANCE", "{}", "*END ASSEMBLY"]
 PART = ["*PART,NAME=B", *MESH, *ROOT, "*END PART", *ASSEMBLY]
 
+INNER, OUTER = ([line for line in NODES if (line.split(",")[0] in FACE) == inner] for inner in (True, False))
+APART = ["*NODE,NSET=Nroot", *INNER[:3], "*NODE,NSET=REST", *OUTER, "*NODE,NSET=NROOT", *INNER[3:]]
+APART += MESH[len(NODES) + 1 :]
+
 READ = {
     "as it is": [*MESH, *ROOT],
     "from Windows": ["\ufeff*HEADING\r", *(f"{line}\r" for line in (*MESH, *ROOT))],
@@ -31,6 +35,12 @@ READ = {
     ],
     "set in two parts": [*MESH, "*NSET,NSET=NROOT", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])],
     "generated set": [*MESH, "*NSET,NSET=G,GENERATE", f"{FACE[0]},{FACE[-1]}", "*NSET,NSET=NROOT", "G"],
+    "set on lines of nodes": APART,
+    "set on a line of nodes, and by numbers": [
+        *(line for line in APART if line != "*NODE,NSET=NROOT"),
+        *("*NSET,NSET=NROOT", ",".join(FACE[3:])),
+    ],
+    "set on lines of nodes of a part": ["*PART,NAME=B", *APART, "*END PART", *(line.format("") for line in ASSEMBLY)],
     "quotes": [*MESH, '*NSET,NSET="NROOT"', ",".join(FACE)],
     "set of elements' nodes": [*MESH, "*NSET,NSET=ALL,ELSET=EALL", "*NSET,NSET=EALL,ELSET=EALL", *ROOT],
     "a part": [line.format("") for line in PART],

@@ -367,7 +367,7 @@ BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
     ("a plate's place", {"damper__at": ["200 mm", "0 mm"]}, "expected three lengths"),
     ("off", {"damper__at": ["400 mm", "0 mm", "0 mm"]}, "m off the structure"),
     ("at rest", {"damper__at": 1}, "[damper] at = 1: this place is clamped: no mode moves it"),
-    ("along the load", {"damper__direction": [1, 0, 0]}, "along the load"),
+    ("along the load", {"damper__direction": [1, 0, 0]}, "lies across the load, but its direction is only 0° from"),
     ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
     ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),
     ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "do not describe the surface"),

@@ -25,7 +25,7 @@ VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4], "damper.restitution": [0.3, 0.6
 
 
 BLOCKS = 4
-"""Of at most three points, one dimension whole."""
+"""Of at most three points, one dimension whole; each is one part."""
 
 
 COMPUTED: dict[tuple[int, int], Block] = {}
@@ -67,6 +67,7 @@ def finished(out):
 @pytest.fixture(autouse=True)
 def _small_blocks(monkeypatch):
     monkeypatch.setattr(study, "LEAST", 3)
+    monkeypatch.setattr(study, "_PARTS", BLOCKS)
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +94,7 @@ def whole(tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "LEAST", 3)
+        patch.setattr(study, "_PARTS", BLOCKS)
         complete(study.of_scene("structure", VARY, quick=True), out)
     return out
 
@@ -150,6 +152,34 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     third = Here()
     assert complete(asked, tmp_path / "out", third) == undisturbed
     assert third.count == 0
+
+
+@pytest.mark.parametrize(("seldom", "calls"), [(1e9, 0), (0.0, 0), (0.0, 70), (0.0, 120)])
+def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path, monkeypatch, seldom, calls):
+    """Eight points are one region, in parts of one. It ends as the fourth is handed out, or while one is written."""
+    for name, value in (("LEAST", 256), ("_PARTS", 64)):
+        monkeypatch.setattr(study, name, value)
+    monkeypatch.setattr(store, "SELDOM", seldom)
+    asked = study.of_scene("structure", VARY, quick=True)
+    assert [len(asked.parts(region)) for region in asked.regions()] == [8]
+    undisturbed = complete(asked, tmp_path / "undisturbed")
+    left, real, out = iter(range(calls or 10**9)), zarr.Array.__setitem__, tmp_path / "out"
+
+    def stopped(*arguments):
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return real(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(zarr.Array, "__setitem__", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            complete(asked, out, Here(stops=4), size=1)
+    points = finished(out)
+    coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
+    assert points == ((calls - coordinates) // arrays if calls else 2)
+    second = Here()
+    assert complete(asked, out, second) == undisturbed
+    assert second.count == 8 - points
 
 
 def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):

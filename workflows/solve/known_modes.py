@@ -644,18 +644,17 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     damper = source.scene.damper
     assert damper is not None
     at = _place(source, model, damper.at, "[damper] at")
-    value = list(damper.at) if isinstance(damper.at, tuple) else damper.at
     if np.abs(at.displacement(modes.shapes)).max() <= _STILL * np.abs(modes.shapes).max():
-        raise source.wrong("this place is clamped: no mode moves it", "[damper] at", value)
+        raise source.wrong("this place is clamped: no mode moves it", "[damper] at", damper.at)
     try:
         wanted = damper.direction
         direction = bending_direction(model, at, modes) if wanted is None else np.array(wanted, dtype=np.float64)
         normal = None if damper.normal is None else np.array(damper.normal, dtype=np.float64)
         seen = floor(model, at, modes, direction, normal)
     except NoMotion as error:
-        keys = [("normal", damper.normal), ("direction", damper.direction)]
-        key, odd = next(((key, list(given)) for key, given in keys if given is not None), ("at", value))
-        raise source.wrong(str(error), f"[damper] {key}", odd) from error
+        given = {"normal": damper.normal, "direction": damper.direction, "at": damper.at}
+        key = next(key for key in (error.about, "normal", "at") if given[key] is not None)
+        raise source.wrong(str(error), f"[damper] {key}", given[key]) from error
     if max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
         raise source.wrong(problem, "[damper] cavity", list(damper.cavity))

@@ -68,18 +68,39 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         numbers = [each for each in axis.values if isinstance(each, int | float) and math.isfinite(each)]
         if len(numbers) > 1 and (value := values[axis.name]) in (min(numbers), max(numbers)):
             end = f"{formatted(axis.name, value)} is the {'least' if value == min(numbers) else 'greatest'} of the list"
-            if value == min(numbers) or axis.key.whole or _has_room(space, optimum, score, axis):
+            if value == min(numbers) or axis.key.whole or not _longer(space, optimum, axis, score).impossible:
                 constraints.append(ActiveConstraint(NAMES[axis.name], end))
+    constraints += _fit_constraint(space, optimum, score)
     return (*constraints, *_amplitude_constraint(space, optimum, score))
 
 
-def _has_room(space: Space, optimum: Optimum, score: Score, axis: Axis) -> bool:
-    """Whether the best design with one of its lengths 5 % larger is still feasible."""
+def _longer(
+    space: Space, optimum: Optimum, axis: Axis, score: Score, by: float = _FURTHER, *, quick: bool = True
+) -> Evaluation:
+    """The best design with one of its lengths larger, relatively by so much."""
     values = space.values(optimum.shares)
-    longer = values | {axis.name: float(values[axis.name]) * (1 + _FURTHER)}
+    longer = values | {axis.name: float(values[axis.name]) * (1 + by)}
     axes = tuple(replace(each, spread=None, values=(longer[each.name],)) for each in space.axes)
-    (further,) = score(replace(space, axes=axes), optimum.shares[None], True)
-    return not further.impossible
+    (further,) = score(replace(space, axes=axes), optimum.shares[None], quick)
+    return further
+
+
+def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[ActiveConstraint]:
+    """That the cavity has to lie within a solid blade, where that keeps the best design from being better."""
+    evaluation, better = optimum.evaluation, list[tuple[float, ActiveConstraint]]()
+    most = np.fmax(evaluation.score, evaluation.greatest)
+    for axis in space.axes:
+        if axis.name not in ("damper.radius", "damper.clearance"):
+            continue
+        near = _longer(space, optimum, axis, score, _AT_END)
+        if near.why is None or near.why.kind != "sticks_out":
+            continue
+        further = _longer(replace(space, has_to_fit=False), optimum, axis, score, quick=False)
+        gain = None if further.impossible or not evaluation.works else further.value / evaluation.value - 1
+        if gain is None or further.score > most:
+            said = f"the cavity has to lie within the blade, which limits the {NAMES[axis.name].replace('_', ' ')}"
+            better.append((further.score, ActiveConstraint("fit", said, gain)))
+    return [max(better, key=lambda each: each[0])[1]] if better else []
 
 
 def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:

@@ -87,6 +87,7 @@ class Space:
         axes: what is free.
         goal: what designs are compared by.
         solved_as: the scene with the effects that the goal requires.
+        has_to_fit: whether a cavity has to lie within a solid blade.
     """
 
     source: SceneFile
@@ -94,6 +95,7 @@ class Space:
     axes: tuple[Axis, ...]
     goal: LeastDamping | LeastAmplitude
     solved_as: SceneFile
+    has_to_fit: bool = True
 
     @property
     def continuous(self) -> list[int]:
@@ -305,7 +307,7 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
         name, ratio = over
         return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
     sticks_out = fastest.point.sticks_out
-    if scene.blade is not None and sticks_out > 0:
+    if space.has_to_fit and scene.blade is not None and sticks_out > 0:
         score, why = -BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
         return Evaluation(0.0, score, mass=mass, used=used, sticks_out=sticks_out, why=why)
     endured = limits.endured(fastest.results)

@@ -1,8 +1,8 @@
 """The folder of a study: one Zarr data set, written in place by the one process that holds the lock.
 
-Points are computed in blocks of neighbours. A block is one chunk of every array: Zarr puts a chunk in place whole, and
-its checksum shows damage. The block's chunk of `done` is written last, so that a study killed anywhere goes on where it
-was.
+A region of neighbouring points is one chunk of every array: Zarr puts a chunk in place whole, and its checksum shows
+damage. Points are computed in smaller parts, and a region is written again as parts of it come. Its chunk of `done` is
+written last, so that a study killed anywhere goes on where it was.
 """
 
 from __future__ import annotations
@@ -12,19 +12,21 @@ import json
 import math
 import os
 import shutil
+import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from workflows.errors import BadInput
 from workflows.formatting import rounded_rpm
 from workflows.io import folder
-from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows
+from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows, empty
 from workflows.studies.sweep.plan import SPEEDS, Plan
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ _METADATA = "zarr.json"
 
 @dataclass(frozen=True)
 class Region:
-    """Neighbouring points that are computed and written together: one chunk of every array.
+    """Neighbouring points that are written together: one chunk of every array.
 
     Attributes:
         begin, end: absolute indices of its first point, and of the one after its last.
@@ -49,6 +51,35 @@ class Region:
     end: int
     slices: tuple[slice, ...]
     chunk: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Points of a region that are computed together: absolute indices of the first, and of the one after the last."""
+
+    region: Region
+    begin: int
+    end: int
+
+    @property
+    def points(self) -> slice:
+        """Where they lie in their region."""
+        return slice(self.begin - self.region.begin, self.end - self.region.begin)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What is known of a region's points: rows, why there is no answer (empty where there is one), which are done."""
+
+    rows: Rows
+    reasons: npt.NDArray[np.object_]
+    done: npt.NDArray[np.bool_]
+
+    @classmethod
+    def none(cls, region: Region) -> Self:
+        """That nothing is known yet."""
+        count = region.end - region.begin
+        return cls(empty(count), np.full(count, "", dtype=object), np.zeros(count, dtype=bool))
 
 
 def regions(plan: Plan, most: int) -> list[Region]:
@@ -87,33 +118,81 @@ class Folder:
     user_path: Path
     arrays: dict[str, Any]
 
-    def holds(self, region: Region) -> bool:
-        """Whether a region is done, and every byte of it is as it was written."""
+    def content(self, region: Region) -> Content:
+        """What is done of a region, where every byte of it is as it was written; else nothing of it is."""
+        content = Content.none(region)
         try:
-            if not np.all(self.arrays[DONE][region.slices]):
-                return False
-            for name, array in self.arrays.items():
+            for name in self.arrays:
                 if not self.path.joinpath(DATA, name, "c", *map(str, region.chunk)).is_file():
-                    return False  # Zarr reads what is missing as empty
-                array[region.slices]
+                    return content  # Zarr reads what is missing as empty
+            values = {name: np.asarray(array[region.slices]).ravel() for name, array in self.arrays.items()}
         except (OSError, ValueError):
-            return False
-        return True
+            return content
+        for quantity in QUANTITIES:
+            content.rows[quantity.name] = values[quantity.name]
+        return Content(content.rows, values["reason"].astype(object), values[DONE])
 
-    def write(self, region: Region, rows: Rows, reasons: Sequence[str]) -> None:
-        """Write the rows of a region.
+    def write(self, region: Region, content: Content) -> None:
+        """Write what is known of a region.
 
         Raises:
             BadInput: the disk does not take it; what is finished stays.
         """
         shape = tuple(each.stop - each.start for each in region.slices)
-        texts = np.array([*reasons, ""], dtype=object)[rows["reason"]]
         with writing(self.user_path):
             for name, array in self.arrays.items():
                 if name != DONE:
-                    values = texts if name == "reason" else rows[name]
+                    values = content.reasons if name == "reason" else content.rows[name]
                     array[region.slices] = values.reshape(shape)
-            self.arrays[DONE][region.slices] = True
+            self.arrays[DONE][region.slices] = content.done.reshape(shape)
+
+
+SELDOM = 100.0
+"""Time between two writings of what has come, over the time that one takes."""
+
+
+@dataclass
+class Writer:
+    """Collects the points that come, and writes their regions, from time to time while more come.
+
+    Attributes:
+        folder: of the study.
+        contents: of regions that are done in part, by their first point.
+    """
+
+    folder: Folder
+    contents: dict[int, Content] = field(default_factory=dict)
+    _changed: dict[int, Region] = field(default_factory=dict)
+    _next: float = -math.inf
+
+    def add(self, part: Part, rows: Rows, reasons: Sequence[str]) -> None:
+        """Take the rows of a part, and the texts that their reasons count.
+
+        Raises:
+            BadInput: the disk does not take what is written.
+        """
+        region = part.region
+        content = self.contents.setdefault(region.begin, Content.none(region))
+        content.rows[part.points] = rows
+        content.reasons[part.points] = np.array([*reasons, ""], dtype=object)[rows["reason"]]
+        content.done[part.points] = True
+        self._changed[region.begin] = region
+        if time.monotonic() >= self._next:
+            self.write()
+
+    def write(self) -> None:
+        """Write what has come since the last time.
+
+        Raises:
+            BadInput: the disk does not take it.
+        """
+        began = time.monotonic()
+        for begin, region in list(self._changed.items()):
+            self.folder.write(region, self.contents[begin])
+            del self._changed[begin]
+            if self.contents[begin].done.all():
+                del self.contents[begin]
+        self._next = time.monotonic() + SELDOM * (time.monotonic() - began)
 
 
 @contextmanager

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LEAST, _MOST, _MANY = 256, 4096, 1024
-"""Points of a block at most, and the number of blocks above which they grow."""
+"""Points of a region at most, and the number of regions above which they grow."""
+
+_PARTS = 64
+"""Parts of a study at least, if it has so many points: all workers have some, and an end loses few points."""
 
 _GOES_ON = "what is finished stays; the same command goes on"
 
@@ -53,7 +56,7 @@ class Study:
 
     @cached_property
     def size(self) -> int:
-        """Points of a block at most."""
+        """Points of a region at most."""
         size = LEAST
         while size < _MOST and size * _MANY < self.plan.size:
             size *= 2
@@ -78,8 +81,14 @@ class Study:
         return texts | {"title": self.source.scene.title, "keys": keys, "study": digest}
 
     def regions(self) -> list[store.Region]:
-        """Its points, block by block."""
+        """Its points, region by region."""
         return store.regions(self.plan, self.size)
+
+    def parts(self, region: store.Region) -> list[store.Part]:
+        """The parts in which a region is computed; they are the same for any workers."""
+        step = max(min(self.size, self.plan.size // _PARTS), 1)
+        begins = range(region.begin, region.end, step)
+        return [store.Part(region, begin, min(begin + step, region.end)) for begin in begins]
 
 
 def of_scene(
@@ -115,19 +124,19 @@ def of_scene(
     return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
-def compute(study: Study, region: store.Region) -> Block:
-    """The rows of a region; what a worker does.
+def compute(study: Study, part: store.Part) -> Block:
+    """The rows of a part; what a worker does.
 
     Raises:
         BadInput: the worker has other code.
     """
     executor.require_code(study.code)
     executor.ready()
-    return evaluate.block(study.source, study.plan, region.begin, region.end, _plates, quick=study.quick)
+    return evaluate.block(study.source, study.plan, part.begin, part.end, _plates, quick=study.quick)
 
 
 def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Workers], stages: Stages) -> xr.Dataset:
-    """Compute the regions that a folder lacks of a study, or has damaged, and open all of it.
+    """Compute the points that a folder lacks of a study, or has damaged, and open all of it.
 
     Raises:
         BadInput: the folder holds another study or is being written into, or the disk is full.
@@ -136,16 +145,25 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
         folder.resumable(_GOES_ON),
         store.open_folder(out, study.plan, study.size, study.attributes) as place,
     ):
-        regions, points = study.regions(), study.plan.size
-        missing = [region for region in regions if not place.holds(region)]
-        done = points - sum(region.end - region.begin for region in missing)
-        with stages("sweep", len(regions), done=len(regions) - len(missing)) as step:
+        writer, missing, count = store.Writer(place), list[store.Part](), 0
+        for region in study.regions():
+            content, parts = place.content(region), study.parts(region)
+            lacking = [part for part in parts if not content.done[part.points].all()]
+            if lacking and content.done.any():
+                writer.contents[region.begin] = content
+            missing += lacking
+            count += len(parts)
+        done = study.plan.size - sum(part.end - part.begin for part in missing)
+        with stages("sweep", count, done=count - len(missing)) as step:
             if missing:
                 with pool as workers:
-                    for region, rows in executor.results(workers, partial(compute, study), missing):
-                        place.write(region, *rows)
-                        done += region.end - region.begin
-                        step.advance(f"{done} of {points} points")
+                    try:
+                        for part, rows in executor.results(workers, partial(compute, study), missing):
+                            writer.add(part, *rows)
+                            done += part.end - part.begin
+                            step.advance(f"{done} of {study.plan.size} points")
+                    finally:
+                        writer.write()
         return store.open_dataset(place.path / store.DATA)
 
 
