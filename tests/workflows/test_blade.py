@@ -130,7 +130,7 @@ def solved(folder, speeds):
 REFUSED = {
     "no set": (
         ("nroot", "base"),
-        r"\[blade\] root = 'base': expected a set of nodes in the file \(NROOT, EALL\) or a radius",
+        r"\[blade\] root = 'base': expected a set of nodes in the file \(NROOT, NALL, EALL\) or a radius",
     ),
     "no set but like one": (
         ("nroot", "rnoot"),
