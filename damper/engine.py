@@ -265,9 +265,9 @@ class Ramp(NamedTuple):
 
     After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
     whatever the ball took; the ball's motion in its cavity stays as it is. `energies`, shape (n, most cycles, 4) [J],
-    are that of the structure, the ball counted as stuck, before each cycle, and what the losses in it leave of that;
-    that of structure and ball before it, and those losses by the books. A row stays as it is from where it falls below
-    `least` or there are as many events as may be.
+    are that of the structure, the ball counted as stuck, before each cycle, and what the ball's losses in it leave of
+    that; that of structure and ball before it, and those losses by the books. A row stays as it is from where it falls
+    below `least` or there are as many events as may be.
     """
 
     factor: Floats
@@ -311,8 +311,9 @@ def run_block(
             status[k] = _run(it, flow, tables, most)
             if status[k] != DONE:
                 break
-            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it))
-            energies[n, 2], energies[n, 3] = before, lost(it.books)
+            own = it.books.structure  # of other modes, which hits feed: not the ball's
+            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it) - own)
+            energies[n, 2], energies[n, 3] = before, lost(it.books) - own
 
 
 @part

@@ -13,7 +13,7 @@ import pytest
 
 import spindamp
 from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, forced, work_bound
-from damper.curve_measurement import _ramped, sweeps_from, undamped
+from damper.curve_measurement import _ramped, settled, sweeps_from, undamped
 from fem.rotor import from_rpm
 from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, on_mesh, refused, write
@@ -126,10 +126,10 @@ def test_the_least_damping_of_a_known_curve():
 
 
 def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
-    """The heavy balls of a fan blade whose damping near 1 mm takes 300 cycles to settle, and is another in each run.
+    """The heavy balls of a fan blade whose damping near 1 mm is another in each run.
 
-    Runs differ from each other by the last digits of a damper. Held at 1 mm, 16 balls that begin
-    anywhere settle to less than any of them shows.
+    Runs differ from each other by the last digits of a damper. Held at 1 mm, 16 balls that begin anywhere settle to no
+    less than what is stated.
     """
     shapes = ((-2.9186, -0.00997), (-23.25, 1.714)), ((-1.1935, 1.661), (-62.86, 25.99))
     modes = tuple(Mode(1.0, k, *shape) for k, shape in zip((588472.0, 6879693.0), shapes, strict=True))
@@ -148,8 +148,8 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     at, ball = np.full(16, 1e-3), np.random.default_rng(0).uniform(-1, 1, (2, 16))
     energy = _ramped(bare, sweeps_from(at, 1200, 1.0, 5e-4 * ball[0], 2 * ball[1]), None)[:, 700:]
     held = float(-np.log(energy[..., 1] / energy[..., 0]).mean()) / (4 * math.pi)
-    assert held < 0.9 * min(runs)
-    assert held == pytest.approx(found.value, rel=0.1)
+    assert held > 0.95 * found.value
+    assert held == pytest.approx(settled(fan, 1e-3), rel=0.05)
     said = " ".join(report._said("damping", space_of(slow), Optimum(np.array([0.1, 0.5, 0.5]), found, 1)))
     stated = f"{100 * found.value:.3g} % (chaotic motion: {100 * found.value:.3g} to {100 * found.greatest:.3g} % from"
     assert stated in said
