@@ -276,7 +276,7 @@ def test_the_speed_below_which_a_ball_moves_is_as_coarse_speeds_know_it(
     first, curve = found.speeds[0], found.speeds[0].damping_curve
     assert curve is not None
     own = {rpm: replace(curve, cutoff=1e-3 * start, driven_from=None) for rpm, start in starts.items()}
-    points = [replace(first, omega=rpm * math.pi / 30, damping_curve=each) for rpm, each in own.items()]
+    points = [replace(first, rpm=rpm, omega=rpm * math.pi / 30, damping_curve=each) for rpm, each in own.items()]
     omega, about = (
         30 / math.pi * each for each in remedies._slower(replace(found, speeds=points), points[-1], 1e-3 * limit)
     )
