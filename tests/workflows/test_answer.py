@@ -280,8 +280,8 @@ def test_the_speed_below_which_a_ball_moves_is_as_coarse_speeds_know_it(
     omega, about = (
         30 / math.pi * each for each in remedies._slower(replace(found, speeds=points), points[-1], 1e-3 * limit)
     )
-    assert moves <= about <= omega < rests
     assert about == pytest.approx(moves, rel=1e-9)
+    assert about <= omega < rests
 
 
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:
