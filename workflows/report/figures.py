@@ -673,7 +673,8 @@ class Plots:
 
     def mesh(self, ax: Axes | None = None) -> Axes:
         """The plate from above: cells, root, place of the damper."""
-        return self._drawn(mesh, ax, "a plate")
+        instead = "" if self.results.surface is None else "; mode() draws this structure"
+        return self._drawn(mesh, ax, f"a plate{instead}")
 
     def mode(self, number: int = 1, rpm: float | None = None) -> ModeView:
         """A mode in three dimensions, the plate at rest in outline.
