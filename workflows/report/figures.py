@@ -121,7 +121,8 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
-            title = f"{branch.label}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
+            here = "" if mode.family == branch.family else f" ({mode.family} here)"
+            title = f"{branch.label}{here}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
             yield Value(
                 axes,
                 rpm,
