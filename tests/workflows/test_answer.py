@@ -252,9 +252,40 @@ def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
         )
         assert 0.99 < friction / (1e3 * remedy.rolling_friction) <= 1
         assert 1 <= radius / (1e3 * remedy.radius) < 1.01
-        assert ("rpm (" in sentence) == (found is some), "one speed does not tell how the frequency goes with it"
+        named = re.search(r"or below about ([0-9]+) rpm \(", sentence)
+        assert (named is not None) == (found is some), "one speed does not tell how the frequency goes with it"
         assert sum("would move" in each for each in answer(found).sentences) == 1
     assert answer(every).verdict == "No: the ball never moves within what the plate endures"
+
+
+@pytest.mark.parametrize(
+    ("limit", "starts", "moves", "rests"),
+    [
+        (3.709, {2000: 0.02822, 8000: 0.9112, 14000: 5.701}, 12000, 12400),
+        (3.709, {12000: 3.372, 12400: 3.765, 14000: 5.701}, 12000, 12400),
+        (7.932, {3000: 0.2241, 7500: 2.188, 12000: 15.57}, 10000, 10500),
+        (7.932, {10000: 6.491, 10500: 8.050, 12000: 15.57}, 10000, 10500),
+        (9.101, {2000: 0.6565, 10000: 18.25}, 7100, 7300),
+    ],
+)
+def test_the_speed_below_which_a_ball_moves_is_as_coarse_speeds_know_it(
+    limit: float, starts: dict[int, float], moves: int, rests: int
+) -> None:
+    """Amplitudes that move the balls of two twisted solid blades and of the thick plate, at speeds far apart and near.
+
+    Solved at more speeds, the balls move at the limit up to some speed between the last two numbers. A line of the
+    drive over the square of the speed had 12830 and 10750 rpm for the blades, one through f1 and tilt 11660 and 10050.
+    """
+    found = twelve()
+    first, curve = found.speeds[0], found.speeds[0].damping_curve
+    assert curve is not None
+    own = {rpm: replace(curve, cutoff=1e-3 * start, driven_from=None) for rpm, start in starts.items()}
+    points = [replace(first, rpm=rpm, omega=rpm * math.pi / 30, damping_curve=each) for rpm, each in own.items()]
+    omega, about = (
+        30 / math.pi * each for each in remedies._slower(replace(found, speeds=points), points[-1], 1e-3 * limit)
+    )
+    assert about == pytest.approx(moves, rel=1e-9)
+    assert about <= omega < rests
 
 
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:

@@ -345,6 +345,8 @@ NO_ROOM = {
     "one ball": ('radius = "2 mm"\ncount = 20\ncavity = ["5 mm", "5 mm"]', 'radius = "30 mm"\ncavity = [0.07, 0.07]',
                  "radius: 1 ball of radius 30 mm would weigh 0.888 kg, and the blade weighs 0.709 kg"),
     "many cavities": ("count = 20", "count = 1650", "count: the cavities would take 165 cm³ of a blade of 160 cm³"),
+    "large cavities": ('["5 mm", "5 mm"]', '["100 mm", "60 mm"]',
+                       r"cavity = \[0.1, 0.06\]: the cavities would take 480 cm³ of a blade of 160 cm³: expected less"),
     "many balls": ("count = 20", "count = 3000", "count: 3000 balls .* 0.789 kg, and the blade weighs 0.709 kg"),
     "a ratio": ('ball_material = "steel"', "mass_ratio = 5",
                 "mass_ratio = 5.0: balls of this ratio would weigh 0.88. kg, and the blade weighs 0.709 kg"),
@@ -520,6 +522,8 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
         found = pipeline.run(on_bricks(bricks, "friction = 0.3", f"friction = 0.3\ndirection = {way}"), stages)
         assert text.rows(found)[0][2] == head
         assert f"<th rowspan=2>{name} <small>Hz</small></th>" in page.render(found, page.draw(found))
+    with pytest.raises(BadInput, match=r"nothing to draw: expected a plate; mode\(\) draws this structure"):
+        text.shown(found).plot.mesh()
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,9 @@ import tomllib
 from base64 import b64decode
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -25,7 +27,13 @@ from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
 from workflows.solve.results import Results
 from workflows.studies import response
+from workflows.studies.comparison import Comparison
+from workflows.studies.design.report import DesignResult
+from workflows.studies.reproduction import Reproduction
+from workflows.studies.response import Response
 from workflows.studies.sweep import executor
+from workflows.studies.work_precision.effects import EffectStudy
+from workflows.studies.work_precision.timing import WorkPrecision
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -69,6 +77,20 @@ def test_the_face_for_people(damper: Results, coarse: Results, paper: Scene, str
     with pytest.raises(spindamp.BadInput, match="expected a rotation speed between 0 and"):
         spindamp.ringdown("structure", rpm=-1)
     assert set(spindamp.__all__) <= set(dir(spindamp))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [Response, Reproduction, WorkPrecision, EffectStudy, Comparison, DesignResult],
+    ids=lambda kind: kind.__name__,
+)
+def test_the_result_of_a_study_prints_as_its_command_does(kind: type[files.StudyResult], monkeypatch: Any) -> None:
+    """It was an object's address, or all of its arrays."""
+    report = import_module(kind.REPORT)
+    assert isinstance(report.text, FunctionType)
+    result = kind.__new__(kind)
+    monkeypatch.setattr(report, "text", lambda it: "as `typed`" if it is result else None)
+    assert str(result) == repr(result) == "as typed"
 
 
 def test_what_is_no_scene(damper: Results) -> None:

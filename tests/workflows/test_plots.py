@@ -2,6 +2,7 @@
 
 import itertools
 from base64 import b64encode
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from PIL import Image
 
 import workflows
 from workflows.io import files
-from workflows.report import plots
+from workflows.report import figures, plots
+from workflows.solve.results import SpeedPoint
 
 
 @pytest.fixture
@@ -30,6 +32,24 @@ def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path
     path = tmp_path / "campbell.png"
     axes.figure.savefig(path)
     assert path.stat().st_size > 5000
+
+
+def test_a_mode_keeps_its_name_from_the_lowest_speed(results: workflows.Results) -> None:
+    """A flap that is a twist at all speeds but the first; the marks of the diagram say where."""
+    order = sorted(results.speeds, key=lambda point: point.rpm)
+    numbers = {point.rpm: next(k for k, m in enumerate(point.modes) if m.branch == 0) for point in order}
+
+    def renamed(point: SpeedPoint) -> SpeedPoint:
+        family = "flap" if point in order[:1] else "twist"
+        modes = list(point.modes)
+        modes[numbers[point.rpm]] = replace(modes[numbers[point.rpm]], family=family)
+        return replace(point, modes=tuple(modes))
+
+    changing = replace(results, speeds=tuple(map(renamed, results.speeds)))
+    assert "campbell_flap_1" in [track.name for track in files.campbell(changing)]
+    page = figures.report(changing)["campbell"]
+    assert page.count("flap 1 (twist here), mode ") == len(order) - 1 > 0
+    assert "here), mode " not in figures.report(results)["campbell"]
 
 
 def test_damping_has_the_curves(results: workflows.Results) -> None:

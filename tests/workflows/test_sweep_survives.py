@@ -67,7 +67,7 @@ def finished(out):
 @pytest.fixture(autouse=True)
 def _small_blocks(monkeypatch):
     monkeypatch.setattr(study, "LEAST", 3)
-    monkeypatch.setattr(study, "_PARTS", BLOCKS)
+    monkeypatch.setattr(study, "PARTS", BLOCKS)
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +94,7 @@ def whole(tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "LEAST", 3)
-        patch.setattr(study, "_PARTS", BLOCKS)
+        patch.setattr(study, "PARTS", BLOCKS)
         complete(study.of_scene("structure", VARY, quick=True), out)
     return out
 
@@ -157,7 +157,7 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
 @pytest.mark.parametrize(("seldom", "calls"), [(1e9, 0), (0.0, 0), (0.0, 70), (0.0, 120)])
 def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path, monkeypatch, seldom, calls):
     """Eight points are one region, in parts of one. It ends as the fourth is handed out, or while one is written."""
-    for name, value in (("LEAST", 256), ("_PARTS", 64)):
+    for name, value in (("LEAST", 256), ("PARTS", 64)):
         monkeypatch.setattr(study, name, value)
     monkeypatch.setattr(store, "SELDOM", seldom)
     asked = study.of_scene("structure", VARY, quick=True)

@@ -7,8 +7,9 @@ import io
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
@@ -315,6 +316,20 @@ class StudyReport(Protocol[Reported]):
 
     def files(self, result: Reported, /) -> Mapping[str, str | bytes]:
         """The files beside the document, by their names, the page among them."""
+
+
+class StudyResult:
+    """What a study came to; it prints as its command does, by the text of its report.
+
+    Attributes:
+        REPORT: the module of the report, which imports the study.
+    """
+
+    REPORT: ClassVar[str]
+
+    def __repr__(self) -> str:
+        text: str = import_module(self.REPORT).text(self)
+        return formatting.plain(text)
 
 
 def write_study(report: StudyReport[Reported], result: Reported, out: Path) -> None:

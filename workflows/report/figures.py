@@ -121,7 +121,8 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
-            title = f"{branch.label}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
+            here = "" if mode.family == branch.family else f" ({mode.family} here)"
+            title = f"{branch.label}{here}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
             yield Value(
                 axes,
                 rpm,
@@ -673,7 +674,8 @@ class Plots:
 
     def mesh(self, ax: Axes | None = None) -> Axes:
         """The plate from above: cells, root, place of the damper."""
-        return self._drawn(mesh, ax, "a plate")
+        instead = "" if self.results.surface is None else "; mode() draws this structure"
+        return self._drawn(mesh, ax, f"a plate{instead}")
 
     def mode(self, number: int = 1, rpm: float | None = None) -> ModeView:
         """A mode in three dimensions, the plate at rest in outline.

@@ -90,7 +90,10 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
 
 
 def _check_balls(source: SceneFile, operators: SolidOperators) -> None:
-    """Refuse balls that are heavier than the blade that carries them, and cavities that are larger."""
+    """Refuse balls that are heavier than the blade that carries them, and cavities that are larger.
+
+    Their number is at fault, or where ten would be too many the size of one.
+    """
     damper, blade = source.scene.damper, float(operators.masses.sum())
     if damper is None:
         return
@@ -102,6 +105,8 @@ def _check_balls(source: SceneFile, operators: SolidOperators) -> None:
         problem = (
             f"the cavities would take {significant(1e6 * damper.cut)} cm³ of a blade of {significant(1e6 * space)} cm³"
         )
+        if 10 * damper.cut >= damper.count * space:
+            raise source.wrong(f"{problem}: expected less", "[damper] cavity", damper.cavity)
     else:
         return
     raise source.wrong(f"{problem}: expected less", f"[damper] {'count' if many else 'radius'}")

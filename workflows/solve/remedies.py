@@ -18,7 +18,7 @@ class Remedy(NamedTuple):
         rolling_friction: up to which the forces that its motion counts move it at the amplitude that the plate
             endures [m]; nan where its dent, or a floor that leans, holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
-        omega: speed up to which it does [rad/s]; nan at one speed alone, but for a structure's.
+        omega: speed up to which it does [rad/s], nan at one speed alone; about: the same in two digits, rounded down.
         without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
     """
 
@@ -26,6 +26,7 @@ class Remedy(NamedTuple):
     rolling_friction: float = math.nan
     radius: float = math.nan
     omega: float = math.nan
+    about: float = math.nan
     without_dent: float = math.nan
 
 
@@ -53,7 +54,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         figures.cutoff,
         _eased(results, point, ease),
         radius if 2 * radius < room(results.scene) else math.nan,
-        _slower(results, point, rolls + slope, limit),
+        *_slower(results, point, limit),
         figures.drives_from * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
     )
 
@@ -118,28 +119,30 @@ _ROUNDS = 200
 """After which a ratio of radii that still grows has no end."""
 
 
-def _slower(results: Results, point: SpeedPoint, resistance: float, limit: float) -> float:
-    """The speed up to which the ball moves at an amplitude [rad/s], `resistance` its rolling friction over its radius.
+def _slower(results: Results, point: SpeedPoint, limit: float) -> tuple[float, float]:
+    """Speed up to which a ball moves at an amplitude [rad/s], and the same in two digits; nan at one speed alone.
 
-    The drive w1² - G kappa goes with the square of the speed as between this speed and its neighbour below, or above;
-    at one speed alone its change is not known. A structure has one frequency. It is no less than a speed at which the
-    ball is known to move.
+    Drive over resistance, which is the load over the amplitude that moves it, goes with the square of the speed as
+    between this speed and its neighbour. Between a speed at which it moves and the next one it lies below that line
+    where a twisted blade untwists: there the amplitude goes with a power of the speed, and the lower speed counts.
     """
-    if point.tilt_share >= 1:
-        return math.nan
-
-    def drive(each: SpeedPoint) -> float:
-        return 0.0 if each.reduced is None else (2 * math.pi * each.reduced.f1_hz) ** 2 * (1 - each.tilt_share)
-
-    square, slope = point.omega**2, 0.0
-    others = [each for each in results.speeds if each.reduced is not None and each.omega != point.omega]
-    if others:
-        below = [each for each in others if each.omega < point.omega]
-        other = max(below, key=lambda each: each.omega) if below else min(others, key=lambda each: each.omega)
-        slope = (drive(point) - drive(other)) / (square - other.omega**2)
-    elif results.scene.given is None:
-        return math.nan
-    largest = limit * (drive(point) - slope * square) / (resistance * point.radius - limit * slope)
-    moving = [p.omega**2 for p in others if p.damping_curve is not None and p.damping_curve.cutoff < limit]
-    largest = max([largest, *(each for each in moving if each < square)])
-    return math.sqrt(largest) if 0 < largest < square else math.nan
+    curves = {each.omega: each.damping_curve for each in results.speeds}
+    starts = {omega: own.drives_from for omega, own in curves.items() if own is not None and own.drives_from > 0}
+    if len(starts) < 2 or starts[point.omega] <= limit:
+        return math.nan, math.nan
+    one, slow = point.omega, max((each for each in starts if each < point.omega and starts[each] < limit), default=0.0)
+    other = slow or min((each for each in starts if each != one), key=lambda each: abs(each - one))
+    if slow:
+        one = min(each for each in starts if each > slow)
+    drive, driven = (limit * each**2 / starts[each] for each in (one, other))
+    slope = (drive - driven) / (one**2 - other**2)
+    square = (drive - slope * one**2) / (1 - slope)
+    if not 0 < square < point.omega**2:
+        return math.nan, math.nan
+    omega = math.sqrt(square)
+    if slow:
+        power = math.log(one / slow) / math.log(starts[one] / starts[slow])
+        omega = min(omega, slow * (limit / starts[slow]) ** power)
+    rpm = omega * point.rpm / point.omega
+    unit = 10 ** (math.floor(math.log10(rpm)) - 1)
+    return omega, max(slow, omega * (unit * (rpm // unit) / rpm))

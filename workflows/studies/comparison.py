@@ -11,7 +11,7 @@ from typing import Any
 from workflows.errors import BadInput
 from workflows.formatting import DASH, aligned, readable, whole
 from workflows.io import provenance, serialise
-from workflows.io.files import as_table, campbell
+from workflows.io.files import StudyResult, as_table, campbell
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.templates import from_template
@@ -23,8 +23,8 @@ from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.sweep import plan
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(StudyResult):
     """Runs side by side.
 
     Attributes:
@@ -32,6 +32,7 @@ class Comparison:
         results: of each.
     """
 
+    REPORT = __name__
     names: tuple[str, ...]
     results: tuple[Results, ...]
 

@@ -19,6 +19,7 @@ import damper
 from workflows import pipeline
 from workflows.effects.definition import Effect
 from workflows.formatting import significant
+from workflows.io.files import StudyResult
 from workflows.progress import Stages
 from workflows.report.templates import texts
 from workflows.scene import load as scene_file
@@ -512,10 +513,11 @@ def _speeds(velocity: Floats) -> Floats:
     return np.asarray(np.hypot(velocity[:, :, 0], velocity[:, :, 1]).max(axis=1))
 
 
-@dataclass(frozen=True, eq=False)
-class Reproduction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reproduction(StudyResult):
     """Everything the report shows."""
 
+    REPORT = "workflows.studies.reproduction_report"
     study: PaperRun
     sweeps: dict[str, Family]
     claims: tuple[Claim, ...]

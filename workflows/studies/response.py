@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 import damper
 from workflows.errors import during, read_from
+from workflows.io.files import StudyResult
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -48,7 +49,7 @@ class Passage:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Response:
+class Response(StudyResult):
     """All that a forced response found.
 
     Attributes:
@@ -57,6 +58,7 @@ class Response:
         requested_levels: those of the scene; the others are where the ball does most, by free vibration.
     """
 
+    REPORT = "workflows.studies.response_report"
     results: Results
     excitation: Excitation
     passages: tuple[Passage, ...]

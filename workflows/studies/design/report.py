@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from damper import DampingCurve, ParticleDamper
 from workflows.formatting import fixed, significant, turning
-from workflows.io.files import finite
+from workflows.io.files import StudyResult, finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
 from workflows.solve import excitation
@@ -201,8 +201,8 @@ class Grid:
     beyond: npt.NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class DesignResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignResult(StudyResult):
     """What a search came to.
 
     Attributes:
@@ -215,6 +215,7 @@ class DesignResult:
         response: of the best, where designs are compared by the amplitude at the crossings.
     """
 
+    REPORT = __name__
     space: Space
     optimum: Optimum
     active_constraints: tuple[ActiveConstraint, ...]

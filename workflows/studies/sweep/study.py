@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LEAST, _MOST, _MANY = 256, 4096, 1024
 """Points of a region at most, and the number of regions above which they grow."""
 
-_PARTS = 64
+PARTS = 64
 """Parts of a study at least, if it has so many points: all workers have some, and an end loses few points."""
 
 _GOES_ON = "what is finished stays; the same command goes on"
@@ -86,7 +86,7 @@ class Study:
 
     def parts(self, region: store.Region) -> list[store.Part]:
         """The parts in which a region is computed; they are the same for any workers."""
-        step = max(min(self.size, self.plan.size // _PARTS), 1)
+        step = max(min(self.size, self.plan.size // PARTS), 1)
         begins = range(region.begin, region.end, step)
         return [store.Part(region, begin, min(begin + step, region.end)) for begin in begins]
 

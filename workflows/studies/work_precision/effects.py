@@ -13,7 +13,7 @@ from workflows import formatting, pipeline
 from workflows.effects.selection import EFFECTS, called_for
 from workflows.errors import SpindampError
 from workflows.formatting import whole
-from workflows.io.files import as_table
+from workflows.io.files import StudyResult, as_table
 from workflows.progress import Stages
 from workflows.report import plots
 from workflows.report.templates import from_template
@@ -198,10 +198,11 @@ class EffectChange:
         return low <= 0.0 <= high
 
 
-@dataclass(frozen=True, eq=False)
-class EffectStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class EffectStudy(StudyResult):
     """All effects of a scene, and the relative error in frequency that the scene asks for."""
 
+    REPORT = __name__
     title: str
     target: float
     rows: tuple[EffectChange, ...]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Generic, TypeVar
 
+from workflows.io.files import StudyResult
 from workflows.progress import Step
 
 T = TypeVar("T")
@@ -115,10 +116,11 @@ class Choice:
     error: float | None
 
 
-@dataclass(frozen=True, eq=False)
-class WorkPrecision:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkPrecision(StudyResult):
     """All studies of a scene; `left_out`: why it has none of some stages."""
 
+    REPORT = "workflows.studies.work_precision.report"
     title: str
     targets: dict[str, float]
     studies: tuple[ConvergenceStudy, ...]
