@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from fem.rotor import in_rpm
 from workflows.scene.damper import Damper
 from workflows.solve.limits import endured, lever, rim_slope, room
 from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
@@ -143,6 +144,6 @@ def _slower(results: Results, point: SpeedPoint, limit: float) -> tuple[float, f
     if slow:
         power = math.log(one / slow) / math.log(starts[one] / starts[slow])
         omega = min(omega, slow * (limit / starts[slow]) ** power)
-    rpm = omega * point.rpm / point.omega
-    unit = 10 ** (math.floor(math.log10(rpm)) - 1)
-    return omega, max(slow, omega * (unit * (rpm // unit) / rpm))
+    turns = in_rpm(omega)
+    unit = 10 ** (math.floor(math.log10(turns)) - 1)
+    return omega, max(slow, omega * (unit * (turns // unit) / turns))
