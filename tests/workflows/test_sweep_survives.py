@@ -182,6 +182,19 @@ def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path
     assert second.count == 8 - points
 
 
+def test_a_plate_is_solved_at_sampled_speeds_of_a_whole_region_whatever_its_parts(monkeypatch):
+    """Each part at its own speeds took four times as long, and gave other last digits."""
+    monkeypatch.setattr(study, "LEAST", 256)
+    monkeypatch.setattr(study, "PARTS", 64)
+    asked, seen = study.of_scene("structure", ["rotor.speeds=3000 rpm:9000 rpm"], count=8, quick=True), []
+    monkeypatch.setattr(evaluate, "block", lambda *known, **_: seen.append(known[5]))
+    (region,) = asked.regions()
+    for part in asked.parts(region):
+        study.compute(asked, part)
+    assert len(seen) == len(set(seen[0])) == 8
+    assert set(seen) == {asked.plan.speeds(0, 8)}
+
+
 def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):
     executor = Here(dies={1, 3})
     assert complete(asked, tmp_path / "out", executor) == undisturbed

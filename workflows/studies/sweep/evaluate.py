@@ -185,10 +185,22 @@ def empty(count: int) -> Rows:
     return rows
 
 
-def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCache, *, quick: bool = False) -> Block:
-    """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count."""
+def block(
+    source: SceneFile,
+    plan: Plan,
+    begin: int,
+    end: int,
+    plates: PlateCache,
+    speeds: tuple[float, ...],
+    *,
+    quick: bool = False,
+) -> Block:
+    """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count.
+
+    speeds: at which structures are solved together, those of the points among them.
+    """
     rows, reasons = empty(end - begin), list[str]()
-    cases = list(damper_cases(source, plan, begin, plates, rows, reasons))
+    cases = list(damper_cases(source, plan, begin, plates, rows, reasons, speeds))
     known: dict[ParticleDamper, DampingCurve] = {}
     for each in cases:
         with during(f"at point {begin + each.number}, {turning(each.point.omega)}"):
@@ -199,14 +211,20 @@ def block(source: SceneFile, plan: Plan, begin: int, end: int, plates: PlateCach
 
 
 def damper_cases(
-    source: SceneFile, plan: Plan, begin: int, plates: PlateCache, rows: Rows, reasons: list[str]
+    source: SceneFile,
+    plan: Plan,
+    begin: int,
+    plates: PlateCache,
+    rows: Rows,
+    reasons: list[str],
+    speeds: tuple[float, ...] = (),
 ) -> Iterator[DamperCase]:
     """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason.
 
-    The structure's numbers are filled into the rows.
+    The structure's numbers are filled into the rows. It is solved at `speeds` together, by default those of the points.
     """
     end = begin + len(rows)
-    columns, speeds = plan.columns(begin, end), plan.speeds(begin, end)
+    columns, speeds = plan.columns(begin, end), speeds or plan.speeds(begin, end)
     varied = [axis.key for axis in plan.axes]
     data, others = base(source, varied), [key for key in varied if key.name != SPEEDS]
 

@@ -132,7 +132,8 @@ def compute(study: Study, part: store.Part) -> Block:
     """
     executor.require_code(study.code)
     executor.ready()
-    return evaluate.block(study.source, study.plan, part.begin, part.end, _plates, quick=study.quick)
+    speeds = study.plan.speeds(part.region.begin, part.region.end)
+    return evaluate.block(study.source, study.plan, part.begin, part.end, _plates, speeds, quick=study.quick)
 
 
 def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Workers], stages: Stages) -> xr.Dataset:
