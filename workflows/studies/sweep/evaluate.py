@@ -18,7 +18,7 @@ from workflows.effects import selection
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
-from workflows.formatting import turning
+from workflows.formatting import interval, turning
 from workflows.io import serialise
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -205,7 +205,7 @@ def block(
     for each in cases:
         with during(f"at point {begin + each.number}, {turning(each.point.omega)}"):
             _measure(rows[each.number], each, known, QUICK if quick else {})
-    with during(f"at points {begin} to {end - 1}"):
+    with during(f"at {interval(str(begin), str(end - 1), before='points ', alone='point ')}"):
         _ring_down(rows, cases)
     return rows, tuple(reasons)
 
