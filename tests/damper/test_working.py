@@ -376,6 +376,28 @@ def test_a_mode_that_hits_feed_shakes_no_ball_for_ever(turn: float) -> None:
     assert found.error < 0.2
 
 
+def test_the_damping_of_a_second_mode_hardly_matters() -> None:
+    """It was scaled with the first from cycle to cycle, and grew where the ball takes more than its own damping."""
+    modes = Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))
+    heavy = ParticleDamper(
+        modal_mass=0.15,
+        stiffness=(1.03e6, 1.53e7),
+        ball_mass=5e-3,
+        ball_radius=1.5e-3,
+        cavity=(3.8e-3, 4e-3),
+        centrifugal_acceleration=1.4e4,
+        restitution=0.75,
+        friction=0.2,
+        rolling_friction=2e-5,
+        rotation=209.0,
+        stagger=0.55,
+        modes=modes,
+    )
+    one, other = (damping_curve(replace(heavy, damping_ratio=zeta), threads=1) for zeta in (1e-3, 2e-2))
+    for figures in ((one.peak, other.peak), (one.from_above.peak, other.from_above.peak)):
+        assert figures[0] == pytest.approx(figures[1], rel=0.03)
+
+
 def test_own_damping_has_no_part_in_it() -> None:
     one, other = curve(paper()), curve(paper(damping_ratio=0.02))
     assert np.array_equal(one.damping_ratio, other.damping_ratio)

@@ -84,8 +84,9 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if remedy is None:
         return None
     known = {name: value for name, value in remedy._asdict().items() if not math.isnan(value)}
-    last = _goes_on(results, point, remedy.amplitude)
-    return phrase("answer/what_to_do", results, point=point, remedy=known, last=last)
+    last, own = _goes_on(results, point, remedy.amplitude), point.damping_curve
+    others = own.cutoff if own is not None and own.driven_from is not None else None
+    return phrase("answer/what_to_do", results, point=point, remedy=known, last=last, others=others)
 
 
 def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:

@@ -343,6 +343,8 @@ def _direction(value: object) -> tuple[float, ...]:
     numbers = tuple(map(plain_number, items))
     if not any(numbers):
         raise wrong("expected a direction such as [0, 0, 1]: all three are 0")
+    if not 1e-100 <= max(map(abs, numbers)) <= 1e100:
+        raise wrong("expected a direction such as [0, 0, 1]: its largest number lies beyond 1e-100 and 1e100")
     return numbers
 
 

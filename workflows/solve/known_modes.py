@@ -782,8 +782,10 @@ def named_set(source: SceneFile, sets: Mapping[str, Ints], name: str, key: str, 
     Raises:
         BadInput: there is no such set.
     """
-    alike = [name] if name in sets else [each for each in sets if each.lower() == name.lower()]
-    if len(alike) != 1:
+    alike = [each for each in sets if each.lower() == name.lower()]
+    if len(alike) > 1:
+        raise source.wrong(f"the file has {' and '.join(alike)}, which are one name: merge these sets", key, name)
+    if not alike:
         there = f"expected a set of nodes in the file ({', '.join(sets)})" if sets else "the file has no sets of nodes"
         raise source.wrong(f"{there}{beside}{did_you_mean(name, sets)}", key, name)
     return sets[alike[0]]

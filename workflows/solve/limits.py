@@ -210,6 +210,8 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
         return None
     limit = endured(results)
     limit = math.inf if limit is None else limit
+    if limit <= figures.drives_from:
+        return None
     low, high = figures.half
     useful = (low, min(high, limit)) if low < limit else (math.nan, math.nan)
     if figures.peak_amplitude <= limit:

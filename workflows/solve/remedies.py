@@ -52,7 +52,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         else damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
     )
     return Remedy(
-        figures.cutoff,
+        figures.drives_from,
         _eased(results, point, ease),
         radius if 2 * radius < room(results.scene) else math.nan,
         *_slower(results, point, limit),
