@@ -377,7 +377,10 @@ def test_a_mode_that_hits_feed_shakes_no_ball_for_ever(turn: float) -> None:
 
 
 def test_the_damping_of_a_second_mode_hardly_matters() -> None:
-    """It was scaled with the first from cycle to cycle, and grew where the ball takes more than its own damping."""
+    """It was scaled with the first from cycle to cycle, and grew where the ball takes more than its own damping.
+
+    On the way down: where a growing vibration begins to bounce is chance.
+    """
     modes = Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))
     heavy = ParticleDamper(
         modal_mass=0.15,
@@ -393,9 +396,8 @@ def test_the_damping_of_a_second_mode_hardly_matters() -> None:
         stagger=0.55,
         modes=modes,
     )
-    one, other = (damping_curve(replace(heavy, damping_ratio=zeta), threads=1) for zeta in (1e-3, 2e-2))
-    for figures in ((one.peak, other.peak), (one.from_above.peak, other.from_above.peak)):
-        assert figures[0] == pytest.approx(figures[1], rel=0.03)
+    one, other = (damping_curve(replace(heavy, damping_ratio=zeta), threads=1).from_above for zeta in (1e-3, 2e-2))
+    assert one.peak == pytest.approx(other.peak, rel=0.03)
 
 
 def test_own_damping_has_no_part_in_it() -> None:
