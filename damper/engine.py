@@ -264,7 +264,7 @@ class Ramp(NamedTuple):
     """How n ring-downs are led through the amplitudes, and what they show.
 
     After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
-    whatever the ball took, in one mode where others are damped; the ball's motion in its cavity stays as it is.
+    whatever the ball took, in the modes that are not damped; the ball's motion in its cavity stays as it is.
     `energies`, shape (n, most cycles, 4) [J], are that of the structure, as far as it is led, the ball counted as
     stuck, before each cycle, and what the ball's losses in it leave of that; that of structure and ball before it, and
     those losses by the books. A row stays as it is from where it falls below `least` or there are as many events as
@@ -299,14 +299,14 @@ def run_block(
             status[k] = _run(it, flow, tables, most)
             it.books.final = stored(it)
             continue
-        energies, led = ramp.energies[k], _led(it.system)
+        energies = ramp.energies[k]
         it.cycle.opens = it.cycle.closes = np.inf  # its amplitudes are known: no velocity maxima are sought
         for n in range(ramp.cycles[k]):
             it.clock.end = (n + 1) * it.cycle.period
             if n > 0:
-                _scale(math.sqrt(energies[0, 0] * ramp.factor[k] ** n / _of_the_structure(led, it)), led, it, flow)
+                _scale(math.sqrt(energies[0, 0] * ramp.factor[k] ** n / _of_the_structure(it)), it, flow)
             _open(it.books)
-            before, swing = stored(it), _of_the_structure(led, it)
+            before, swing = stored(it), _of_the_structure(it)
             if swing < ramp.least:
                 break
             status[k] = _run(it, flow, tables, most)
@@ -324,28 +324,16 @@ def _open(books: Record) -> None:
 
 
 @part
-def _led(system: Record) -> int:
-    """The mode that is led through the amplitudes: the one that yields most along x; -1: all, where none is damped."""
-    mode, most = -1, 0.0
-    for m in range(system.coordinates):
-        if system.damped != 0 and m != system.place[0] and m != system.place[1]:
-            yields = system.mode_shape[0, m] ** 2 / system.spring[m, m]
-            if yields > most:
-                mode, most = m, yields
-    return mode
+def _led(m: int, system: Record) -> bool:
+    """Whether a coordinate is led through the amplitudes: a mode without a dashpot."""
+    return bool(m != system.place[0] and m != system.place[1] and system.dashpot[1, m] == 0.0)
 
 
 @part
-def _leads(m: int, led: int, system: Record) -> bool:
-    """Whether a coordinate is a mode that is led."""
-    return bool(m == led or (led < 0 and m != system.place[0] and m != system.place[1]))
-
-
-@part
-def _scale(scale: float, led: int, it: Record, flow: Floats) -> None:
+def _scale(scale: float, it: Record, flow: Floats) -> None:
     """Change the motion of what is led, and leave the ball's in its cavity."""
     for m in range(it.system.coordinates):
-        if _leads(m, led, it.system):
+        if _led(m, it.system):
             it.motion.z[m] *= scale
             it.motion.rate[m] *= scale
     for g in range(it.system.groups):
@@ -354,12 +342,12 @@ def _scale(scale: float, led: int, it: Record, flow: Floats) -> None:
 
 
 @part
-def _of_the_structure(led: int, it: Record) -> float:
+def _of_the_structure(it: Record) -> float:
     """Energy of the structure, as far as it is led, the ball counted as stuck to it [J]."""
     system, motion, twice = it.system, it.motion, 0.0
     for m in range(system.coordinates):
         for n in range(system.coordinates):
-            if _leads(m, led, system) and _leads(n, led, system):
+            if _led(m, system) and _led(n, system):
                 twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
                 twice += motion.z[m] * system.spring[m, n] * motion.z[n]
     return 0.5 * twice

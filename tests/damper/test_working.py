@@ -346,29 +346,31 @@ def test_never_more_than_the_work_bound(load: float, restitution: float) -> None
         assert -math.expm1(-4 * math.pi * ratio) <= 1.02 * work_bound(damper, amplitude)
 
 
+TWO_MODES = ParticleDamper(
+    modal_mass=0.15,
+    stiffness=(1.03e6, 1.53e7),
+    ball_mass=6.6e-4,
+    ball_radius=1.5e-3,
+    cavity=(3.8e-3, 4e-3),
+    centrifugal_acceleration=1.4e4,
+    restitution=0.6,
+    friction=0.2,
+    rolling_friction=2e-5,
+    rotation=209.0,
+    stagger=0.55,
+    modes=(Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))),
+)
+"""A staggered blade whose ball moves along both axes feeds two modes."""
+
+
 @pytest.mark.parametrize("turn", [0.0, 209.0])
 def test_a_mode_that_hits_feed_shakes_no_ball_for_ever(turn: float) -> None:
     """A further mode, sixteen times as stiff, leaves the damping in the first one: also on the way up, also staggered.
 
     Where it was undamped it kept what hits gave it, and of a prescribed energy the first mode had but a part.
     """
-    first, second = Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))
-    two = ParticleDamper(
-        modal_mass=0.15,
-        stiffness=(1.03e6, 1.53e7),
-        ball_mass=6.6e-4,
-        ball_radius=1.5e-3,
-        cavity=(3.8e-3, 4e-3),
-        centrifugal_acceleration=1.4e4,
-        restitution=0.6,
-        friction=0.2,
-        rolling_friction=2e-5,
-        damping_ratio=1e-3,
-        rotation=turn,
-        stagger=0.55,
-        modes=(first, second),
-    )
-    found, alone = (damping_curve(each, threads=1) for each in (two, replace(two, modes=(first,))))
+    two = replace(TWO_MODES, damping_ratio=1e-3, rotation=turn)
+    found, alone = (damping_curve(each, threads=1) for each in (two, replace(two, modes=two.modes[:1])))
     place, below = np.log(np.geomspace(0.6e-3, 4e-3, 30)), alone.descending
     right = np.interp(place, np.log(below.amplitude), below.damping_ratio)
     for way in (found.descending, found.slow_ramp, found.abrupt_start):
@@ -381,21 +383,7 @@ def test_the_damping_of_a_second_mode_hardly_matters() -> None:
 
     On the way down: where a growing vibration begins to bounce is chance.
     """
-    modes = Mode(1.0, 6.82e6, (2.58, 0.0), (36.0, 0.0)), Mode(1.0, 1.017e8, (-0.57, -1.67), (-71.0, -23.0))
-    heavy = ParticleDamper(
-        modal_mass=0.15,
-        stiffness=(1.03e6, 1.53e7),
-        ball_mass=5e-3,
-        ball_radius=1.5e-3,
-        cavity=(3.8e-3, 4e-3),
-        centrifugal_acceleration=1.4e4,
-        restitution=0.75,
-        friction=0.2,
-        rolling_friction=2e-5,
-        rotation=209.0,
-        stagger=0.55,
-        modes=modes,
-    )
+    heavy = replace(TWO_MODES, ball_mass=5e-3, restitution=0.75)
     one, other = (damping_curve(replace(heavy, damping_ratio=zeta), threads=1).from_above for zeta in (1e-3, 2e-2))
     assert one.peak == pytest.approx(other.peak, rel=0.03)
 

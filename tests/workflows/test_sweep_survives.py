@@ -116,10 +116,10 @@ def test_the_order_of_the_work_is_not_seen(asked, undisturbed, tmp_path):
     assert len([name for name in undisturbed if name.startswith("sweep.zarr/done/c/")]) == BLOCKS
 
 
-@pytest.mark.parametrize("call", [0, 4, 25, 26, 60])
-def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypatch, call):
-    """A block is done when all of its arrays are there, whichever was the last."""
-    left, real = iter(range(call)), zarr.Array.__setitem__
+@contextmanager
+def stopping(monkeypatch, calls):
+    """What is inside is stopped, at the latest after so many writings of an array."""
+    left, real = iter(range(calls)), zarr.Array.__setitem__
 
     def stopped(*arguments):
         if next(left, None) is None:
@@ -129,7 +129,14 @@ def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypa
     with monkeypatch.context() as patch:
         patch.setattr(zarr.Array, "__setitem__", stopped)
         with pytest.raises(KeyboardInterrupt):
-            complete(asked, tmp_path / "out")
+            yield
+
+
+@pytest.mark.parametrize("call", [0, 4, 25, 26, 60])
+def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypatch, call):
+    """A block is done when all of its arrays are there, whichever was the last."""
+    with stopping(monkeypatch, call):
+        complete(asked, tmp_path / "out")
     assert folder.restart_advice() == "what is finished stays; the same command goes on"
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
@@ -163,17 +170,9 @@ def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path
     asked = study.of_scene("structure", VARY, quick=True)
     assert [len(asked.parts(region)) for region in asked.regions()] == [8]
     undisturbed = complete(asked, tmp_path / "undisturbed")
-    left, real, out = iter(range(calls or 10**9)), zarr.Array.__setitem__, tmp_path / "out"
-
-    def stopped(*arguments):
-        if next(left, None) is None:
-            raise KeyboardInterrupt
-        return real(*arguments)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(zarr.Array, "__setitem__", stopped)
-        with pytest.raises(KeyboardInterrupt):
-            complete(asked, out, Here(stops=4), size=1)
+    out = tmp_path / "out"
+    with stopping(monkeypatch, calls or 10**9):
+        complete(asked, out, Here(stops=4), size=1)
     points = finished(out)
     coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
     assert points == ((calls - coordinates) // arrays if calls else 2)

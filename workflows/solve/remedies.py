@@ -15,9 +15,9 @@ class Remedy(NamedTuple):
     """What would set a resting ball rolling at a speed, each by itself; nan where it would not.
 
     Attributes:
-        amplitude: from which on the ball moves [m].
-        rolling_friction: up to which the forces that its motion counts move it at the amplitude that the plate
-            endures [m]; nan where its dent, or a floor that leans, holds it.
+        amplitude: from which on the forces that its motion counts move the ball [m].
+        rolling_friction: up to which they move it at the amplitude that the plate endures [m]; nan where its dent, or
+            a floor that leans, holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.
         omega: speed up to which it does [rad/s], nan at one speed alone; about: the same in two digits, rounded down.
         without_dent: amplitude from which on it moves where it lies in no dent [m]; nan where it does not.
@@ -42,7 +42,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
         return None
     if limit is None:
-        return Remedy(figures.cutoff)
+        return Remedy(figures.drives_from)
     ease = limit / figures.drives_from
     dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
     slope = dent + lean

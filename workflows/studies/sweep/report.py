@@ -463,11 +463,12 @@ def write(data: xr.Dataset, out: Path) -> None:
 
 def render(data: xr.Dataset) -> str:
     """The page."""
-    entries, best = document(data), None
+    entries = document(data)
+    known, best = _known(data, entries), None
     if entries["best"] is not None:
         numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
-        best = _best_keys(data, entries)
-        best |= {title: significant(factor * value) for title, factor, value in numbers if value is not None}
+        figures = {title: significant(factor * value) for title, factor, value in numbers if value is not None}
+        best = known["best"] | figures
     drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}
     ranges = {n: interval(_formatted(data, n, v.min()), _formatted(data, n, v.max())) for n, v in drawn.items()}
     return from_template(
@@ -475,7 +476,7 @@ def render(data: xr.Dataset) -> str:
         plots.shades_css(SHADES),
         result=entries,
         best=best,
-        headline=" ".join(said("sweep/headline", **_known(data, entries))),
+        headline=" ".join(said("sweep/headline", **known)),
         percentiles=_percentiles(data) if "ST" in data and best is not None else [],
         ranges=ranges,
         figures=draw(data),
