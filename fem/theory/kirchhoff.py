@@ -10,6 +10,7 @@ edges on the boundary with one another, which on cells that share no edges are a
 """
 
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -122,16 +123,25 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
     return dofs, fixed, Space(basis, unnumbered, scale=size, signs=signs)
 
 
+@cache
+def _monomials(kind: Any) -> Any:
+    """Of a scikit-fem class derived from `ElementGlobal`, with their derivatives."""
+    element = kind()
+    element._pbasis_init(element.maxdeg, element.dim, element.derivatives, element.tensorial_basis)
+    return element._pbasis
+
+
 def together(kind: Any) -> Any:
     """Make an element of a scikit-fem class derived from `ElementGlobal`, its functions computed together.
 
-    It is for meshes whose cells share no points.
+    It is for meshes whose cells share no points. What cells of the same shape have in common is computed once.
     """
     from skfem.element import DiscreteField
 
     class Together(kind):  # type: ignore[misc]
         _places: tuple[Any, ...] = ()
         _functions: tuple[Any, ...] = ()
+        _alike = _first = np.zeros(0, dtype=np.int64)
 
         def gbasis(self, mapping: Any, X: Any, i: int, tind: Any = None) -> tuple[Any]:
             places = (mapping, X, tind)
@@ -140,16 +150,24 @@ def together(kind: Any) -> Any:
                 self._places = places
             return (self._functions[i],)
 
-        def _eval_dofs(self, mesh: Any, tind: Any = None) -> Any:
-            cells = np.arange(mesh.t.shape[1]) if tind is None else np.asarray(tind)
-            pieces = np.split(cells, range(PIECE, cells.size, PIECE))
-            return np.concatenate([super(Together, self)._eval_dofs(mesh.restrict(piece)) for piece in pieces])
+        def _combine(self, mesh: Any) -> None:
+            """Find the combinations V (shapes, n, n) of monomials in cells of every shape."""
+            corners = mesh.p[:, mesh.t]
+            local = (corners - corners.mean(axis=1, keepdims=True)).reshape(-1, mesh.t.shape[1])
+            _, self._first, self._alike = np.unique(local.round(12), axis=1, return_index=True, return_inverse=True)
+            self._pbasis = _monomials(kind)
+            pieces = np.split(self._first, range(PIECE, self._first.size, PIECE))
+            self.V = np.linalg.inv(np.concatenate([self._eval_dofs(mesh.restrict(piece)) for piece in pieces]))
 
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
-            if self.V is None:
-                super().gbasis(mapping, X[:, :1], 0, np.zeros(1, dtype=int))  # finds the combinations V of every cell
-            combinations = np.swapaxes(self.V if tind is None else self.V[tind], 1, 2)
-            at = mapping.F(X, tind=tind)
+            if not self._first.size:
+                self._combine(mapping.mesh)
+            shapes, cells, spread = self._alike if tind is None else self._alike[tind], tind, None
+            if X.ndim == 2:  # the same places in every cell
+                shapes, spread = np.unique(shapes, return_inverse=True)
+                cells = self._first[shapes]
+            combinations = np.swapaxes(self.V[shapes], 1, 2)
+            at = mapping.F(X, tind=cells)
             tables = []
             for order in range(self.derivatives + 1):
                 parts = {}
@@ -157,7 +175,7 @@ def together(kind: Any) -> Any:
                     monomials = np.stack([monomial(*at) for monomial in self._pbasis[along]], axis=1)
                     parts[along] = combinations @ monomials
                 table = np.stack(list(parts.values())).reshape((self.dim,) * order + parts[along].shape)
-                tables.append(np.moveaxis(table, -2, 0))
+                tables.append(np.moveaxis(table if spread is None else table[..., spread, :, :], -2, 0))
             return tuple(DiscreteField(value=u, grad=du, hess=ddu) for u, du, ddu in zip(*tables, strict=True))
 
     return Together()
