@@ -85,7 +85,7 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
     write_study(report, found, tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "<h1>stiff · slow</h1>" in page
-    for text in (report.text(found), page):
+    for text in (report.text(found).replace("\n", " "), page):
         assert "damper.radius, mm" in text
         assert "design.clearance, mm" in text
         assert "rotor.speeds, rpm" in text
@@ -93,10 +93,23 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
         assert "*" in text
         assert remarks.AT_REST_MEANS in text
     rows = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))["rows"]
+    speeds = {row["rpm"] for row in rows if row["run"] == "stiff"}
+    assert [row["rpm"] for row in rows if row["run"] == "slow"] == [9000.0], "no row at a speed that a run lacks"
+    assert len(rows) == len(speeds) + 1
     assert (9000.0, "slow") in {(row["rpm"], row["run"]) for row in rows if row["cutoff_at_rest"]}
     with (tmp_path / "out" / "compare.csv").open(encoding="utf-8", newline="") as table:
         written = [row["cutoff_at_rest"] for row in csv.DictReader(table)]
     assert written == [str(row["cutoff_at_rest"]) for row in rows]
+
+
+def test_every_engine_order_of_a_run_is_said():
+    """The best order does not hide that the ball is of no use at another."""
+    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    orders = {"orders": [2, 3, 50], "force": ["1 N", "2 N"]}
+    excited = changed(structure, damper__damping_ratio=1e-3, rotor__speeds=["5000 rpm", "10000 rpm"], excitation=orders)
+    said = report.text(spindamp.compare(excited, structure)).replace("\n", " ")
+    for order in orders["orders"]:
+        assert re.search(rf"engine order {order}\b", said, re.IGNORECASE)
 
 
 def test_runs_of_the_same_name_are_numbered(soft_and_stiff):

@@ -79,6 +79,16 @@ def test_the_short_way_stands_beside(known):
         assert abs(row.difference) < 0.02
 
 
+@pytest.mark.parametrize("thickness", ["9 mm", "10 mm"])
+def test_no_level_is_called_endured_that_overstresses_the_root(paper, thickness):
+    """Whether the ball still damps at what the plate endures (10 mm) or not (9 mm): one percent on either side."""
+    scene = changed(paper, plate__thickness=thickness, rotor__speeds=["5000 rpm", "7500 rpm"], rotor__modes=1)
+    (first,) = spindamp.run(changed(scene, excitation__orders=[2])).reductions
+    forces = [0.99 * first.endured_level, 1.01 * first.endured_level]
+    (again,) = spindamp.run(changed(scene, excitation__orders=[2], excitation__force=forces)).reductions
+    assert [each.endured for each in again.levels] == [True, False]
+
+
 def test_the_estimate_is_that_of_a_run_and_follows_from_the_table(known):
     """The largest amplitude by free vibration over the one without; and how far it is off, both as they are printed."""
     run = {each.level: each for each in spindamp.run(STRUCTURE).reductions[0].levels}

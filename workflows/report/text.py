@@ -35,16 +35,16 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     """The summary, ready to print; remarks on how the scene is written come first wherever the notes are."""
     answer = verdict.answer(results)
     parts = [_head(results)]
-    parts += [*(line for remark in on_scene for line in _wrapped(remark)), ""]
-    parts += _wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
+    parts += [*(line for remark in on_scene for line in wrapped(remark)), ""]
+    parts += wrapped(" ".join((f"{answer.verdict}.", *answer.lead)))
     parts += ["", *aligned(rows(results))]
-    parts += [line for each in remarks.legend(results) for line in _wrapped(each)]
+    parts += [line for each in remarks.legend(results) for line in wrapped(each)]
     if answer.details:
-        parts += ["", *_wrapped(" ".join(answer.details))]
+        parts += ["", *wrapped(" ".join(answer.details))]
     if results.notes and out is None:
         parts.append("")
         notes = answer.besides([note for note in results.notes if note not in on_scene])
-        parts += [line for note in notes[: remarks.FIRST] for line in _wrapped(note, "- ")]
+        parts += [line for note in notes[: remarks.FIRST] for line in wrapped(note, "- ")]
         if (more := len(notes) - remarks.FIRST) > 0:
             parts.append(f"- {more} more: in the report, and in `results.notes`")
     seconds = f"{results.timings['total']:.1f} s"
@@ -57,7 +57,7 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
     return "\n".join(parts)
 
 
-def _wrapped(paragraph: str, mark: str = "") -> list[str]:
+def wrapped(paragraph: str, mark: str = "") -> list[str]:
     width = min(shutil.get_terminal_size((100, 24)).columns, 100)
     whole = re.sub(r"(?<=\d) (?=%|(?:mm|g|rpm|Hz|N)\b)", "\xa0", paragraph)  # a number and its unit on one line
     lines = textwrap.wrap(whole, width, initial_indent=mark, subsequent_indent=" " * len(mark))

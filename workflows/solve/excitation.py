@@ -432,7 +432,8 @@ def _over_levels(balance: _Balance, limit: float, requested: Sequence[float]) ->
     helps = np.flatnonzero(moves & (ratio <= min(half_way(float(ratio[best])), HELPS)))
     if best in helps:
         known["range"] = neighbours(scan, helps, best)
-    most = math.inf if borne.all() else neighbours(scan, np.flatnonzero(borne), 0)[1]
+    last = neighbours(scan, np.flatnonzero(borne), 0)[1]
+    most = max(last, limit / balance.at_rest) if borne.all() else last
     known |= {"ratio": float(ratio[best]), "level": float(scan[best]), "endured_level": most}
     return known, float(amplitude[best])
 

@@ -15,7 +15,7 @@ from workflows.io.files import StudyResult, as_table, campbell
 from workflows.progress import Stages
 from workflows.report import plots, remarks, verdict
 from workflows.report.templates import from_template
-from workflows.report.text import COLUMNS
+from workflows.report.text import COLUMNS, wrapped
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneFile, SceneLike, as_scene_file
 from workflows.solve import limits
@@ -127,28 +127,30 @@ _SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
 
 
 def rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """A row for each speed and run, in the order of the speeds; None where a run has no figure, and the marks."""
+    """A row for each speed and each run that has it, in the order of the speeds; None where a run has no figure."""
     table = []
     for rpm, points in comparison.points:
         for name, results, point in zip(comparison.names, comparison.results, points, strict=True):
-            row = {"rpm": rpm, "run": name, "verdict": point and point.verdict and str(point.verdict.grade)}
-            row |= {each.key: None if point is None else each.value(results, point) for each in _COLUMNS}
-            marks = {each.key: "" if point is None else each.mark(results, point) for each in _COLUMNS}
-            table.append(row | {"marks": marks})
+            if point is not None:
+                row = {"rpm": rpm, "run": name, "verdict": point.verdict and str(point.verdict.grade)}
+                row |= {each.key: each.value(results, point) for each in _COLUMNS}
+                table.append(row | {"marks": {each.key: each.mark(results, point) for each in _COLUMNS}})
     return table
 
 
 def headline(results: Results) -> str:
-    """The verdict of a run, as it stands in its report."""
-    return f"{verdict.answer(results).verdict}."
+    """The verdict of a run, with all that it says of engine orders, as in its report."""
+    found = verdict.answer(results)
+    return " ".join([f"{found.verdict}.", *found.sentences[: found.leading]])
 
 
 def text(comparison: Comparison) -> str:
     """What a person reads on the terminal."""
-    lines = [line for run in _runs(comparison) for line in (f"{run['name']}: {run['headline']}", "")]
+    lines = [line for run in _runs(comparison) for line in (*wrapped(f"{run['name']}: {run['headline']}"), "")]
     differences = [(key, *values) for key, values in _differences(comparison)]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
-    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *_legend(comparison)])
+    legend = [part for line in _legend(comparison) for part in wrapped(line)]
+    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *legend])
 
 
 def _legend(comparison: Comparison) -> list[str]:
