@@ -58,6 +58,7 @@ def text(results: Results, out: Path | None, on_scene: tuple[str, ...] = ()) -> 
 
 
 def wrapped(paragraph: str, mark: str = "") -> list[str]:
+    """A paragraph in lines as wide as the terminal, 100 letters at most; `mark` stands before the first."""
     width = min(shutil.get_terminal_size((100, 24)).columns, 100)
     whole = re.sub(r"(?<=\d) (?=%|(?:mm|g|rpm|Hz|N)\b)", "\xa0", paragraph)  # a number and its unit on one line
     lines = textwrap.wrap(whole, width, initial_indent=mark, subsequent_indent=" " * len(mark))
