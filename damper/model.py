@@ -497,8 +497,16 @@ class ParticleDamper:
         The load accelerates a ball in the middle of its cavity by -E u; where u swings with the frequency omega of an
         axis, its drive is u'' + E u = (1 - tau) u'', tau = E / omega**2. On a floor that tilts E = Omega**2 R kappa.
         """
-        pull, square = self.pull, np.array(self.stiffness) / self.stuck_mass
-        return float(pull[0, 0] / square[0]), float(pull[1, 1] / square[1])
+        (along, first), (across, second) = map(self._swing, range(2))
+        return float(self.pull[0] @ along / first), float(self.pull[1] @ across / second)
+
+    def _swing(self, axis: int) -> tuple[Floats, float]:
+        """Displacement, over its part along an axis, where that swings, and omega**2 with the ball stuck [1/s^2]."""
+        mode = None if self.modes is None else self.modes[self.leading(axis)]
+        if mode is None or mode.shape[axis] == 0:
+            return np.eye(2)[axis], self.stiffness[axis] / self.stuck_mass
+        shape = np.array(mode.shape)
+        return shape / shape[axis], mode.stiffness / (mode.mass + self.ball_mass * float(shape @ shape))
 
     @property
     def pull(self) -> Floats:
@@ -564,8 +572,11 @@ class ParticleDamper:
         Args:
             drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
         """
-        left = abs(1 - self.tilt_share[0])
-        return math.inf if left == 0 else drive / self.stuck_frequency**2 / left
+        swing, square = self._swing(0)
+        driven = square * swing - self.pull @ swing
+        free = self.modes is not None and not any(self.lateral_pull)
+        left = float(np.hypot(*driven) if free else abs(driven[0]))
+        return math.inf if left == 0 else drive / left
 
     @property
     def inertia_ratio(self) -> float:

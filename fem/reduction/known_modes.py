@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -210,6 +210,8 @@ def reduced_modes(
     stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
     mode = FlapMode(mass, float(at.slope[0, index] / lift))
     system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck)
+    whole = float((pull.place.displacement(modes.shapes[index : index + 1]) ** 2).sum()) / lift**2
+    system = replace(system, whole_motion=whole)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
     moved, slope, drawn = (np.asarray(part) for part in motion)

@@ -42,6 +42,7 @@ class Reduced:
         floor_tilt: Omega² r phi_x / omega_1², where Omega² r is the load along x: how much of the inertia drive a
             cavity floor that tilts with the plate would cancel; the reduced model leaves it out. With precone the load
             slopes along the floor as well, which is left out too.
+        whole_motion: square of the place's displacement over that of its part along axis 1, which takes the ball along.
     """
 
     f1_hz: float
@@ -54,6 +55,7 @@ class Reduced:
     mode_index: int
     slope: float
     floor_tilt: float
+    whole_motion: float = 1.0
 
 
 def reduce_at(

@@ -28,7 +28,7 @@ from fem.linalg import lowest_modes, orthonormal
 from fem.modal_model import ModalModel, ModesAtSpeed, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
-from fem.statics import NoEquilibrium, check_speed, equilibrium, settle, tangent, unbalanced
+from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -473,8 +473,13 @@ def deflection_shifts(operators: SolidOperators, omega: float, count: int) -> Ar
 
     Returns:
         Shape (count,) [-]; None where the blade bends too much for one step, or has no modes with a linear prestress.
+
+    Raises:
+        Unresolved: it is all but loose at rest.
     """
     operators.solver(operators.stiffness)
+    if not operators.known:  # it is not positive at rest
+        check_rest(operators)
     square, (first, *_) = omega**2, operators.known
     state = square * np.asarray(operators.prestress)
     left = unbalanced(operators, square, state, operators.stressed(state))

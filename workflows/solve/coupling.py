@@ -172,12 +172,15 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
 def shortening(point: SpeedPoint) -> float:
     """By how much the damper's place comes nearer to the axis, over half the square of its displacement [1/m].
 
-    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - sin²(stagger)).
+    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - sin²(stagger)). The ball's
+    inertia in its whole motion lowers the frequency, not only that along axis 1.
     """
     reduced = point.reduced
     if reduced is None or point.omega == 0 or reduced.M1 <= reduced.M2:
         return 0.0
-    stiffer = (reduced.K1 - reduced.K2) / (reduced.M1 - reduced.M2) / point.omega**2
+    ball = reduced.M1 - reduced.M2
+    stiffness = reduced.K1 + (reduced.whole_motion - 1.0) * ball * reduced.K1 / reduced.M1
+    stiffer = (stiffness - reduced.K2) / ball / point.omega**2
     return (stiffer + math.sin(point.stagger or 0.0) ** 2) / point.radius
 
 
@@ -228,6 +231,7 @@ def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.
     if system.modes is not None:
         mode = system.modes[system.leading(0)]
         shape, slope = np.array(mode.shape) / mode.shape[0], np.array(mode.slope) / mode.shape[0]
+        omega = math.sqrt(mode.stiffness / (mode.mass + system.ball_mass * math.hypot(*mode.shape) ** 2))
     chord, phase = float(shape @ outwards), np.linspace(-math.pi / 2, math.pi / 2, 101)[:, None]
     u, velocity = amplitude * np.cos(phase), -omega * amplitude * np.sin(phase)
     pressed = load + 2 * turn * chord * velocity + nearer * (velocity**2 - (omega**2 + turn**2 / 2) * u**2)

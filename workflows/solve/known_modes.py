@@ -667,19 +667,20 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
         )
     filled, sticks_out, misfit = _fit(source, model, at, seen)
     remarks += misfit
-    lift, slope, spread = (float(each[0, 0]) for each in (seen.moved, seen.slope, seen.spread))
+    leads = int(np.argmax(seen.moved[0] ** 2 / modes.squares))  # most of what moves along axis 1
+    lift, slope, spread = (float(each[0, leads]) for each in (seen.moved, seen.slope, seen.spread))
     if modes.rotations is not None:
-        other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, 0])
+        other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, leads])
         if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
             raise source.wrong(
-                f"in the first mode the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
+                f"in mode {leads + 1} the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
                 f" displacement, and their displacements by {significant(other / lift)} 1/m: expected rotations in rad"
                 " of the same shapes",
                 "[structure] modes",
             )
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
-            f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"
+            f"The slope of the floor in mode {leads + 1}, {significant(slope / lift)} 1/m over the displacement, is"
             f" uncertain by {share(abs(spread / slope), 2)} %: it is {at.how}."
         )
     shaken, force = source.scene.excitation, None

@@ -192,11 +192,11 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
     damper, figures = results.scene.damper, point.damping_curve
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
-    if figures is not None and figures.driven_from is not None and figures.cutoff < (endured(results) or math.inf):
+    limit = endured(results)
+    if figures is not None and figures.cutoff < (limit or math.inf) <= figures.drives_from:
         return Reason.SIDEWAYS
     if figures is None or math.isinf(figures.drives_from):
         return Reason.TILT
-    limit = endured(results)
     if figures.peak > ROUNDING and limit is not None and figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
     lossless = damper is not None and damper.lossless and figures.cutoff == 0

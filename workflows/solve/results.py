@@ -599,6 +599,7 @@ class Reduced:
     """stiffness without the ball"""
     floor_tilt: Annotated[float, quantity("1/m")]
     """slope of the cavity's floor over its displacement"""
+    whole_motion: Annotated[float, KEPT] = 1.0
 
     def turning_share(self, radius: float) -> float:
         """Share of its drive that the turning floor takes from a ball of a radius [m], 2/5 r kappa."""
@@ -759,11 +760,15 @@ class SpeedPoint:
     def tilt_share(self) -> float:
         """Share of the ball's drive that the tilt of the floor takes, less what it gains in the plane of rotation [-].
 
-        Ω²(R slope - sin²(stagger)) / ω1²: a place that moves in that plane takes the ball farther from the axis.
+        Ω²(R slope - sin²(stagger) + sin(stagger) cos(stagger) across) / ω1²: a place that moves in that plane takes the
+        ball farther from the axis; `across` is its motion along axis 2, over that along axis 1, in the leading mode.
         """
         if self.reduced is None:
             return 0.0
-        pull = self.pressing * self.reduced.floor_tilt - math.sin(self.stagger or 0.0) ** 2
+        leading = max(self.cavity_modes, key=lambda mode: mode.shape[0] ** 2 / mode.stiffness, default=None)
+        across = 0.0 if leading is None or leading.shape[0] == 0 else leading.shape[1] / leading.shape[0]
+        sine, cosine = math.sin(self.stagger or 0.0), math.cos(self.stagger or 0.0)
+        pull = self.pressing * self.reduced.floor_tilt - sine * (sine - cosine * across)
         return self.omega**2 * pull / (2 * math.pi * self.reduced.f1_hz) ** 2
 
     @property
