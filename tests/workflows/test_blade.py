@@ -21,9 +21,9 @@ from workflows.progress import Stages
 from workflows.report import page, remarks, text, viewer
 from workflows.report.verdict import answer, first_frequency
 from workflows.scene.load import SceneFile, load, parse
-from workflows.solve import engine_orders, excitation, limits, remedies, resources
+from workflows.solve import coupling, engine_orders, excitation, limits, remedies, resources
 from workflows.solve.blade import blade_of, in_words
-from workflows.solve.damper import particle_damper
+from workflows.solve.damper import particle_damper, verdict_damper
 from workflows.solve.results import ErrorParts
 from workflows.studies.design.objectives import Evaluation, Obstacle
 from workflows.studies.design.report import active_constraints, verdict
@@ -526,6 +526,21 @@ def test_another_mode_than_the_first_that_moves_the_cavity_most_is_named(bricks)
         text.shown(found).plot.mesh()
 
 
+def test_what_first_moves_a_ball_does_not_depend_on_how_its_cavity_is_turned(bricks):
+    """The same blade, load and motion: the whole amplitude that moves it, and the tilt's share of the drive."""
+    found = []
+    for angle in np.radians([0.0, 20.0, 45.0, 75.0]):
+        turned = f"friction = 0.3\ndirection = [0, {np.sin(angle)}, {np.cos(angle)}]"
+        state = pipeline.structure(on_bricks(bricks, "friction = 0.3", turned), Stages(visible=False))
+        point = state.points[-1]
+        system = verdict_damper(state.source.scene, state.effects, point)
+        counted = system.amplitude_of(system.break_away_threshold)
+        first = coupling.moves_first_from(system, point)
+        found.append([min(counted, first) / np.cos(angle), counted / np.cos(angle), point.tilt_share])
+    np.testing.assert_allclose(found, np.broadcast_to(found[0], (4, 3)), rtol=1e-3)
+    assert found[0][2] > 0.1
+
+
 @pytest.fixture(scope="module")
 def twisted(tmp_path_factory):
     """A blade so twisted that its fundamental is named lag, at two speeds, with a damper at its tip."""
@@ -689,6 +704,18 @@ def test_a_load_that_no_metal_bears_is_remarked_at_the_fastest_speed(flat, spind
     omega = 42000 * np.pi / 30
     assert tip == pytest.approx(omega * np.hypot(0.25, 0.04), rel=1e-2)
     assert stress == pytest.approx(0.5e-6 * 4430 * omega**2 * (0.25**2 - 0.05**2), rel=1e-2)
+
+
+@pytest.mark.parametrize("speeds", ["['0 rpm']", "['0 rpm', '3000 rpm']"])
+def test_a_single_row_of_hexahedra_is_refused(tmp_path, spindamp, speeds):
+    """By the usual two points of integration each way they deform without stress."""
+    row = make.Airfoil(0.1, 0.02, 0.02, section="flat", hub_radius=0.05)
+    make.write_inp(tmp_path / "row.inp", make.solid(row, (3, 1, 1), 1.0), "row")
+    text = f"[blade]\nmesh = 'row.inp'\n[material]\nname = 'steel'\n[rotor]\norigin = [0, 0, 0]\nspeeds = {speeds}\n"
+    (tmp_path / "row.toml").write_text(text, encoding="utf-8")
+    run = spindamp("campbell", tmp_path / "row.toml")
+    assert run.status != 0
+    assert "hexahedra of 20 nodes in a row deform without stress" in run.err
 
 
 def test_a_spin_axis_along_the_blade_is_asked_about(flat, spindamp):

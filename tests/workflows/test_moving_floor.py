@@ -422,3 +422,7 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
         f"No verdict: {others} the ball above {span(held, 'cutoff')} mm, which is not counted; the motion that is"
         f" counted begins at {span(held, 'drives_from')} mm, beyond what the plate endures"
     )
+
+    within = replace(own, driven_from=0.99 * limit, damping_ratio=0.0 * own.damping_ratio)
+    reasons = [limits.verdict(held, replace(point, damping_curve=each)).reason for each in (own, within)]
+    assert reasons == ["sideways", "not_found"], "what is counted begins within the limit, and takes nothing there"
