@@ -9,8 +9,8 @@ geometric mean of both. In blades of one cell through the thickness these points
 the first alone counts; of hexahedra of 20 nodes its root, for what spurious shear it sees grows as the thickness falls.
 Factors are fitted to trials.
 
-Where a blunt section has one cell or two across, the stress of torsion and shear is smooth but wrong: it does not vanish
-on the free faces. The energy of what these carry, through their cells, tells that error; the larger one counts.
+Where a blunt section has one cell or two across, the stress of torsion and shear is smooth but wrong: it does not
+vanish on the free faces. The energy of what these carry, through their cells, tells that error; the larger one counts.
 
 Errors are relative to the true frequency. A mode that comes down as the mesh is refined may pass others, those above
 the ones that are known too, for which the last stands: the error of the k-th frequency reaches down to the k-th of the
