@@ -48,8 +48,8 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
         if source.scene.blade is not None:
             raise NoAnswer(
                 f"{source.name}: [blade] root: in double precision the blade is all but loose: rounding leaves nothing"
-                " of its lowest frequency at rest; expected a root that holds it, thicker cells, and more than a single row"
-                " of them: hexahedra of 20 nodes in a row deform without stress"
+                " of its lowest frequency at rest; expected a root that holds it, thicker cells, and more than a"
+                " single row of them: hexahedra of 20 nodes in a row deform without stress"
             ) from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
