@@ -259,9 +259,8 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
     if isinstance(results, Response):
         from workflows.io.files import write_study
-        from workflows.studies import response_report
 
-        write_study(response_report, results, Path(folder))
+        write_study(results, Path(folder))
         return Path(folder)
     return workflows.save(results, folder)
 

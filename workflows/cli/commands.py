@@ -21,7 +21,7 @@ from workflows.progress import LOG, Stages
 from workflows.versions import versions
 
 if TYPE_CHECKING:
-    from workflows.io.files import StudyReport
+    from workflows.io.files import StudyResult
     from workflows.scene.load import SceneFile
     from workflows.studies.sweep.executor import Workers
 
@@ -63,7 +63,7 @@ Uncertain = Annotated[
 
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
-Result = TypeVar("Result")
+Result = TypeVar("Result", bound="StudyResult")
 
 
 @_commands.command()
@@ -111,10 +111,9 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     The response is computed without and with the ball, under the forces of the table [excitation].
     Without --out, no files are written.
     """
-    from workflows.studies import response_report
     from workflows.studies.response import respond
 
-    _study(respond, response_report, out, json, _load(scene))
+    _study(respond, out, json, _load(scene))
 
 
 @_commands.command()
@@ -123,9 +122,9 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
     Without --out, no files are written.
     """
-    from workflows.studies import reproduction, reproduction_report
+    from workflows.studies.reproduction import reproduce
 
-    _study(reproduction.reproduce, reproduction_report, out, json)
+    _study(reproduce, out, json)
 
 
 @_commands.command()
@@ -136,10 +135,9 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
 
     Without --out, no files are written.
     """
-    from workflows.studies.work_precision import report
     from workflows.studies.work_precision.study import study
 
-    _study(study, report, out, json, _load(scene))
+    _study(study, out, json, _load(scene))
 
 
 @_commands.command()
@@ -148,9 +146,9 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
 
     Without --out, no files are written.
     """
-    from workflows.studies.work_precision import effects as study
+    from workflows.studies.work_precision.effects import effect_study
 
-    _study(study.effect_study, study, out, json, _load(scene))
+    _study(effect_study, out, json, _load(scene))
 
 
 @_commands.command()
@@ -222,7 +220,7 @@ def design(
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
     partial_results = None if out is None else out.with_name(f"{out.name}.partial")
-    best = _study(partial(solve, source), report, out, json, damper=False)
+    best = _study(partial(solve, source), out, json, damper=False)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.optimum.evaluation.works:
@@ -243,7 +241,7 @@ def compare(
     from workflows.studies import comparison
 
     loaded = [each if Path(each).is_dir() else _load(each) for each in runs]
-    _study(lambda stages: comparison.compare(loaded, stages), comparison, out, json)
+    _study(lambda stages: comparison.compare(loaded, stages), out, json)
 
 
 @_commands.command()
@@ -405,7 +403,6 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
 
 def _study(
     solve: Callable[..., Result],
-    report: StudyReport[Result],
     out: Path | None,
     json: bool,
     *of: SceneFile,
@@ -422,8 +419,8 @@ def _study(
         result = solve(*of, stages)
         if out is not None:
             with stages("report"):
-                files.write_study(report, result, out)
-    _show(files.as_json(report.document(result)) if json else plain(report.text(result)), out, json)
+                files.write_study(result, out)
+    _show(files.as_json(result.document()) if json else repr(result), out, json)
     return result
 
 

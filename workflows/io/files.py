@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -23,8 +23,6 @@ from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedP
 if TYPE_CHECKING:
     import xarray as xr
 
-
-Reported = TypeVar("Reported", contravariant=True)
 
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
@@ -299,46 +297,38 @@ def as_table(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> str:
     return text.getvalue()
 
 
-class StudyReport(Protocol[Reported]):
-    """What the report of a study offers.
-
-    Attributes:
-        NAME: of its command.
-    """
-
-    NAME: str
-
-    def document(self, result: Reported, /) -> Mapping[str, Any]:
-        """The machine-readable result."""
-
-    def text(self, result: Reported, /) -> str:
-        """What a person reads on the terminal."""
-
-    def files(self, result: Reported, /) -> Mapping[str, str | bytes]:
-        """The files beside the document, by their names, the page among them."""
-
-
 class StudyResult:
     """What a study came to; it prints as its command does, by the text of its report.
 
     Attributes:
-        REPORT: the module of the report, which imports the study.
+        REPORT: the module of the report, which imports the study. It has `NAME`, that of the command, and three
+            functions of a result: `document`, the machine-readable one; `text`, what a person reads on the terminal;
+            `files`, those beside the document, by their names, the page among them.
     """
 
     REPORT: ClassVar[str]
 
+    @property
+    def report(self) -> Any:
+        """The module of the report."""
+        return import_module(self.REPORT)
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        entries: dict[str, Any] = self.report.document(self)
+        return entries
+
     def __repr__(self) -> str:
-        text: str = import_module(self.REPORT).text(self)
-        return formatting.plain(text)
+        return formatting.plain(self.report.text(self))
 
 
-def write_study(report: StudyReport[Reported], result: Reported, out: Path) -> None:
+def write_study(result: StudyResult, out: Path) -> None:
     """Write `<name>.json` and the other files of a study into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    contents = {f"{report.NAME}.json": as_json(report.document(result)) + "\n", **report.files(result)}
+    contents = {f"{result.report.NAME}.json": as_json(result.document()) + "\n", **result.report.files(result)}
     with replacing(out) as folder:
         for name, content in contents.items():
             (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)

@@ -207,20 +207,20 @@ class EffectStudy(StudyResult):
     target: float
     rows: tuple[EffectChange, ...]
 
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "title": self.title,
-            "asked": self.target,
-            "machine": machine(),
-            "noise": POLICY_OF_DIFFERENCES,
-            "rows": [entry(row) | {"within_noise": row.within_noise} for row in self.rows],
-        }
-
 
 NAME = "effects"
-document = EffectStudy.document
+
+
+def document(result: EffectStudy) -> dict[str, Any]:
+    """The machine-readable result."""
+    return {
+        "schema_version": 1,
+        "title": result.title,
+        "asked": result.target,
+        "machine": machine(),
+        "noise": POLICY_OF_DIFFERENCES,
+        "rows": [entry(row) | {"within_noise": row.within_noise} for row in result.rows],
+    }
 
 
 def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy:

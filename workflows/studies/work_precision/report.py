@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.templates import from_template, said
-from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
+from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision, entry, machine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAME = "accuracy"
-document = WorkPrecision.document
+
+
+def document(result: WorkPrecision) -> dict[str, Any]:
+    """The machine-readable result."""
+    return {
+        "schema_version": 1,
+        "title": result.title,
+        "asked": result.targets,
+        "machine": machine(),
+        "noise": POLICY,
+        "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in result.studies],
+        "chosen": {stage: asdict(chosen) for stage, chosen in result.chosen.items()},
+        "left_out": result.left_out,
+    }
+
 
 _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""

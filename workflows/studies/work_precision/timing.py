@@ -127,19 +127,6 @@ class WorkPrecision(StudyResult):
     chosen: dict[str, Choice]
     left_out: str | None = None
 
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "title": self.title,
-            "asked": self.targets,
-            "machine": machine(),
-            "noise": POLICY,
-            "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in self.studies],
-            "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
-            "left_out": self.left_out,
-        }
-
 
 def measure(
     method: str,
