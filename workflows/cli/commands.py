@@ -450,16 +450,16 @@ def _announce_compiler() -> None:
     from damper import compiled
 
     if not compiled.COMPILES:
-        problem = "a hundred times slower, and results do not wait for their self-check"
-        typer.echo(f"spindamp: NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {problem}", err=True)
+        slow = "a hundred times slower, and results do not wait for their self-check"
+        problem = f"NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {slow}"
     elif not compiled.CACHED:
-        problem = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
-        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
+        why = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
+        problem = f"{why}: every start takes some ten seconds longer"
     elif compiled.fresh() and sys.stderr.isatty():
-        typer.echo(
-            "spindamp: compiling the damper's kernels, once for an installation: up to a minute, with their check",
-            err=True,
-        )
+        problem = "compiling the damper's kernels, once for an installation: up to a minute, with their check"
+    else:
+        return
+    typer.echo(f"spindamp: {problem}", err=True)
 
 
 def _version(requested: bool) -> None:

@@ -1,14 +1,12 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import fem
-from fem import modal_model
-from fem.meshes.cells import edges_of
 from fem.meshes.read import raw_mesh, surface_of
 from fem.meshes.volume import SizeError, has_volume, volume_of
 from workflows import pipeline
@@ -23,7 +21,7 @@ from workflows.report.templates import from_template, in_mm, said
 from workflows.scene import load, quantities
 from workflows.scene.scene import Scene
 from workflows.solve import resources
-from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
+from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface, skin
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -180,11 +178,7 @@ def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> Vi
             unit, mesh = given or "mm", volume_of(path, raw, scale if given is not None else 1e-3)
         except SizeError:
             raise error from None
-    triangles = modal_model.faces(mesh.cells)
-    used, renumbered = np.unique(triangles, return_inverse=True)
-    points, triangles, lines = mesh.points[used], renumbered.reshape(-1, 3), np.searchsorted(used, edges_of(mesh.cells))
-    outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
-    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines, frame=np.eye(3))
+    surface = replace(skin(mesh.points, mesh.cells)[0], frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
     taken = _unit(unit, given, "[blade] unit")
     values = {

@@ -133,10 +133,8 @@ class Damper(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
-        present = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
-        if len(present) != 1:
-            ways = "expected one of mass_ratio, mass, ball_density and ball_material"
-            raise fault(present[0] if present else "mass_ratio", f"{ways}{': leave one out' * bool(present)}")
+        ways = "mass_ratio, mass, ball_density and ball_material"
+        q.check_one(self, ("mass_ratio", "mass", "ball_density"), ways, blamed=0)
         if self.ball_density is not None:
             materials.check_density("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):

@@ -85,13 +85,8 @@ class Thickness(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving a thickness that varies, and a table whose parts fit together."""
-        present = [key for key in ("values", "polynomial", "field") if getattr(self, key) is not None]
-        if len(present) != 1:
-            raise fault(
-                present[-1] if present else "values",
-                f"expected one of a table (x, y, values), a polynomial and a field of the mesh file"
-                f"{': leave one out' * bool(present)}",
-            )
+        ways = "a table (x, y, values), a polynomial and a field of the mesh file"
+        q.check_one(self, ("values", "polynomial", "field"), ways)
         if self.values is not None:
             self._fits(self.values)
         for key in ("x", "y") if self.values is None else ():

@@ -6,7 +6,7 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
@@ -231,11 +231,16 @@ def halved(value: object, kind: Kind) -> str | None:
     return f"{si / 2:g}" if match is None else f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
 
 
-def _in_range(value: float, kind: Kind) -> float:
+def _as_float(value: float) -> float:
+    """A whole number too large for a float is infinite."""
     try:
-        number = float(value)
+        return float(value)
     except OverflowError:
-        number = math.inf
+        return math.inf
+
+
+def _in_range(value: float, kind: Kind) -> float:
+    number = _as_float(value)
     if not math.isfinite(number):
         raise UnitError(f"must be finite: {kind.expectation}")
     if number and not kind.least <= abs(number) <= kind.most:
@@ -250,6 +255,14 @@ ROUNDING = 1e-9
 def fault(key: str, problem: str) -> PydanticCustomError:
     """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
     return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+def check_one(table: BaseModel, keys: Sequence[str], expectation: str, *, blamed: int = -1) -> None:
+    """See that a table has exactly one of some keys; one of several is at fault: which of those it has."""
+    present = [key for key in keys if getattr(table, key) is not None]
+    if len(present) != 1:
+        leave = ": leave one out" if present else ""
+        raise fault(present[blamed] if present else keys[0], f"expected one of {expectation}{leave}")
 
 
 def wrong(expectation: str) -> PydanticCustomError:
@@ -413,10 +426,7 @@ def plain_number(value: object) -> float:
         raise wrong(f"expected a number: {value} is {float(share[1]) / 100:g}")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise wrong("expected a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
+    number = _as_float(value)
     if not math.isfinite(number):
         raise wrong("expected a finite number")
     return number

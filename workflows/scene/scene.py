@@ -286,6 +286,11 @@ class Rotor(Table):
             raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
         return self
 
+    @property
+    def has_origin(self) -> bool:
+        """Whether the scene says where the spin axis of a structure in space is."""
+        return self.origin is not None or "hub_radius" in self.model_fields_set
+
 
 class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
@@ -448,10 +453,7 @@ class Excitation(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving the force."""
-        present = [key for key in ("force", "pressure", "base") if getattr(self, key) is not None]
-        if len(present) != 1:
-            problem = f"expected one of force, pressure and base{': leave one out' * bool(present)}"
-            raise fault(present[-1] if present else "force", problem)
+        q.check_one(self, ("force", "pressure", "base"), "force, pressure and base")
         if self.at is not None and self.force is None:
             raise fault("at", "a place belongs to a force: leave this out")
         if isinstance(self.at, tuple) and len(self.at) != 3:
@@ -696,7 +698,7 @@ class Scene(Table):
         """What a blade or a structure of known modes takes, and what it leaves out."""
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
-        if self.blade is not None and self.rotor.origin is None and "hub_radius" not in self.rotor.model_fields_set:
+        if self.blade is not None and not self.rotor.has_origin:
             raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")

@@ -35,16 +35,6 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     return SpeedPoint.at(omega, rotor.radius, rotor.gravity, reduced=reduced)
 
 
-def tilts(effects: dict[str, Effect]) -> bool:
-    """Whether the floor of the cavity tilts as the structure bends."""
-    return effects["floor_tilt"].on
-
-
-def tilting(effects: dict[str, Effect]) -> dict[str, Effect]:
-    """The same effects on a floor that tilts."""
-    return effects | {"floor_tilt": Effect(True, "")}
-
-
 def with_forced_effects(source: SceneFile) -> SceneFile:
     """The scene as its forced response is computed, whatever its [effects]: the answer is about the blade.
 
@@ -73,7 +63,7 @@ def structure(
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
     """
-    reduced, tilted = point.reduced, tilts(effects)
+    reduced, tilted = point.reduced, effects["floor_tilt"].on
     assert reduced is not None
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}

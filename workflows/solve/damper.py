@@ -151,10 +151,10 @@ def most_cycles(system: damper.ParticleDamper) -> int:
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
     """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
-    if coupling.tilts(effects) or point.tilt_share == 0.0 or scene.damper is None:
+    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
         return None
     consistent = scene.changed(damper={"formulation": "consistent"})
-    return particle_damper(consistent, coupling.tilting(effects), point)
+    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
 
 
 def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:

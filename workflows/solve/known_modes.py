@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem import modal_model
-from fem.meshes.cells import edges_of
 from fem.modal_files import ModesFileError, Raw, in_si, joined, read
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
@@ -26,7 +25,6 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve.coupling import modes_of, reduced_of
 from workflows.solve.results import (
-    Diagram,
     ErrorParts,
     Floats,
     Ints,
@@ -35,6 +33,8 @@ from workflows.solve.results import (
     SeatDescription,
     SpeedPoint,
     Surface,
+    known,
+    skin,
     speeds_with_shapes,
 )
 
@@ -181,9 +181,7 @@ class SpaceStructure:
                     k + 1,
                     names[k],
                     float(modes.frequencies_hz[k]),
-                    _known(masses[:, k]),
-                    _known(masses[:, k] * modes.squares[k]),
-                    _known(tilts[:, k]),
+                    *(tuple(known(each[:, k])) for each in (masses, masses * modes.squares, tilts)),
                 )
                 for k in range(len(names))
             ),
@@ -205,25 +203,19 @@ class SpaceStructure:
     def surface(self, speeds: Sequence[float], count: int) -> Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
         shown = speeds_with_shapes(len(speeds))
-        points, triangles = self.model.points, modal_model.faces(self.model.cells)
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
-        used, lines = np.unique(triangles), None
+        surface, used = skin(self.model.points, self.model.cells)
         if used.size:
-            lines = np.searchsorted(used, edges_of(self.model.cells))
-            points, shapes, triangles = points[used], shapes[:, :, used], np.searchsorted(used, triangles)
+            shapes = shapes[:, :, used]
+            held = modal_model.held(shapes)[surface.outline].all(axis=1)
+            surface = replace(surface, root=surface.outline[held])
         else:
             marks = _MARK * self.model.size * _TETRAHEDRON
-            triangles = (4 * np.arange(len(points))[:, None, None] + _SIDES).reshape(-1, 3)
-            points = (points[:, None] + marks).reshape(-1, 3)
-            shapes = np.repeat(shapes, 4, axis=2)
-        outline = modal_model.edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
-        still = modal_model.held(shapes)
-        root = outline[still[outline].all(axis=1)] if used.size else outline
+            triangles = (4 * np.arange(len(self.model.points))[:, None, None] + _SIDES).reshape(-1, 3)
+            points, shapes = (self.model.points[:, None] + marks).reshape(-1, 3), np.repeat(shapes, 4, axis=2)
+            surface = replace(surface, points=points, cells=("triangle", triangles), lines=None)
         mark = None if self.seat is None else self.seat.place.point
-        cells, frame = ("triangle", triangles), self._drawing()
-        return Surface(
-            points, cells, outline, root, shapes, shown, lines=lines, frame=frame, mark=mark, axis=self.model.axis
-        )
+        return replace(surface, shapes=shapes, at=shown, frame=self._drawing(), mark=mark, axis=self.model.axis)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -238,10 +230,6 @@ class SpaceStructure:
         axes = frame(normal, self.model.axis)
         return np.array([normal, axes[1], axes[0]])
 
-    def diagram(self) -> Diagram:
-        """What modes over speed have beyond the modes themselves."""
-        return Diagram(self.described, 0.0, (), (), (), None)
-
 
 _MARK = 0.006
 """Half of what a node's mark measures, in sizes of the structure."""
@@ -252,11 +240,6 @@ _SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
 
 _STILL = 1e-6
 """Displacement of a place over the largest of all modes that counts as none."""
-
-
-def _known(pair: Floats) -> tuple[float | None, float | None]:
-    one, other = (float(each) if np.isfinite(each) else None for each in pair)
-    return one, other
 
 
 def _mode(modes: ModesAtSpeed, k: int, family: str, *left_out: Floats | None) -> Mode:
@@ -351,7 +334,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         digests.append(sha256)
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
-        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
+        if not raw.turns and not source.scene.rotor.has_origin:
             raise source.wrong(NO_ORIGIN.format("file"), "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
             problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
@@ -393,11 +376,6 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
             f"The files hold {min(counts)} to {max(counts)} modes; the first {min(counts)}, common to all, are used."
         )
     return problems
-
-
-def _rotor_keys(source: SceneFile) -> set[str]:
-    """The keys of [rotor] that the scene has."""
-    return source.scene.rotor.model_fields_set
 
 
 @lru_cache(maxsize=8)
@@ -561,7 +539,8 @@ def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False
 
     turns: axis and point on it are the file's where the scene does not give them.
     """
-    rotor, axis_given = source.scene.rotor, _rotor_keys(source)
+    rotor = source.scene.rotor
+    axis_given = rotor.model_fields_set
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
     if rotor.axis is not None:
@@ -769,9 +748,7 @@ def _placed(model: ModalModel, point: tuple[float, ...]) -> Place:
     return modal_model.place(model, np.array(point))
 
 
-@lru_cache(maxsize=4)
-def _pull(model: ModalModel, at: Place) -> Pull:
-    return modal_model.pull(model, at)
+_pull = lru_cache(maxsize=4)(modal_model.pull)
 
 
 def named_set(source: SceneFile, sets: Mapping[str, Ints], name: str, key: str, beside: str = "") -> Ints:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import fem
@@ -108,10 +107,7 @@ def chosen_theory(
         return Theory(spec.theory, "asked for by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
-    source = SceneFile(scene, "scene", Path())
-    ladder = form or plate_mesh.planform(source)
-    plate = plate_mesh.plate(source, plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
-    rotor = plate_mesh.rotor(scene)
+    plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
     stiffened = scene.effects.stress_stiffening is not False
     effects = fem.Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
     chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)

@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 import fem
-from workflows.effects.definition import Effect, LeftOut
+from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
@@ -151,7 +151,8 @@ class StructureState:
         rotor, plate = self.source.scene.rotor, self.plate
         if self.solver is not None and (space := self.solver.space) is not None:
             speeds = [point.omega for point in self.points]
-            return replace(self, surface=space.surface(speeds, rotor.modes if shapes else 1), diagram=space.diagram())
+            drawn = space.surface(speeds, rotor.modes if shapes else 1)
+            return replace(self, surface=drawn, diagram=Diagram(space.described))
         if plate is None:
             return self
         surface = plate.surface(modes=rotor.modes) if shapes else self.surface
@@ -318,13 +319,14 @@ def discretise(
     def whole(operators: fem.Operators) -> fem.Operators:
         return fem.with_coriolis(operators) if effects["coriolis"].on else operators
 
+    left_out = {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = fem.Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
-        return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, _left_out(effects))
+        return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, left_out)
     try:
-        left_out = sum(effect.largest for effect in _left_out(effects).values())
-        tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
+        most = sum(effect.largest for effect in left_out.values())
+        tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), most)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
         choice = fem.choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
@@ -336,7 +338,7 @@ def discretise(
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
     LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])
-    return Discrete(choice, theory, described, layers, _left_out(effects))
+    return Discrete(choice, theory, described, layers, left_out)
 
 
 def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect]) -> Cavity | None:
@@ -374,10 +376,6 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
             raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
-
-
-def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
-    return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
 def sweep(

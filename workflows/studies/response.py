@@ -404,8 +404,7 @@ def _steady_states(
     dampers, harmonics, alone, points = [], [], list[npt.NDArray[np.complex128]](), solver.at(omega).points
     branch, source, starts = excitation.branch_of(points, crossing), solver.source, tuple(damper.Start)
     for point in points:
-        own = excitation.modes_of(point, branch)
-        only = None if own is None else excitation.modes_followed(point, own)
+        only = excitation.modes_followed(point, excitation.modes_of(point, branch))
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         driven = [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]

@@ -15,10 +15,10 @@ from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, instead, parse, tables_of, unit
+from workflows.scene.load import SceneFile, error_text, instead, keys, parse, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -176,22 +176,12 @@ def find(name: str, where: str) -> Key:
 @cache
 def every() -> tuple[str, ...]:
     """All keys of a scene's tables by dotted path."""
-    return tuple(name for name in _fields(Scene) if "." in name and not name.startswith("design."))
-
-
-def _fields(table: type[BaseModel], prefix: str = "") -> dict[str, Any]:
-    """Fields of a table and of the tables in it, by dotted path."""
-    fields = {}
-    for name, entry in table.model_fields.items():
-        fields[prefix + name] = entry
-        for inner in tables_of(entry):
-            fields |= _fields(inner, f"{prefix}{name}.")
-    return fields
+    return tuple(name for name in keys() if "." in name and not name.startswith("design."))
 
 
 @cache
 def _adapter(path: str) -> TypeAdapter[Any]:
-    field = _fields(Scene)["damper.cavity" if path == CLEARANCE else path]
+    _, field = keys()["damper.cavity" if path == CLEARANCE else path]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return TypeAdapter(kind)
 
