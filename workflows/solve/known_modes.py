@@ -213,7 +213,7 @@ class SpaceStructure:
             marks = _MARK * self.model.size * _TETRAHEDRON
             triangles = (4 * np.arange(len(self.model.points))[:, None, None] + _SIDES).reshape(-1, 3)
             points, shapes = (self.model.points[:, None] + marks).reshape(-1, 3), np.repeat(shapes, 4, axis=2)
-            surface = replace(surface, points=points, cells=("triangle", triangles), lines=None)
+            surface = replace(surface, points=points, cells=("triangle", triangles))
         mark = None if self.seat is None else self.seat.place.point
         return replace(surface, shapes=shapes, at=shown, frame=self._drawing(), mark=mark, axis=self.model.axis)
 

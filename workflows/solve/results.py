@@ -987,8 +987,10 @@ def skin(points: Floats, cells: Sequence[tuple[str, Ints]]) -> tuple[Surface, In
     """The outer surface of cells in space, without shapes and root, and which of the points (n, 3) lie on it."""
     triangles = modal_model.faces(cells)
     used = np.unique(triangles)
-    points, triangles, lines = points[used], np.searchsorted(used, triangles), np.searchsorted(used, edges_of(cells))
-    outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
+    points, triangles = points[used], np.searchsorted(used, triangles)
+    outline, lines, shapes = np.zeros((0, 2), np.int64), None, np.zeros((0, 0, len(points), 3))
+    if used.size:
+        outline, lines = modal_model.edges(points, triangles), np.searchsorted(used, edges_of(cells))
     return Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines), used
 
 
