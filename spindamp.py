@@ -116,7 +116,7 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
         BadInput: the scene has no modes, or complex ones; the file cannot be written.
     """
     from workflows import pipeline
-    from workflows.io.modes import save_modes
+    from workflows.io.files import save_modes
 
     model = pipeline.modes(as_scene_file(scene), Stages(visible=False))
     if file is not None:

@@ -257,16 +257,16 @@ def modes(
     Without --out, the modes are listed.
     """
     from workflows import pipeline
-    from workflows.io import modes as files
+    from workflows.io import files
     from workflows.report import text
 
     if out is not None:
-        files.named(out, "--out")
+        files.modes_file(out, "--out")
     with Stages(lines=True) as stages:
         model = pipeline.modes(_load(scene), stages)
     if out is not None:
         files.save_modes(model, out, "--out")
-    typer.echo(files.dumps(model) if json else text.of_modes(model, out))
+    typer.echo(files.dump_modes(model) if json else text.of_modes(model, out))
 
 
 @_commands.command()

@@ -1,21 +1,26 @@
-"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView; and those of studies."""
+"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView; of studies; of modes."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from fem import modal_files
+from fem.modal_model import ModalModel
 from workflows import formatting, versions
+from workflows.errors import BadInput
 from workflows.io import provenance
-from workflows.io.folder import replacing
+from workflows.io.folder import put, replacing, writable
 from workflows.io.serialise import Column, columns, write_unpublished
 from workflows.solve.engine_orders import branches
 from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, require_results
@@ -279,6 +284,38 @@ def write_vtu(surface: Surface, results: Results, path: Path) -> None:
     declaration, rest = path.read_text(encoding="utf-8").split("\n", 1)
     remark = provenance.line(results).replace("--", "- -")  # which may not stand in a remark
     path.write_text(f"{declaration}\n<!-- {remark} -->\n{rest}", encoding="utf-8")
+
+
+def modes_file(file: str | os.PathLike[str], key: str = "file") -> Path:
+    """The path of a neutral file.
+
+    Raises:
+        BadInput: its name does not end in .npz or .json, or it is a folder.
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".npz", ".json"):
+        raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
+    if not path.absolute().parent.is_dir():
+        raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
+    return writable(path, key)
+
+
+def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file") -> Path:
+    """Write the neutral file, whole or not at all; what was there is replaced.
+
+    Raises:
+        BadInput: it cannot be written.
+    """
+    return put(modes_file(file, key), partial(modal_files.write, model), key)
+
+
+def dump_modes(model: ModalModel) -> str:
+    """The neutral file as JSON."""
+    plain = {
+        name: each.tolist() if isinstance(each, np.ndarray) else each
+        for name, each in modal_files.document(model).items()
+    }
+    return json.dumps(plain, allow_nan=False)
 
 
 def as_json(document: Mapping[str, Any]) -> str:

@@ -6,7 +6,6 @@ import re
 import shutil
 import textwrap
 from collections.abc import Callable
-from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,7 +21,7 @@ from workflows.report import remarks, verdict
 from workflows.report.templates import from_template
 from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import Results, SpeedPoint, copy_fields
 
 if TYPE_CHECKING:
     from workflows.report.figures import Plots
@@ -155,7 +154,7 @@ class Shown(Results):
 
 def shown(results: Results) -> Shown:
     """The same results, which show themselves."""
-    return Shown(**{each.name: getattr(results, each.name) for each in fields(Results)})
+    return copy_fields(Shown, results)
 
 
 def brief(results: Results) -> str:

@@ -248,14 +248,9 @@ def non_file_kind(path: Path) -> str:
 
 def _gravity(data: Mapping[str, Any]) -> float:
     """[rotor] gravity, needed to read accelerations in g; a wrong one is reported by its own field."""
-    rotor = data.get("rotor")
     try:
-        return (
-            quantities.to_si(rotor["gravity"], quantities.ACCELERATION)
-            if isinstance(rotor, dict)
-            else quantities.STANDARD_GRAVITY
-        )
-    except (KeyError, quantities.UnitError):
+        return quantities.to_si(data["rotor"]["gravity"], quantities.ACCELERATION)
+    except (LookupError, TypeError, quantities.UnitError):
         return quantities.STANDARD_GRAVITY
 
 

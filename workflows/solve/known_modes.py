@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -112,12 +112,11 @@ class SpaceStructure:
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
         displaced = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
-        known = tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes]))
         point = SpeedPoint.at(
             omega,
             self.radius,
             scene.rotor.gravity,
-            known,
+            _modes(modes, names[: scene.rotor.modes], bent, turned, cut),
             root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
             static_displacement=displaced[0],
             tip_rotation=displaced[1],
@@ -242,29 +241,20 @@ _STILL = 1e-6
 """Displacement of a place over the largest of all modes that counts as none."""
 
 
-def _mode(modes: ModesAtSpeed, k: int, family: str, *left_out: Floats | None) -> Mode:
-    """A mode as results have it; its error is that of the file, where it says one, and of interpolation.
+def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | None) -> tuple[Mode, ...]:
+    """Modes as results have them; their errors are those of the file, where it has some, and of interpolation.
 
-    left_out: what Coriolis forces, large deflection and cavities would move, each relative, (modes,).
+    left_out: what large deflection, Coriolis forces and cavities would move, each relative, (modes,).
     """
-    turned, bent, cut = (None if each is None else float(each[k]) for each in left_out)
-    between = modes.interpolation
-    parts = ErrorParts(
-        mesh=None if modes.errors is None else float(modes.errors[k]),
-        layers=0.0,
-        basis=float("nan") if between is None else float(between[k]),
-        theory=0.0,
-        large_deflection=bent,
-        coriolis=turned,
-        cavity_mass=cut,
-    )
-    return Mode(
-        frequency_hz=float(modes.frequencies_hz[k]),
-        family=family,
-        error_parts=parts,
-        damping_ratio=None if modes.damping_ratios is None else float(modes.damping_ratios[k]),
-        branch=k if modes.tracks is None else int(modes.tracks[k]),
-    )
+    count = len(families)
+
+    def each(values: Floats | Ints | None, missing: float | None = None) -> list[Any]:
+        return [missing] * count if values is None else values[:count].tolist()
+
+    exact, between = [0.0] * count, each(modes.interpolation, math.nan)
+    errors = map(ErrorParts, each(modes.errors), exact, between, exact, *map(each, left_out))
+    branches = range(count) if modes.tracks is None else each(modes.tracks)
+    return tuple(map(Mode, each(modes.frequencies_hz), families, errors, each(modes.damping_ratios), branches))
 
 
 def space_structure(source: SceneFile) -> SpaceStructure:

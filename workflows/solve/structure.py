@@ -21,7 +21,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
-from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory
+from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory, copy_fields
 
 if TYPE_CHECKING:
     from fem.sweep.reduced_basis import ReducedBasis
@@ -134,17 +134,9 @@ class StructureState:
 
     def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
         """A run's results at these points, or at all of them."""
-        return Results(
-            scene=self.source.scene,
-            effects=self.effects,
-            speeds=self.points if points is None else points,
-            surface=self.surface,
-            theory=self.theory,
-            diagram=self.diagram,
-            mesh_sha256=self.mesh_sha256,
-            notes=self.source.remarks,
-            timings={} if stages is None else stages.timings(),
-        )
+        speeds, timings = self.points if points is None else points, {} if stages is None else stages.timings()
+        scene, notes = self.source.scene, self.source.remarks
+        return copy_fields(Results, self, scene=scene, speeds=speeds, notes=notes, timings=timings)
 
     def with_pictures(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""

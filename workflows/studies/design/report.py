@@ -233,6 +233,7 @@ def document(result: DesignResult) -> dict[str, Any]:
     evaluation, design, worst = result.optimum.evaluation, result.space.design, result.optimum.worst
     values = result.space.values(result.optimum.shares)
     damper = result.scene.scene.damper
+    off = worst and {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value}
     best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
     entries = {
         "schema_version": 1,
@@ -248,14 +249,10 @@ def document(result: DesignResult) -> dict[str, Any]:
             "amplitude": finite(evaluation.amplitude),
             "order": evaluation.order,
         },
-        "without": finite(evaluation.without),
-        "bound": finite(evaluation.bound),
-        "cutoff": finite(evaluation.cutoff),
+        **{name: finite(getattr(evaluation, name)) for name in ("without", "bound", "cutoff")},
         "ball_mass": finite(evaluation.mass),
         "holds": [vars(each) for each in result.active_constraints],
-        "worst_deviation": None
-        if worst is None
-        else {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value},
+        "worst_deviation": off,
         "evaluations": result.optimum.evaluations,
         "verdict": verdict(result.space, result.optimum),
         "why": sentences(result),
