@@ -311,11 +311,7 @@ def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file
 
 def dump_modes(model: ModalModel) -> str:
     """The neutral file as JSON."""
-    plain = {
-        name: each.tolist() if isinstance(each, np.ndarray) else each
-        for name, each in modal_files.document(model).items()
-    }
-    return json.dumps(plain, allow_nan=False)
+    return json.dumps(modal_files.document(model), default=np.ndarray.tolist, allow_nan=False)
 
 
 def as_json(document: Mapping[str, Any]) -> str:
