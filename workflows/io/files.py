@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -75,15 +75,11 @@ def campbell(results: Results) -> list[Curve]:
 
 def velocity(point: SpeedPoint) -> list[Curve]:
     """The structure's velocity over time along axis 1, and along axis 2 if it moves that way (the paper's Fig. 2)."""
-    damping = point.damper
-    if damping is None or damping.history is None:
+    history = None if point.damper is None else point.damper.history
+    if history is None:
         return []
-    tag, curves = speed_tag(point), []
-    for number, (axis, along) in enumerate(zip("xy", damping.history.velocity.T, strict=True), 1):
-        if along.any():
-            name = f"velocity_{axis}_{tag}"
-            curves.append(Curve(name, f"axis {number}", "time_s", "velocity_m_s", damping.history.t, along))
-    return curves
+    moving = [i for i in range(2) if history.velocity[:, i].any()]
+    return _over_time(point, "velocity", "velocity_m_s", history.t, history.velocity, moving)
 
 
 def ball_path(point: SpeedPoint) -> list[Curve]:
@@ -91,15 +87,19 @@ def ball_path(point: SpeedPoint) -> list[Curve]:
     path = None if point.damper is None else point.damper.path
     if path is None:
         return []
-    tag, curves = speed_tag(point), []
-    for name, column, motion in (
-        ("ball", "position_m", path.ball),
-        ("displacement", "displacement_m", path.structure),
-    ):
-        for i in moving_axes(motion):
-            label = f"axis {i + 1}"
-            curves.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
-    return curves
+    ball, displacement = path.ball, path.structure
+    return [
+        *_over_time(point, "ball", "position_m", path.t, ball, moving_axes(ball)),
+        *_over_time(point, "displacement", "displacement_m", path.t, displacement, moving_axes(displacement)),
+    ]
+
+
+def _over_time(
+    point: SpeedPoint, name: str, column: str, t: Floats, motion: Floats, axes: Sequence[int]
+) -> list[Curve]:
+    """A motion (n, 2) at times (n,) along some axes, from 0, a curve each."""
+    tag = speed_tag(point)
+    return [Curve(f"{name}_{'xy'[i]}_{tag}", f"axis {i + 1}", "time_s", column, t, motion[:, i]) for i in axes]
 
 
 def moving_axes(motion: Floats) -> list[int]:
@@ -143,14 +143,9 @@ def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
 
 def all_curves(results: Results) -> list[Curve]:
     """All curves of a run."""
-    history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    return (
-        campbell(results)
-        + history
-        + capacity(results)
-        + damping_ratio(results)
-        + damping_ratio_of_other_starts(results)
-    )
+    over_time = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
+    damping = damping_ratio(results) + damping_ratio_of_other_starts(results)
+    return campbell(results) + over_time + capacity(results) + damping
 
 
 def speed_tag(point: SpeedPoint) -> str:

@@ -123,13 +123,8 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
             here = "" if mode.family == branch.family else f" ({mode.family} here)"
             title = f"{branch.label}{here}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
-            yield Value(
-                axes,
-                rpm,
-                mode.frequency_hz,
-                title,
-                (surface_speeds.index(at), number) if at in surface_speeds else None,
-            )
+            leads = (surface_speeds.index(at), number) if at in surface_speeds else None
+            yield Value(axes, rpm, mode.frequency_hz, title, leads)
     for meeting in crossings(results):
         title = f"{meeting.order}× meets {meeting.label}: {meeting.rpm:.6g} rpm, {meeting.frequency_hz:.6g} Hz"
         yield Value(axes, meeting.rpm, meeting.frequency_hz, title)
@@ -155,7 +150,7 @@ def campbell(results: Results, target: Target = PAGE) -> Figure | None:
     colours = [_branch(axes, track) for track in tracks]
     heights = _spread([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
-        axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
+        plots.note(axes, track.label, (fastest, y), (24, 0), va="center", color=colour)
     meetings = crossings(results)
     met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
     axes.plot(*met, "o", ms=2.4, color=plots.INK, zorder=3)
@@ -251,15 +246,8 @@ def _oscillation(axes: Axes, track: files.Curve, colour: str) -> None:
 def _stop(axes: Axes, stop: float, end: float) -> None:
     late = stop > 0.6 * end
     axes.axvline(stop, color=plots.INK, lw=0.8, ls=plots.DASHED)
-    axes.annotate(
-        "the ball comes to rest",
-        (stop, 1.0),
-        (-4 if late else 4, -1),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        va="top",
-        ha="right" if late else "left",
-    )
+    side, offset = ("right", (-4, -1)) if late else ("left", (4, -1))
+    plots.note(axes, "the ball comes to rest", (stop, 1.0), offset, ("data", "axes fraction"), va="top", ha=side)
 
 
 def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colour: str) -> None:
@@ -304,7 +292,7 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
 
 def _order(axes: Axes, order: int, x: float, y: float) -> None:
     small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED, "va": "center", "annotation_clip": False}
-    axes.annotate(f"{order}×", (x, y), (6, 0), textcoords="offset points", **small)
+    plots.note(axes, f"{order}×", (x, y), (6, 0), **small)
 
 
 def _spread(values: list[float], gap: float) -> list[float]:
@@ -367,16 +355,8 @@ def _beside(axes: Axes, limit: float | None) -> None:
         axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
         share = (np.log(1e3 * limit) - left) / (right - left)
         end = share - 0.01 if share > _MIDDLE else end
-    axes.annotate(
-        "air alone, turbine blades",
-        (end, high),
-        (0, 3),
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        ha="right",
-        va="bottom",
-        color=plots.MUTED,
-    )
+    words, look = "air alone, turbine blades", {"ha": "right", "va": "bottom", "color": plots.MUTED}
+    plots.note(axes, words, (end, high), (0, 3), ("axes fraction", "data"), **look)
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:

@@ -143,6 +143,13 @@ def legend(figure: Figure, axes: Axes, target: Target = PAGE, **how: Any) -> Non
     figure.legend(*curves, loc=loc, ncols=ncols, alignment="left", **how)
 
 
+def note(
+    axes: Axes, text: str, place: tuple[float, float], offset: tuple[float, float], coords: Any = "data", **how: Any
+) -> None:
+    """Words so many points beside a place; coords: what its x and y are in, as matplotlib calls it."""
+    axes.annotate(text, place, offset, xycoords=coords, textcoords="offset points", **how)
+
+
 def plain(drawn: Iterable[Axes]) -> None:
     """Plain numbers on logarithmic axes, where matplotlib would have powers of ten; 1, 2, 5 of few decades."""
     from matplotlib.ticker import LogLocator, NullFormatter

@@ -114,13 +114,8 @@ def rows(results: Results) -> list[tuple[str, ...]]:
         return table
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    return [
-        heads,
-        *(
-            (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
-            for p in results.speeds
-        ),
-    ]
+    modes = ([f"{mode.frequency_hz:.2f} {mode.family:<5}" for mode in p.modes[:count]] for p in results.speeds)
+    return [heads, *((amount(p.rpm), amount(p.load_g), *cells) for p, cells in zip(results.speeds, modes, strict=True))]
 
 
 def of_modes(model: ModalModel, file: Path | None) -> str:

@@ -50,16 +50,8 @@ def numbers(surface: Surface) -> dict[str, Any]:
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
         "root": {"x": float(low[0]), "edges": len(ends), "length": float(held.sum())},
         "holes": len(mode_viewer.loops(surface.outline)) - 1,
-        "edges": {
-            "shortest": float(sides.min()),
-            "median": float(np.median(sides)),
-            "longest": float(sides.max()),
-        },
-        "angles": {
-            "least": float(angles.min()),
-            "greatest": float(angles.max()),
-            "odd_cells": int(np.count_nonzero(bad)),
-        },
+        "edges": {"shortest": float(sides.min()), "median": float(np.median(sides)), "longest": float(sides.max())},
+        "angles": {"least": float(angles.min()), "greatest": float(angles.max()), "odd_cells": int(bad.sum())},
         "aspect": float((sides.max(axis=1) / sides.min(axis=1)).max()),
     }
 
@@ -86,12 +78,12 @@ class ViewData:
 
     title: str
     surface: Surface
-    speeds: tuple[SpeedPoint, ...]
-    mark: tuple[float, ...] | None
-    thickness: float | None
-    root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
+    root: str = ""
+    speeds: tuple[SpeedPoint, ...] = ()
+    mark: tuple[float, ...] | None = None
+    thickness: float | None = None
 
     @property
     def carrier(self) -> str:
@@ -152,16 +144,8 @@ def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
     read = numbers(surface)
     side = float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))
     long = f"; {significant(side, 3)} m is long: --unit mm?" if unit is None and side > _LONGEST else ""
-    return ViewData(
-        title=path.name,
-        surface=surface,
-        speeds=(),
-        mark=None,
-        thickness=None,
-        root="clamped root",
-        facts=(*facts("surface", read), ("unit", _unit("m", unit, "[plate] mesh_unit") + long)),
-        numbers=read,
-    )
+    known = (*facts("surface", read), ("unit", _unit("m", unit, "[plate] mesh_unit") + long))
+    return ViewData(path.name, surface, known, read, "clamped root")
 
 
 def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> ViewData:
@@ -188,7 +172,7 @@ def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> Vi
         "sets": list(mesh.sets),
         "unit": unit,
     }
-    return ViewData(path.name, surface, (), None, None, "", facts("volume", values | {"taken": taken}), values)
+    return ViewData(path.name, surface, facts("volume", values | {"taken": taken}), values)
 
 
 def _unit(unit: str, given: str | None, key: str) -> str:

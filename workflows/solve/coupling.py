@@ -72,17 +72,12 @@ def structure(
     if effects["structural_modes"].on and point.cavity_modes:
         modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilted) | turning
-    both = (1.0, 1.0)
-    tilt = (reduced.floor_tilt,) * 2
+    stiffness, tilt = (reduced.K1, reduced.K1), (reduced.floor_tilt,) * 2
     if scene.given is not None:
-        both = (1.0, (scene.given.frequency[1] / scene.given.frequency[0]) ** 2)
-        tilt = scene.given.floor_tilt
-    return {
-        "modal_mass": reduced.M2,
-        "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
-        "floor_tilt": tilt if tilted else (0.0, 0.0),
-        **turning,
-    }
+        first, second = scene.given.frequency
+        stiffness, tilt = (reduced.K1, reduced.K1 * (second / first) ** 2), scene.given.floor_tilt
+    tilt = tilt if tilted else (0.0, 0.0)
+    return {"modal_mass": reduced.M2, "stiffness": stiffness, "floor_tilt": tilt, **turning}
 
 
 def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:

@@ -126,13 +126,9 @@ class SpaceStructure:
             return point
         try:
             floor = self.floor(modes)
+            pull, load = self.seat.pull, self.seat.load(modes)
             reduced, every = reduced_modes(
-                modes,
-                floor,
-                self.seat.pull,
-                ball_mass=damper.balls,
-                mass_ratio=damper.mass_ratio,
-                load=self.seat.load(modes),
+                modes, floor, pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio, load=load
             )
         except NoMotion as error:
             raise source.wrong(str(error), "[damper] direction") from error
@@ -169,21 +165,14 @@ class SpaceStructure:
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
+        figures = ([tuple(known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
         return SeatDescription(
             tuple((at.point + 0.0).tolist()),
             at.how,
             tuple(((floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius + 0.0).tolist()),
             tuple((floor.normal + 0.0).tolist()),
             tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
-            tuple(
-                ModeAtSeat(
-                    k + 1,
-                    names[k],
-                    float(modes.frequencies_hz[k]),
-                    *(tuple(known(each[:, k])) for each in (masses, masses * modes.squares, tilts)),
-                )
-                for k in range(len(names))
-            ),
+            tuple(map(ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures)),
         )
 
     def floor(self, modes: ModesAtSpeed) -> Floor:

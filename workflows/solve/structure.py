@@ -395,15 +395,8 @@ def sweep(
         if speeds.size == 1 or np.diff(np.sort(speeds)).max() > np.diff(more).min():
             speeds = np.union1d(speeds, more)
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return fem.campbell(
-        operators,
-        speeds,
-        count,
-        tolerance=scene.budget.basis,
-        states=discrete.choice.states,
-        bases=bases,
-        progress=progress,
-    )
+    basis, states = scene.budget.basis, discrete.choice.states
+    return fem.campbell(operators, speeds, count, tolerance=basis, states=states, bases=bases, progress=progress)
 
 
 def counted(scene: Scene, operators: fem.Operators) -> int | None:

@@ -233,6 +233,7 @@ def document(result: DesignResult) -> dict[str, Any]:
     evaluation, design, worst = result.optimum.evaluation, result.space.design, result.optimum.worst
     values = result.space.values(result.optimum.shares)
     damper = result.scene.scene.damper
+    at = {name: finite(getattr(evaluation, name)) for name in ("speed", "amplitude")}
     off = worst and {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value}
     best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
     entries = {
@@ -245,8 +246,7 @@ def document(result: DesignResult) -> dict[str, Any]:
         "value": evaluation.value,
         "greatest": finite(evaluation.greatest),
         "at": {
-            "speed": finite(evaluation.speed),
-            "amplitude": finite(evaluation.amplitude),
+            **{name: finite(getattr(evaluation, name)) for name in ("speed", "amplitude")},
             "order": evaluation.order,
         },
         **{name: finite(getattr(evaluation, name)) for name in ("without", "bound", "cutoff")},

@@ -165,19 +165,9 @@ def _globally(space: Space, score: Score, seed: int) -> Floats:
             stale += 1
         return -scores
 
-    how: dict[str, Any] = {"callback": lambda *_, **__: stale >= _STALE}
-    differential_evolution(
-        lost,
-        Bounds(np.zeros(dimensions), np.ones(dimensions)),
-        init=first,
-        maxiter=_GENERATIONS,
-        tol=0.0,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-        rng=seed,
-        **how,
-    )
+    how: dict[str, Any] = {"init": first, "maxiter": _GENERATIONS, "tol": 0.0, "polish": False, "rng": seed}
+    how |= {"vectorized": True, "updating": "deferred", "callback": lambda *_, **__: stale >= _STALE}
+    differential_evolution(lost, Bounds(np.zeros(dimensions), np.ones(dimensions)), **how)
     return at
 
 

@@ -273,13 +273,8 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             theirs = scatter_of(time.value.points, partial(run, **switches), judged)
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
             row = replace(row, scatter=both)
-        return replace(
-            row,
-            remarks=together + changed.remarks,
-            time_s=extra,
-            time_spread_s=ends,
-            time_share=extra / medians[on],
-        )
+        share, remarks = extra / medians[on], together + changed.remarks
+        return replace(row, remarks=remarks, time_s=extra, time_spread_s=ends, time_share=share)
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
