@@ -103,16 +103,8 @@ def of_plate(
     if place is not None:
         told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
-    return ViewData(
-        title=scene.title,
-        surface=surface,
-        speeds=speeds,
-        mark=mark,
-        thickness=thickness if isinstance(thickness, float) else None,
-        root=figures.held(scene) if len(surface.root) else "",
-        facts=(*known, *words),
-        numbers={"damper": place, **known_of},
-    )
+    root, even = figures.held(scene) if len(surface.root) else "", thickness if isinstance(thickness, float) else None
+    return ViewData(scene.title, surface, (*known, *words), {"damper": place, **known_of}, root, speeds, mark, even)
 
 
 _LONGEST = 5.0

@@ -49,6 +49,12 @@ def as_typed(rpm: float) -> float:
     return int(rpm) if float(rpm).is_integer() else rpm
 
 
+_SPEED = q.quantity_schema(q.ROTATION)
+_RANGE = {"start": _SPEED, "stop": _SPEED, "count": {"type": "integer", "minimum": 1}}
+_LADDER = {"type": "object", "properties": _RANGE, "required": [*_RANGE], "additionalProperties": False}
+_SPEEDS_SCHEMA = {"anyOf": [q.array_schema(_SPEED), _LADDER]}
+
+
 def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
@@ -85,32 +91,15 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
 
 def _whole(value: dict[str, object]) -> None:
     """All three keys, and no other."""
-    names = ("start", "stop", "count")
-    unknown = [name for name in value if name not in names]
+    unknown = [name for name in value if name not in _RANGE]
     if unknown:
         listed = ", ".join(f"'{name}'" for name in unknown)
-        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 and unknown != ["step"] else ""
+        hint = did_you_mean(unknown[0], _RANGE) if len(unknown) == 1 and unknown != ["step"] else ""
         raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
-    for name in names:
+    for name in _RANGE:
         if name not in value:
             raise wrong(f"'{name}' is missing: expected start, stop and count")
 
-
-_SPEEDS_SCHEMA = {
-    "anyOf": [
-        q.array_schema(q.quantity_schema(q.ROTATION)),
-        {
-            "type": "object",
-            "properties": {
-                "start": q.quantity_schema(q.ROTATION),
-                "stop": q.quantity_schema(q.ROTATION),
-                "count": {"type": "integer", "minimum": 1},
-            },
-            "required": ["start", "stop", "count"],
-            "additionalProperties": False,
-        },
-    ]
-}
 
 Speeds = Annotated[tuple[float, ...], BeforeValidator(_speeds), WithJsonSchema(_SPEEDS_SCHEMA)]
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -340,28 +341,17 @@ def cavity_modes(
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
     reduction = fem.modes_at(plate.operators, plate.diagram, plate.at, np.array(balls))
-    return [modes_of(reduction, n, pressed=reduction.pressed) for n in range(len(reduction.stiffness))]
+    return [modes_of(reduction, n, "pressed") for n in range(len(reduction.stiffness))]
 
 
-def modes_of(reduction: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
-    """The modes that `fem` finds at a cavity, at its nth speed; `forces` on them by name, (speeds, modes)."""
-    return tuple(
-        CavityMode(
-            number=k + 1,
-            stiffness=float(reduction.stiffness[n, k]),
-            shape=_both(reduction.shape[n, :, k]),
-            slope=_both(reduction.slope[n, :, k]),
-            drawn=_both(reduction.drawn[n, :, k]),
-            **{name: float(values[n, k]) for name, values in forces.items()},
-        )
-        for k in range(reduction.stiffness.shape[1])
-    )
+def modes_of(reduction: Any, n: int, force: str) -> tuple[CavityMode, ...]:
+    """The modes that `fem` finds at a cavity, at its nth speed; force: what of a `CavityMode` its `pressed` is."""
+    pairs = (map(tuple, getattr(reduction, name)[n].T.tolist()) for name in ("shape", "slope", "drawn"))
+    every = zip(count(1), reduction.stiffness[n].tolist(), *pairs)
+    forces = reduction.pressed[n].tolist()
+    return tuple(CavityMode(*each, **{force: push}) for each, push in zip(every, forces, strict=True))
 
 
 def reduced_of(reduction: Any) -> Reduced:
     """The structure that `fem` finds at a damper's place."""
     return copy_fields(Reduced, reduction, floor_tilt=reduction.slope)
-
-
-def _both(pair: np.ndarray) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])

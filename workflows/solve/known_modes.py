@@ -143,7 +143,7 @@ class SpaceStructure:
             radius=floor.radius,
             load_g=omega**2 * floor.radius / scene.rotor.gravity,
             reduced=reduced_of(reduced),
-            cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
+            cavity_modes=modes_of(every, 0, "pushed") if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             lean=(float(floor.lean[0]), float(floor.lean[1])),
             sticks_out=self.seat.sticks_out,

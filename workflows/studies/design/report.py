@@ -245,10 +245,7 @@ def document(result: DesignResult) -> dict[str, Any]:
         "works": evaluation.works,
         "value": evaluation.value,
         "greatest": finite(evaluation.greatest),
-        "at": {
-            **{name: finite(getattr(evaluation, name)) for name in ("speed", "amplitude")},
-            "order": evaluation.order,
-        },
+        "at": at | {"order": evaluation.order},
         **{name: finite(getattr(evaluation, name)) for name in ("without", "bound", "cutoff")},
         "ball_mass": finite(evaluation.mass),
         "holds": [vars(each) for each in result.active_constraints],
