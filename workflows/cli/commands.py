@@ -401,13 +401,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
-def _study(
-    solve: Callable[..., Result],
-    out: Path | None,
-    json: bool,
-    *of: SceneFile,
-    damper: bool = True,
-) -> Result:
+def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: SceneFile, damper: bool = True) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned; `of`: a study of one scene."""
     from workflows.io import files, folder
 

@@ -331,10 +331,7 @@ def _place_errors(source: SceneFile) -> Iterator[None]:
 
 
 def cavity_modes(
-    source: SceneFile,
-    effects: dict[str, Effect],
-    plate: fem.Reduction,
-    reduced: list[Reduced | None],
+    source: SceneFile, effects: dict[str, Effect], plate: fem.Reduction, reduced: list[Reduced | None]
 ) -> list[tuple[CavityMode, ...]]:
     """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
     balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]

@@ -63,15 +63,9 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
     events: Floats = rows["time"][inside]
     times = np.union1d(np.linspace(begin, end, count), events)
     samples = damper.sample(motion, times)
-    return BallPath(
-        t=times,
-        ball=samples.relative_position,
-        structure=samples.displacement,
-        regime=samples.regime,
-        at=np.searchsorted(times, events),
-        kind=tuple(KINDS[kind] for kind in rows["kind"][inside].tolist()),
-        axis=rows["axis"][inside].astype(np.int64),
-    )
+    at, kinds = np.searchsorted(times, events), tuple(KINDS[kind] for kind in rows["kind"][inside].tolist())
+    axes = rows["axis"][inside].astype(np.int64)
+    return BallPath(times, samples.relative_position, samples.displacement, samples.regime, at, kinds, axes)
 
 
 _RESOLVING = 1e-3
@@ -85,11 +79,7 @@ _SAMPLES_AT_MOST = 4000
 
 
 def simulate(
-    scene: Scene,
-    effects: dict[str, Effect],
-    points: tuple[SpeedPoint, ...],
-    stages: Stages,
-    shown: int | None = None,
+    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int | None = None
 ) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
     with stages("damper", len(points)) as step:

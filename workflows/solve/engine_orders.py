@@ -12,7 +12,7 @@ from fem.rotor import from_rpm
 from workflows.errors import BadInput
 from workflows.formatting import interval, turning, whole
 from workflows.scene.scene import Scene
-from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction, copy_fields
 
 
 @dataclass(frozen=True)
@@ -190,17 +190,9 @@ def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[Sp
     rpm = math.sqrt(a**2 + below / (below - above) * (b**2 - a**2))
     point, k = low if rpm - a < b - rpm else high
     mode = point.modes[k] if point.modes else Mode(f, "flap")
-    return Crossing(
-        order=order,
-        branch=mode.branch,
-        family=mode.family,
-        label=label,
-        rpm=rpm,
-        frequency_hz=order * rpm / 60,
-        error=mode.error_estimate,
-        basis=0.0 if mode.error_parts is None else mode.error_parts.basis,
-        turns=3600 * (g**2 - f**2) / (b**2 - a**2) / order,
-    )
+    basis, turns = 0.0 if mode.error_parts is None else mode.error_parts.basis, 3600 * (g**2 - f**2) / (b**2 - a**2)
+    of = {"order": order, "label": label, "rpm": rpm, "frequency_hz": order * rpm / 60, "error": mode.error_estimate}
+    return copy_fields(Crossing, mode, **of, basis=basis, turns=turns / order)
 
 
 def frequency_of(point: SpeedPoint, k: int) -> float:

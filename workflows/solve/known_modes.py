@@ -111,16 +111,11 @@ class SpaceStructure:
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
-        displaced = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
-        point = SpeedPoint.at(
-            omega,
-            self.radius,
-            scene.rotor.gravity,
-            _modes(modes, names[: scene.rotor.modes], bent, turned, cut),
-            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
-            static_displacement=displaced[0],
-            tip_rotation=displaced[1],
-        )
+        stress = None if self.root_stress is None else omega**2 * self.root_stress
+        displaced, untwist = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
+        records = _modes(modes, names[: scene.rotor.modes], bent, turned, cut)
+        static = {"root_stress": stress, "static_displacement": displaced, "tip_rotation": untwist}
+        point = SpeedPoint.at(omega, self.radius, scene.rotor.gravity, records, **static)
         damper = scene.damper
         if damper is None or self.seat is None:
             return point

@@ -909,10 +909,7 @@ class Cavity(NamedTuple):
 
 
 def points(
-    source: SceneFile,
-    discrete: Discrete,
-    diagram: fem.Campbell,
-    numbers: Sequence[int],
+    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: Sequence[int]
 ) -> tuple[SpeedPoint, ...]:
     """Modes at the speeds of these numbers in the sweep."""
     from fem.accuracy.neglected_effects import cut
@@ -1020,17 +1017,11 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested:
     veerings = []
     for veering in diagram.veerings:
         low, high = (rounded_rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
-        names = [families[veering.step][k] for k in veering.modes if k < count]
-        veerings.append((low, high, tuple(names)))
-    return Diagram(
-        mesh=discrete.mesh,
-        root_length=clamped_length(operators.plate.mesh),
-        bound=float(diagram.bounds[:, :count].max()),
-        bases=diagram.sizes,
-        veerings=tuple(veering for veering in veerings if veering[2]),
-        lost=lost,
-        critical=rounded_rpm(fem.critical_speed(operators)) if lost and linear else None,
-    )
+        if names := tuple(families[veering.step][k] for k in veering.modes if k < count):
+            veerings.append((low, high, names))
+    bound, root_length = float(diagram.bounds[:, :count].max()), clamped_length(operators.plate.mesh)
+    critical = rounded_rpm(fem.critical_speed(operators)) if lost and linear else None
+    return Diagram(discrete.mesh, bound, diagram.sizes, tuple(veerings), lost, critical, root_length)
 
 
 def _in_phase(shapes: Floats) -> Floats:

@@ -282,12 +282,7 @@ class StructureSolver:
             )
 
 
-def discretise(
-    source: SceneFile,
-    model_choice: ModelChoice,
-    stages: Stages,
-    size: int | None = None,
-) -> Discrete:
+def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, size: int | None = None) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
@@ -338,14 +333,8 @@ def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect])
     scene, damper = source.scene, source.scene.damper
     if damper is None or not damper.cut or scene.effects.cavity_mass is False:
         return None
-    return Cavity(
-        at=plate_mesh.place(source, discrete.choice.operators.plate.mesh),
-        volume=damper.cut,
-        depth=damper.cavity[0],
-        weakens=damper.weakens,
-        single=damper.count == 1,
-        counted=effects["cavity_mass"].on,
-    )
+    at, counted = plate_mesh.place(source, discrete.choice.operators.plate.mesh), effects["cavity_mass"].on
+    return Cavity(at, damper.cut, damper.cavity[0], damper.weakens, single=damper.count == 1, counted=counted)
 
 
 def _metal(cavity: Cavity | None) -> tuple[float, float] | None:

@@ -334,16 +334,9 @@ def _passage(
         omega = np.sort([*omega, *more])
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        return Passage(
-            crossing=crossing,
-            axis=axis,
-            omega=omega,
-            forces=forcing.levels,
-            states=states,
-            reduction=reduction,
-            least_force=share * float((levels * states.moves_from).min()),
-            figures=replace(figures, cutoff=share * figures.cutoff),
-        )
+        least_force = share * float((levels * states.moves_from).min())
+    figures = replace(figures, cutoff=share * figures.cutoff)
+    return Passage(crossing, axis, omega, forcing.levels, states, reduction, least_force, figures)
 
 
 def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> damper.Forced:

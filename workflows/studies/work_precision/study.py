@@ -167,14 +167,9 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
                 failed = "the reference's own mesh" if error(results) is None else None
                 row = replace(row, setting=setting, unknowns=None, error=error(results), failed=failed)
             rows.append(row)
-        studies.append(
-            ConvergenceStudy(
-                f"whole pipeline: {name}",
-                f"relative error of the {name} at {turning(best.omega)}",
-                f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}",
-                tuple(rows),
-            )
-        )
+        compared = f"relative error of the {name} at {turning(best.omega)}"
+        against = f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}"
+        studies.append(ConvergenceStudy(f"whole pipeline: {name}", compared, against, tuple(rows)))
         modes = own.speeds[shown].modes
         estimate = modes[0].error_estimate if name == "first frequency" and modes else None
         chosen[f"pipeline: {name}"] = Choice("pipeline", _mesh(own), estimate, error(own))
@@ -448,14 +443,8 @@ def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list
     (form, _), solver = choice.plate, discretise(source, choice, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
-    problem = Problem(
-        form=form,
-        plate=lambda mesh: plate_mesh.plate(source, mesh, form),
-        rotor=operators.rotor,
-        effects=plain,
-        omega=float(solver.choice.probes[-1]),
-        count=count,
-    )
+    top = float(solver.choice.probes[-1])
+    problem = Problem(form, lambda mesh: plate_mesh.plate(source, mesh, form), operators.rotor, plain, top, count)
     steps = 3 + sum(len(problem.sizes(method.finest)) for method in PLATE_METHODS)
     with stages("plate", steps) as step:
         studies, limits = plate_studies(problem, step)

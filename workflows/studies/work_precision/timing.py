@@ -129,11 +129,7 @@ class WorkPrecision(StudyResult):
 
 
 def measure(
-    method: str,
-    setting: str,
-    work: Callable[[], T],
-    judge: Callable[[T], tuple[int | None, float]],
-    share: float = 1.0,
+    method: str, setting: str, work: Callable[[], T], judge: Callable[[T], tuple[int | None, float]], share: float = 1.0
 ) -> tuple[Setting, T | None]:
     """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
 
