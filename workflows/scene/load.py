@@ -25,7 +25,7 @@ from workflows.formatting import revolutions
 from workflows.scene import quantities
 from workflows.scene.materials import PLATES
 from workflows.scene.quantities import Table
-from workflows.scene.scene import KnownModes, Scene
+from workflows.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -70,16 +70,13 @@ class SceneFile:
 
     def with_full_paths(self) -> SceneFile:
         """The same with the full paths of the files it names, for a copy in another folder."""
-        plate, blade, structure = self.scene.plate, self.scene.blade, self.scene.structure
         tables: dict[str, dict[str, Any]] = {}
-        if plate is not None and plate.mesh is not None:
-            tables["plate"] = {"mesh": self._full(plate.mesh)}
-        if blade is not None:
-            tables["blade"] = {"mesh": self._full(blade.mesh)}
-        if isinstance(structure, KnownModes):
-            names = structure.modes
-            full = self._full(names) if isinstance(names, str) else {key: self._full(names[key]) for key in names}
-            tables["structure"] = {"modes": full}
+        for table, key in (("plate", "mesh"), ("blade", "mesh"), ("structure", "modes")):
+            names = getattr(getattr(self.scene, table), key, None)
+            if isinstance(names, str):
+                tables[table] = {key: self._full(names)}
+            elif names is not None:  # by speeds
+                tables[table] = {key: {speed: self._full(name) for speed, name in names.items()}}
         return self.changed(**tables)
 
     def _full(self, name: str) -> str:
