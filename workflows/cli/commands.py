@@ -41,25 +41,14 @@ Dask = Annotated[
 ]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random numbers.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the machine-readable result and nothing else.")]
-Vary = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="KEY=VALUES",
-        help="START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; repeat the option for each key.",
-    ),
-]
+_RANGES = "START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; repeat the option for each key."
+Vary = Annotated[list[str] | None, typer.Option("--vary", metavar="KEY=VALUES", help=_RANGES)]
 Count = Annotated[
     int | None, typer.Option("--sample", metavar="N", help="Spread N points over all ranges instead of a grid.")
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Measure by fewer and faster sweeps, mostly to within 1 %.")]
-Uncertain = Annotated[
-    bool,
-    typer.Option(
-        "--uncertain",
-        help="Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices.",
-    ),
-]
+_DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices."
+Uncertain = Annotated[bool, typer.Option("--uncertain", help=_DISTRIBUTIONS)]
 
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
@@ -494,20 +483,15 @@ def _listen(context: typer.Context, verbose: bool, log: Path | None) -> None:
         LOG.info("spindamp %s: %s", versions()["spindamp"], " ".join(sys.argv[1:]))
 
 
+_CHECKS = "Compare reference plates and motions with independent results; print the versions."
+
+
 def _spindamp(
     context: typer.Context,
     show: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
-    check: Annotated[
-        bool,
-        typer.Option(
-            "--self-check",
-            callback=_self_check,
-            is_eager=True,
-            help="Compare reference plates and motions with independent results; print the versions.",
-        ),
-    ] = False,
+    check: Annotated[bool, typer.Option("--self-check", callback=_self_check, is_eager=True, help=_CHECKS)] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print what is decided and done, with times.")
     ] = False,

@@ -161,14 +161,11 @@ class SpaceStructure:
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
         figures = ([tuple(known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
-        return SeatDescription(
-            tuple((at.point + 0.0).tolist()),
-            at.how,
-            tuple(((floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius + 0.0).tolist()),
-            tuple((floor.normal + 0.0).tolist()),
-            tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
-            tuple(map(ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures)),
-        )
+        every = tuple(map(ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures))
+        pull = (floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius
+        vectors = (at.point, pull, floor.normal, *floor.axes)
+        place, load, normal, *axes = (tuple((vector + 0.0).tolist()) for vector in vectors)
+        return SeatDescription(place, at.how, load, normal, tuple(axes), every)
 
     def floor(self, modes: ModesAtSpeed) -> Floor:
         """The cavity's floor at a speed.
