@@ -185,14 +185,10 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     """The same on a mesh of which the points (2, n) are known."""
     place = given_place(scene)
-    return tip(points) if place is None else place
-
-
-def tip(points: np.ndarray) -> tuple[float, float]:
-    """The middle of the tip of a plate with these points (2, n)."""
-    x, y = points
-    outermost = y[_outermost(points)]
-    return float(x.max()), float(0.5 * (outermost.min() + outermost.max()))
+    if place is not None:
+        return place
+    x, y = points[:, _outermost(points)]
+    return float(x.max()), float(0.5 * (y.min() + y.max()))
 
 
 def _outermost(points: np.ndarray) -> np.ndarray:

@@ -363,16 +363,13 @@ def _direction(value: object) -> tuple[float, ...]:
 
 def _place(value: object, info: ValidationInfo) -> tuple[float, ...] | str | int:
     """Two or three lengths, the name of a set of nodes, or the number of a node."""
-    expectation = (
-        f"expected a place such as {_two(LENGTH)} on a plate, three lengths in space, the name of a set of nodes or the"
-        " number of a node"
-    )
     if isinstance(value, str) and value.strip():
         return _line(value)
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return value
     if not isinstance(value, list | tuple) or not 2 <= len(value) <= 3:
-        raise wrong(expectation)
+        others = "three lengths in space, the name of a set of nodes or the number of a node"
+        raise wrong(f"expected a place such as ['{LENGTH.example}', '{LENGTH.example}'] on a plate, {others}")
     return tuple(si(LENGTH, item, info) for item in value)
 
 
@@ -380,10 +377,6 @@ def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSch
     """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
     expectation = f"expected a value such as '{kind.example}', or a list of two, one for each axis"
     return several(partial(si if zero else above_zero, kind), quantity_schema(kind), expectation, 2, 2, single=True)
-
-
-def _two(kind: Kind) -> str:
-    return f"['{kind.example}', '{kind.example}']"
 
 
 _TRADE_NAMES = {"titanium": "Ti-6Al-4V", "ti64": "Ti-6Al-4V", "inconel": "Inconel 718", "aluminum": "aluminium"}

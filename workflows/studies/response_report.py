@@ -174,7 +174,7 @@ def sentences(result: Response) -> list[str]:
             f" {capital(each)}." for each in remarks.misfit(result.results.scene, result.results.speeds)
         )
     answer += _added(result)
-    speeds = _speeds(result)
+    speeds = result.results.scene.rotor.speeds
     for passage in result.passages:
         largest = {peak(passage, force)[0] for force in range(len(passage.forces))} & {0, len(passage.omega) - 1}
         if largest and shows(passage, speeds):
@@ -182,11 +182,6 @@ def sentences(result: Response) -> list[str]:
             where = "the scene's speeds" if at_end else "the speeds followed"
             answer.append(f"{place(passage.crossing)}, at the end of {where}: the peak may lie outside them.")
     return answer
-
-
-def _speeds(result: Response) -> list[float]:
-    """All of the scene [rad/s]."""
-    return list(result.results.scene.rotor.speeds)
 
 
 def _added(result: Response) -> list[str]:
@@ -213,7 +208,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     frictionless = estimate.reason == Reason.SLIP and damper is not None and damper.friction == 0
     if frictionless or (estimate.reason and estimate.reason not in _OF_MOTION):
         return estimate
-    if not shows(passage, _speeds(result)):
+    if not shows(passage, result.results.scene.rotor.speeds):
         return replace(estimate, reason=Reason.OTHER_MODE, detail=HIDDEN)
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels
