@@ -223,8 +223,7 @@ def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.
         cosine, sine = np.cos(tilt * u), np.sin(tilt * u)
         along.append(driven * cosine - pressed * sine)
         force = force * cosine + driven * sine
-    needed: np.ndarray = (np.hypot(*along) / np.maximum(force, 1e-9 * load)).max(axis=0)
-    return needed
+    return np.asarray((np.hypot(*along) / np.maximum(force, 1e-9 * load)).max(axis=0))
 
 
 _NOTABLE = 0.99

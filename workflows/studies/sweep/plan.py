@@ -477,8 +477,7 @@ def sobol(dimensions: int, count: int, seed: int) -> Floats:
     """So many points, a power of two, spread over the unit cube."""
     from scipy.stats import qmc
 
-    shares: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
-    return shares
+    return np.asarray(qmc.Sobol(dimensions, scramble=True, rng=seed).random(count))
 
 
 def at_shares(axes: Sequence[Axis], shares: Floats, identity: Mapping[str, Any]) -> Plan:
