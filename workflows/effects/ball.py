@@ -141,11 +141,8 @@ def _structural_modes(case: Case) -> Called:
     reason = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
     if ratio > scene.budget.scattered:
         return Called(True, f"{reason}: its hits scatter energy into modes beyond the first")
-    return Called(
-        False,
-        f"release, load and cavity lie in the bending plane, and {reason}: too light to scatter"
-        f" {significant(100 * target)} % into modes beyond the first",
-    )
+    light = f"too light to scatter {significant(100 * target)} % into modes beyond the first"
+    return Called(False, f"release, load and cavity lie in the bending plane, and {reason}: {light}")
 
 
 def _modes_refused(scene: Scene) -> Refusal | None:

@@ -143,21 +143,16 @@ class Damper(Table):
                 )
         for side in self.cavity:
             if side < 2 * self.radius * (1 - ROUNDING):
-                raise fault(
-                    "cavity",
-                    f"a ball of radius {_mm(self.radius)} does not fit: expected sides of at least"
-                    f" {_mm(2 * self.radius)}",
-                )
+                ball, least = _mm(self.radius), _mm(2 * self.radius)
+                raise fault("cavity", f"a ball of radius {ball} does not fit: expected sides of at least {least}")
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
         lever = self.rolling_friction
         if isinstance(lever, float) and lever < 0:
             raise fault("rolling_friction", "expected at least 0")
         if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
-            raise fault(
-                "rolling_friction",
-                f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}",
-            )
+            problem = f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}"
+            raise fault("rolling_friction", problem)
         return self
 
     @property

@@ -519,11 +519,8 @@ def check_weight(damper: Damper, structure: float) -> None:
     """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
     if damper.balls is not None and damper.balls > HEAVIEST * structure:
         key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
-        raise fault(
-            f"damper.{key}",
-            f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
-            f" {damper.balls:g} kg",
-        )
+        problem = f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg"
+        raise fault(f"damper.{key}", f"{problem}; these weigh {damper.balls:g} kg")
     _check_count(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
 
 
@@ -533,11 +530,8 @@ def _check_count(damper: Damper, mass: float | None) -> None:
         return
     most = max(int(mass / (4 / 3 * math.pi * damper.radius**3 * LIGHTEST)), 1)
     if damper.count > most:
-        raise fault(
-            "damper.count",
-            f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together: more would be"
-            f" lighter than {LIGHTEST:g} kg/m^3, the lightest foam",
-        )
+        problem = f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together"
+        raise fault("damper.count", f"{problem}: more would be lighter than {LIGHTEST:g} kg/m^3, the lightest foam")
 
 
 _OF_A_PLATE = {
@@ -631,16 +625,11 @@ class Scene(Table):
             self._check_plate()
         self._check_damper()
         if self.design is not None and self.design.amplitude is None and self.excitation is None:
-            raise fault(
-                "design.amplitude",
-                "missing: the range over which the least damping counts (or give [excitation] instead)",
-            )
+            problem = "missing: the range over which the least damping counts (or give [excitation] instead)"
+            raise fault("design.amplitude", problem)
         if self.excitation is not None and self.damper is not None and self.damper.damping_ratio == 0:
-            raise fault(
-                "damper.damping_ratio",
-                "without damping the amplitude at resonance is unbounded: give the damping ratio by air and clamp,"
-                " such as 0.001",
-            )
+            problem = "without damping the amplitude at resonance is unbounded"
+            raise fault("damper.damping_ratio", f"{problem}: give the damping ratio by air and clamp, such as 0.001")
         if self.plate is not None:
             check_on_plate(self.plate, self.damper, self.release)
         if self.damper is not None and (radius := self._damper_radius) is not None:
@@ -698,11 +687,8 @@ class Scene(Table):
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
-            raise fault(
-                "damper.at",
-                "missing: a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm'], a set of"
-                " its nodes or a node's number",
-            )
+            place = "a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm']"
+            raise fault("damper.at", f"missing: {place}, a set of its nodes or a node's number")
 
     def _check_plate(self) -> None:
         for table in ("plate", "material"):
@@ -718,11 +704,9 @@ class Scene(Table):
         if self.damper is None and self.release is not None:
             raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
-            raise fault(
-                "rotor.precone",
-                "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal, or the"
-                " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
-            )
+            problem = "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal"
+            alone = "the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)"
+            raise fault("rotor.precone", f"{problem}, or {alone}")
 
     def _check_given(self, structure: Structure) -> None:
         if self.damper is None:

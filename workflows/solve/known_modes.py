@@ -404,6 +404,9 @@ _UNLIKE = 2.0
 """Ratio of densities that the modes of a structure imply from which on their shapes are not normalised to mass."""
 
 
+_NORMALISED = "expected shapes of modal mass 1, or their modal masses"
+
+
 def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalModel:
     """The model of a file in m and kg, once its units and the scale of its shapes make sense.
 
@@ -422,11 +425,8 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         raise source.wrong(problem, "[structure] modes") from error
     largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
     if largest.size > 1 and np.ptp(largest) <= 1e-5 * largest.max():
-        raise source.wrong(
-            f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
-            " expected shapes of modal mass 1, or their modal masses",
-            "[structure] modes",
-        )
+        problem = f"the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass"
+        raise source.wrong(f"{name}: {problem}; {_NORMALISED}", "[structure] modes")
     try:
         fits = [modal_model.densities(model, modes) for modes in model.speeds]
     except modal_model.BadCells as error:
@@ -436,12 +436,9 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         return model
     every = np.concatenate([each for each in fits if each is not None])
     if every.max() > _UNLIKE * every.min():
-        raise source.wrong(
-            f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
-            f" {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3: expected shapes of modal"
-            " mass 1, or their modal masses",
-            "[structure] modes",
-        )
+        ends = f"from {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3"
+        problem = f"its shapes are not normalised to mass: for modal masses of 1 the modes would need densities {ends}"
+        raise source.wrong(f"{name}: {problem}: {_NORMALISED}", "[structure] modes")
     density = float(np.median(every))
     if not _LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
         raise source.wrong(_units(name, raw, model.size, density), "[structure] unit, mass_unit")
@@ -481,12 +478,10 @@ def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, 
     least = min(float((np.linalg.norm(modes.shapes, axis=2).max(axis=1) ** -2.0).min()) for modes in model.speeds)
     most = OSMIUM * (model.size / 3.0**0.5) ** 3
     if least > most:
-        raise source.wrong(
-            f"{name} would have an effective mass of {significant(least)} kg where it moves most, and its nodes span a"
-            f" block of {significant(most)} kg at most: was another unit meant? If not, nodes further away are missing"
-            " (of the root, for example)",
-            key,
-        )
+        heavy = f"{name} would have an effective mass of {significant(least)} kg where it moves most"
+        block = f"its nodes span a block of {significant(most)} kg at most"
+        nodes = "If not, nodes further away are missing (of the root, for example)"
+        raise source.wrong(f"{heavy}, and {block}: was another unit meant? {nodes}", key)
 
 
 _UNEVEN = 1.05
@@ -621,12 +616,10 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, 0])
         if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
-            raise source.wrong(
-                f"in the first mode the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
-                f" displacement, and their displacements by {significant(other / lift)} 1/m: expected rotations in rad"
-                " of the same shapes",
-                "[structure] modes",
-            )
+            tilts = f"tilt the floor by {significant(slope / lift)} 1/m over the displacement"
+            others = f"their displacements by {significant(other / lift)} 1/m"
+            problem = f"in the first mode the nodes' rotations {tilts}, and {others}"
+            raise source.wrong(f"{problem}: expected rotations in rad of the same shapes", "[structure] modes")
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
             f"The slope of the floor in the first mode, {significant(slope / lift)} 1/m over the displacement, is"

@@ -45,10 +45,9 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
         raise NoAnswer(f"{source.name}: [rotor] speeds, {key}: {error}") from error
     except fem.Unresolved as error:
         if source.scene.blade is not None:
-            raise NoAnswer(
-                f"{source.name}: [blade] root: in double precision the blade is all but loose: rounding leaves nothing"
-                " of its lowest frequency at rest; expected a root that holds it, and more or thicker cells"
-            ) from error
+            loose = "in double precision the blade is all but loose: rounding leaves nothing of its lowest frequency"
+            better = "expected a root that holds it, and more or thicker cells"
+            raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}") from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (fem.SingularMatrix, fem.NotConverged) as error:
