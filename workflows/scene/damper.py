@@ -280,14 +280,15 @@ _FOIL = 1e-5 * 1000.0
 """Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
 
 
+_HOUSED = "housing = the mass of what stands out of the plate"
+
+
 def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] | None:
     """Side 1 leaves a wall on either side of it."""
     if damper.housing or damper.cavity[0] < thickness * (1 - ROUNDING):
         return None
-    return "cavity", (
-        f"side 1 lies along the bending direction, through the plate's thickness: expected less than {_mm(thickness)},"
-        " or housing = the mass of what stands out of the plate"
-    )
+    side = "side 1 lies along the bending direction, through the plate's thickness"
+    return "cavity", f"{side}: expected less than {_mm(thickness)}, or {_HOUSED}"
 
 
 def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] | None:
@@ -300,14 +301,10 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
     if damper.housing or damper.cavity[1] < room * (1 - ROUNDING):
         return None
     if room <= ROUNDING * reach:
-        return "at", (
-            "on the plate's edge there is no room for a cavity: expected a place further in, or housing = the mass of"
-            " what stands out of the plate"
-        )
-    return "cavity", (
-        f"side 2 lies across the plate: expected less than {_mm(room)}, the room at its place, another place (at),"
-        " or housing = the mass of what stands out of the plate"
-    )
+        problem = "on the plate's edge there is no room for a cavity"
+        return "at", f"{problem}: expected a place further in, or {_HOUSED}"
+    smaller = f"expected less than {_mm(room)}, the room at its place, another place (at)"
+    return "cavity", f"side 2 lies across the plate: {smaller}, or {_HOUSED}"
 
 
 def cavities_abreast(damper: Damper, thickness: float, width: float) -> int:
@@ -321,10 +318,8 @@ def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -
     most = cavities_abreast(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
     if damper.housing or damper.count <= most:
         return None
-    return "count", (
-        f"the plate has room for {most} cavities of this size between its root and the damper's place: expected no"
-        " more, or housing = the mass of what stands out of the plate"
-    )
+    room = f"the plate has room for {most} cavities of this size between its root and the damper's place"
+    return "count", f"{room}: expected no more, or {_HOUSED}"
 
 
 def housing_too_light(damper: Damper) -> tuple[str, str] | None:

@@ -280,10 +280,8 @@ def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Ax
     where = "vary" if isinstance(vary, Mapping) else "--vary"
     axes = list[Axis]()
     for name, values in vary.items() if isinstance(vary, Mapping) else map(_split, vary):
-        key, given = (
-            find(name.strip(), where),
-            values.strip() if isinstance(values, str) else np.asarray(values).tolist(),
-        )
+        key = find(name.strip(), where)
+        given = values.strip() if isinstance(values, str) else np.asarray(values).tolist()
         try:
             axis = _ranged(key, values, gravity) if isinstance(values, str) else _listed(key, values, gravity)
         except ValueError as error:

@@ -105,11 +105,8 @@ def text(work_precision: WorkPrecision) -> str:
         lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
         for row in study.rows:
             unknowns = formatting.DASH if row.unknowns is None else str(row.unknowns)
-            figures = (
-                f"{_milliseconds(row):>10} {formatting.significant(row.error, 2):>9}"
-                if row.failed is None
-                else f" {row.failed}"
-            )
+            figures = f"{_milliseconds(row):>10} {formatting.significant(row.error, 2):>9}"
+            figures = figures if row.failed is None else f" {row.failed}"
             lines.append(f"  {row.method:<30} {row.setting:<{wide}} {unknowns:>9} {figures}")
         lines.append("")
     lines.append("chosen by the scene's accuracy")
