@@ -20,9 +20,9 @@ from workflows.errors import BadInput
 from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
-from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
+from workflows.report.mode_viewer import POINTS, Indices, damper_mark, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
-from workflows.scene import paper, plate_mesh
+from workflows.scene import paper
 from workflows.scene.scene import Scene, as_typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
@@ -460,12 +460,11 @@ def mesh(results: Results, target: Target = PAGE) -> Figure | None:
     surface, scene = results.surface, results.scene
     if surface is None or surface.frame is not None:
         return None
-    mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
-    return mesh_of(surface, mark, held(scene), target)
+    return mesh_of(surface, damper_mark(scene, surface), held(scene), target)
 
 
-def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, target: Target = PAGE) -> Figure:
-    """A surface from above, as it is drawn, with its damper (x, y) [m], if any; `root` says what its root is."""
+def mesh_of(surface: Surface, mark: tuple[float, ...] | None, root: str, target: Target = PAGE) -> Figure:
+    """A surface from above, as it is drawn, with its damper at (x, y, …) [m], if any; `root` says what its root is."""
     surface = replace(surface, points=surface.drawn(surface.points))
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
@@ -482,7 +481,7 @@ def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, targe
     _draw(axes, points, surface.root, plots.CATEGORIES[0], 3.0)
     axes.plot([], [], color=plots.CATEGORIES[0], lw=3.0, label=root)
     if mark is not None:
-        x, y = (metres * value for value in mark)
+        x, y = (metres * value for value in mark[:2])
         axes.plot(x, y, "o", ms=7, mfc="none", mec=plots.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
     names = ("x, radial", "y, across") if surface.frame is None else _named_axes(surface.frame)

@@ -265,8 +265,7 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
     seen = view(view_data, first, mode)
     with plots.style():
-        mark = None if view_data.mark is None else (view_data.mark[0], view_data.mark[1])
-        figure = figures.mesh_of(view_data.surface, mark, view_data.root)
+        figure = figures.mesh_of(view_data.surface, view_data.mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
 
