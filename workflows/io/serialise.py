@@ -338,10 +338,8 @@ def write_unpublished(results: Results, file: h5netcdf.File) -> None:
 
 def _unpublished(record: Any) -> dict[str, Any]:
     """The fields of a record, and of those within it, that JSON leaves out, as JSON is nested."""
-    rest: dict[str, Any] = {}
     alone, parts = _unpublished_fields(record.__class__)
-    for name in alone:
-        rest[name] = getattr(record, name)
+    rest: dict[str, Any] = {name: getattr(record, name) for name in alone}
     for name, key in parts:
         value = getattr(record, name)
         if is_dataclass(value):

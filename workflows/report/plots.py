@@ -259,10 +259,9 @@ def _titles(figure: Figure, values: Iterable[Value]) -> str:
         drawn, box = list(group), axes.bbox
         places = axes.transData.transform([(value.x, value.y) for value in drawn]).tolist()
         for value, (x, y) in zip(drawn, places, strict=True):
-            if not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
-                continue
             place = round(x / _APART), round(y / _APART)
-            if place in taken:
+            inside = box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1
+            if not inside or place in taken:
                 continue
             taken.add(place)
             shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
