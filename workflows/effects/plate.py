@@ -9,23 +9,17 @@ import numpy as np
 
 import fem
 from fem.meshes.mesh_sequence import Planform
-from workflows.effects.definition import (
-    AT_REST,
-    CELLS_PER_MODE,
-    GIVEN,
-    Called,
-    Case,
-    Definition,
-    LeftOut,
-    Refusal,
-    everywhere,
-)
+from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, Refusal, everywhere
 from workflows.formatting import beside, share, significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.accuracy.neglected_effects import Bent, Turned
+
+
+CELLS_PER_MODE = 10
+"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
 
 
 def _stress_stiffening(case: Case) -> Called:

@@ -5,16 +5,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, WithJsonSchema, model_validator
 
 from fem.meshes.thickness import Bilinear, Polynomial, Profile
 from fem.meshes.thickness import of as thickness_of
@@ -270,10 +261,8 @@ def _either(schema: dict[str, Any]) -> None:
     schema["oneOf"] = [{"required": ["name"]}, {"required": schema.pop("required")}]
 
 
-class Material(Table):
+class Material(Table, json_schema_extra=_either):
     """Linear, isotropic, homogeneous: three numbers, or the name of a material that has them."""
-
-    model_config = ConfigDict(json_schema_extra=_either)
 
     name: Annotated[str, *q.name_of(materials.PLATES)] | None = None
     """a material whose numbers are known, instead of the numbers"""

@@ -23,20 +23,9 @@ from workflows.formatting import interval, percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
+from workflows.solve import results
 from workflows.solve.coupling import modes_of, reduced_of
-from workflows.solve.results import (
-    ErrorParts,
-    Floats,
-    Ints,
-    Mode,
-    ModeAtSeat,
-    SeatDescription,
-    SpeedPoint,
-    Surface,
-    known,
-    skin,
-    speeds_with_shapes,
-)
+from workflows.solve.results import Floats, Ints, SpeedPoint
 
 if TYPE_CHECKING:
     from fem.reduction.known_modes import Floor
@@ -151,7 +140,7 @@ class SpaceStructure:
         points = self.model.points if self.seat is None else self.seat.place.point[None]
         return float(np.linalg.norm(self.model.load(points), axis=1).max())
 
-    def seat_at(self, omega: float) -> SeatDescription | None:
+    def seat_at(self, omega: float) -> results.SeatDescription | None:
         """How the damper lies at a speed [rad/s]; None without one."""
         if self.seat is None:
             return None
@@ -160,12 +149,12 @@ class SpaceStructure:
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
-        figures = ([tuple(known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
-        every = tuple(map(ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures))
+        figures = ([tuple(results.known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
+        every = tuple(map(results.ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures))
         pull = (floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius
         vectors = (at.point, pull, floor.normal, *floor.axes)
         place, load, normal, *axes = (tuple((vector + 0.0).tolist()) for vector in vectors)
-        return SeatDescription(place, at.how, load, normal, tuple(axes), every)
+        return results.SeatDescription(place, at.how, load, normal, tuple(axes), every)
 
     def floor(self, modes: ModesAtSpeed) -> Floor:
         """The cavity's floor at a speed.
@@ -180,11 +169,11 @@ class SpaceStructure:
             raise ValueError("the scene has no [damper]")
         return floor(self.model, self.seat.place, modes, self.seat.direction, self.seat.normal)
 
-    def surface(self, speeds: Sequence[float], count: int) -> Surface:
+    def surface(self, speeds: Sequence[float], count: int) -> results.Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        shown = speeds_with_shapes(len(speeds))
+        shown = results.speeds_with_shapes(len(speeds))
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
-        surface, used = skin(self.model.points, self.model.cells)
+        surface, used = results.skin(self.model.points, self.model.cells)
         if used.size:
             shapes = shapes[:, :, used]
             held = modal_model.held(shapes)[surface.outline].all(axis=1)
@@ -222,7 +211,7 @@ _STILL = 1e-6
 """Displacement of a place over the largest of all modes that counts as none."""
 
 
-def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | None) -> tuple[Mode, ...]:
+def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | None) -> tuple[results.Mode, ...]:
     """Modes as results have them; their errors are those of the file, where it has some, and of interpolation.
 
     left_out: what large deflection, Coriolis forces and cavities would move, each relative, (modes,).
@@ -233,9 +222,9 @@ def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | Non
         return [missing] * count if values is None else values[:count].tolist()
 
     exact, between = [0.0] * count, each(modes.interpolation, math.nan)
-    errors = map(ErrorParts, each(modes.errors), exact, between, exact, *map(each, left_out))
+    errors = map(results.ErrorParts, each(modes.errors), exact, between, exact, *map(each, left_out))
     branches = range(count) if modes.tracks is None else each(modes.tracks)
-    return tuple(map(Mode, each(modes.frequencies_hz), families, errors, each(modes.damping_ratios), branches))
+    return tuple(map(results.Mode, each(modes.frequencies_hz), families, errors, each(modes.damping_ratios), branches))
 
 
 def space_structure(source: SceneFile) -> SpaceStructure:
