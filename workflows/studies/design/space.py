@@ -298,9 +298,8 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     used, over = tuple(shares.items()), exceeded(shares)
     if over is not None:
         name, ratio = over
-        return Evaluation(
-            0.0, -objectives.BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name)
-        )
+        score, why = -objectives.BEYOND - math.log(ratio), Obstacle("limit", text=name)
+        return Evaluation(0.0, score, mass=mass, used=used, why=why)
     sticks_out = fastest.point.sticks_out
     if space.has_to_fit and scene.blade is not None and sticks_out > 0:
         score, why = -objectives.BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
