@@ -103,7 +103,8 @@ def of_plate(
     if place is not None:
         told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
-    root, even = figures.held(scene) if len(surface.root) else "", thickness if isinstance(thickness, float) else None
+    root = figures.held(scene) if len(surface.root) else ""
+    even = thickness if isinstance(thickness, float) else None
     return ViewData(scene.title, surface, (*known, *words), {"damper": place, **known_of}, root, speeds, mark, even)
 
 

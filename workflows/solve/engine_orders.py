@@ -190,9 +190,10 @@ def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[Sp
     rpm = math.sqrt(a**2 + below / (below - above) * (b**2 - a**2))
     point, k = low if rpm - a < b - rpm else high
     mode = point.modes[k] if point.modes else Mode(f, "flap")
-    basis, turns = 0.0 if mode.error_parts is None else mode.error_parts.basis, 3600 * (g**2 - f**2) / (b**2 - a**2)
+    basis = 0.0 if mode.error_parts is None else mode.error_parts.basis
+    turns = 3600 * (g**2 - f**2) / (b**2 - a**2) / order
     of = {"order": order, "label": label, "rpm": rpm, "frequency_hz": order * rpm / 60, "error": mode.error_estimate}
-    return copy_fields(Crossing, mode, **of, basis=basis, turns=turns / order)
+    return copy_fields(Crossing, mode, **of, basis=basis, turns=turns)
 
 
 def frequency_of(point: SpeedPoint, k: int) -> float:

@@ -134,7 +134,8 @@ class StructureState:
 
     def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
         """A run's results at these points, or at all of them."""
-        speeds, timings = self.points if points is None else points, {} if stages is None else stages.timings()
+        speeds = self.points if points is None else points
+        timings = {} if stages is None else stages.timings()
         scene, notes = self.source.scene, self.source.remarks
         return copy_fields(Results, self, scene=scene, speeds=speeds, notes=notes, timings=timings)
 

@@ -60,7 +60,8 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
     for number, method in enumerate(methods):
         rows = [row for row in study.rows if row.method == method and row.time_s is not None and row.error is not None]
         if rows:
-            errors, times = [max(row.error or 0.0, _SMALLEST) for row in rows], [row.time_s or 0.0 for row in rows]
+            errors = [max(row.error or 0.0, _SMALLEST) for row in rows]
+            times = [row.time_s or 0.0 for row in rows]
             colour, marker = (each[number % len(each)] for each in (plots.CATEGORIES, plots.MARKERS))
             style = "-" if number < len(plots.CATEGORIES) else (0, (3, 2))
             axes.plot(errors, times, color=colour, marker=marker, ls=style, lw=1.0, label=method)
