@@ -189,7 +189,7 @@ def _ways(dimensions: int, free: list[int]) -> Floats:
     """Steps to either side along each of the free axes, and along two at once: limits are seldom along one."""
     one = np.eye(dimensions)[free]
     pairs = [first + sign * second for first, second in combinations(one, 2) for sign in (-1.0, 1.0)]
-    return np.asarray(np.array([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)]))
+    return np.asarray([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
 
 
 _GOES_ON = "the designs evaluated so far are kept; the same command resumes"
