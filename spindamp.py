@@ -116,7 +116,7 @@ def modes(scene: SceneLike = DEFAULT, file: str | PathLike[str] | None = None) -
         BadInput: the scene has no modes, or complex ones; the file cannot be written.
     """
     from workflows import pipeline
-    from workflows.io.modes import save_modes
+    from workflows.io.files import save_modes
 
     model = pipeline.modes(as_scene_file(scene), Stages(visible=False))
     if file is not None:
@@ -259,9 +259,8 @@ def save(results: Results | Response, folder: str | PathLike[str]) -> Path:
 
     if isinstance(results, Response):
         from workflows.io.files import write_study
-        from workflows.studies import response_report
 
-        write_study(response_report, results, Path(folder))
+        write_study(results, Path(folder))
         return Path(folder)
     return workflows.save(results, folder)
 

@@ -96,8 +96,7 @@ class Backbone:
         ratio, omega = branch.at(amplitude)
         nu = omega if frequency is None else np.full_like(amplitude, frequency)
         lost = self.dashpot * nu + 2 * self.stiffness * ratio
-        force: Floats = amplitude * np.hypot(self.mass * (omega**2 - nu**2), lost)
-        return force
+        return np.asarray(amplitude * np.hypot(self.mass * (omega**2 - nu**2), lost))
 
     def answers(self, force: float, frequency: float | None = None) -> tuple[tuple[float, float], ...]:
         """All amplitudes that a force keeps up, ascending, each with the frequency of free vibration at it.

@@ -397,8 +397,7 @@ def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
         level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
     number = np.repeat(np.arange(len(level)), level.shape[1])
     rows: Floats = np.column_stack([level.reshape(-1, 2), number])
-    known: Floats = rows[np.isfinite(rows[:, 0] + rows[:, 1])]
-    return known
+    return np.asarray(rows[np.isfinite(rows[:, 0] + rows[:, 1])])
 
 
 class Sweeps(NamedTuple):

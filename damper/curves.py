@@ -337,8 +337,7 @@ def spread(samples: Floats, whole: DampingCurve) -> float:
 
     def around(amplitude: Floats, ratio: Floats) -> Floats:
         near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / BINS
-        selected: Floats = ratio[near]
-        return selected
+        return np.asarray(ratio[near])
 
     known, number = np.unique(samples[:, 2], return_inverse=True)
     sweeps = len(known)

@@ -54,8 +54,7 @@ class Structures(NamedTuple):
     def coupled(self) -> npt.NDArray[np.bool_]:
         """Whether anything couples the two axes of a damper, shape (n,)."""
         active = (self.shape != 0) | (self.pull != 0)
-        coupled: npt.NDArray[np.bool_] = (active[:, 0] & active[:, 1]).any(axis=1) | (self.curve[:, 0, 1] != 0)
-        return coupled
+        return np.asarray((active[:, 0] & active[:, 1]).any(axis=1) | (self.curve[:, 0, 1] != 0))
 
 
 def structures_by(damper: ParticleDamper, rows: Parameters) -> Structures:
@@ -118,8 +117,7 @@ def forces_on(structures: Structures, harmonics: Sequence[Harmonic]) -> Floats:
             raise ValueError(f"modal must be {k} forces, one for each mode, got {len(one.modal)}")
     push, base = (np.array([getattr(one, name) for one in harmonics])[:, None, :] for name in ("force", "base"))
     modal = np.array([one.modal or (0.0,) * k for one in harmonics])
-    forces: Floats = modal + (push @ structures.shape)[:, 0] - (base @ structures.drawn)[:, 0]
-    return forces
+    return np.asarray(modal + (push @ structures.shape)[:, 0] - (base @ structures.drawn)[:, 0])
 
 
 REGIMES = 3
@@ -438,13 +436,11 @@ def _fill(room: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
 def _spans(equations: Equations, members: list[list[int]]) -> Floats:
     """Length (n, groups) [s] of each group's steps; a group without a mode of its own takes the others'."""
     rates = np.stack([_fastest(equations, group) for group in members], axis=1)
-    spans: Floats = STEP / np.where(rates > 0.0, rates, rates.max(axis=1, keepdims=True))
-    return spans
+    return np.asarray(STEP / np.where(rates > 0.0, rates, rates.max(axis=1, keepdims=True)))
 
 
 def _fastest(equations: Equations, group: list[int]) -> Floats:
     """Largest angular frequency or decay rate of a group's flights, and of what drives it, shape (n,) [rad/s]."""
     both = np.stack([equations.stiffness, equations.damping])[..., group, :][..., group]
     turns, decays = np.abs(np.linalg.eigvals(both)).max(axis=(2, 3))
-    fastest: Floats = np.maximum(np.maximum(np.sqrt(turns), decays), equations.frequency)
-    return fastest
+    return np.asarray(np.maximum(np.maximum(np.sqrt(turns), decays), equations.frequency))

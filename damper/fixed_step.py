@@ -50,8 +50,7 @@ class SteppedRingDown:
     def sdc(self) -> Floats:
         """Specific damping capacity from each cycle to the next, shape (cycles - 1,) [-]."""
         v = self.peak_velocities
-        sdc: Floats = 1.0 - (v[1:] / v[:-1]) ** 2
-        return sdc
+        return np.asarray(1.0 - (v[1:] / v[:-1]) ** 2)
 
 
 def stepped_ringdown(

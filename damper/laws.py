@@ -58,8 +58,7 @@ class Bounds(NamedTuple):
     def speed(self, energy: Floats) -> Floats:
         """Largest sqrt(2 T), and sqrt(2 V), at a total energy, both of shape (n, …) [J^0.5]."""
         depth = self.depth.reshape(-1, *(1,) * (energy.ndim - 1))
-        speed: Floats = np.sqrt(np.maximum(2 * (energy + depth), 0.0))
-        return speed
+        return np.asarray(np.sqrt(np.maximum(2 * (energy + depth), 0.0)))
 
     def work(self, speed: Floats, time: Floats | float, path: Floats | float = np.inf) -> Floats:
         """Largest L at such a speed, without the terms in `bowl`, the ball's own energy and the dashpots.
@@ -72,8 +71,7 @@ class Bounds(NamedTuple):
         speed, time = speed[:, None], np.asarray(time).reshape(-1, 1)
         along = np.fmin(path, self.drive * speed * time) + 2 * self.hold * speed
         across = self.skew[:, None] * np.sqrt(1 / self.ball + self.mobility)[:, None] * speed * time
-        work: Floats = self.ball * (self.gap * (along + across)).sum(axis=1)
-        return work
+        return np.asarray(self.ball * (self.gap * (along + across)).sum(axis=1))
 
     def dashpot_work(self, structures: Structures, speed: Floats, time: Floats | float) -> Floats:
         """Largest integral of m s' Gamma Phi M⁻¹ C q' in L, for one mode an axis, shape (n,) [J].
@@ -85,8 +83,7 @@ class Bounds(NamedTuple):
         mass, stuck = structures.mass, structures.mass + ball
         ends = 2 * speed * (stuck / np.sqrt(mass) + np.sqrt(ball * stuck / mass))
         forces = speed * (structures.dashpot / np.sqrt(mass) + np.sqrt(structures.spring)) + self.pull
-        work: Floats = (ball * structures.dashpot / stuck**2 * self.gap * (ends + time * forces)).sum(axis=1)
-        return work
+        return np.asarray((ball * structures.dashpot / stuck**2 * self.gap * (ends + time * forces)).sum(axis=1))
 
 
 def bounds_of(rows: Parameters, structures: Structures) -> Bounds:
@@ -353,8 +350,7 @@ def _drive_of_amplitude(damper: ParticleDamper) -> Floats:
     """Drive along x and y of a ball at rest in the middle, abs(omega² - E), for one mode an axis, shape (2,) [1/s²]."""
     structures = _bounds(damper, damper.parameters)[0]
     pull = np.diag(structures.pull[0])
-    drive: Floats = abs(structures.spring[0] / damper.stuck_mass - pull)
-    return drive
+    return np.asarray(abs(structures.spring[0] / damper.stuck_mass - pull))
 
 
 def check_rest_amplitude(damper: ParticleDamper, amplitude: float) -> None:

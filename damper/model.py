@@ -188,8 +188,7 @@ def validate(rows: Parameters) -> None:
 
 def stuck_frequency(rows: Parameters) -> Floats:
     """omega_1 along x, the ball stuck, shape (n,) [rad/s]."""
-    omega: Floats = np.sqrt(rows["stiffness"][:, 0] / (rows["modal_mass"] + rows["ball_mass"]))
-    return omega
+    return np.asarray(np.sqrt(rows["stiffness"][:, 0] / (rows["modal_mass"] + rows["ball_mass"])))
 
 
 def stuck_decay(rows: Parameters) -> tuple[Floats, Floats]:
@@ -207,14 +206,12 @@ def stuck_decay(rows: Parameters) -> tuple[Floats, Floats]:
 
 def half_gap(rows: Parameters) -> Floats:
     """How far the ball's centre can go from the cavity's centre along x and y, shape (n, 2) [m]."""
-    gap: Floats = np.maximum(0.5 * rows["cavity"] - rows["ball_radius"][:, None], 0.0)
-    return gap
+    return np.asarray(np.maximum(0.5 * rows["cavity"] - rows["ball_radius"][:, None], 0.0))
 
 
 def rolling_threshold(rows: Parameters) -> Floats:
     """a_r = mu_r N / (r m_p), shape (n,) [m/s^2]."""
-    threshold: Floats = rows["rolling_friction"] / rows["ball_radius"] * rows["centrifugal_acceleration"]
-    return threshold
+    return np.asarray(rows["rolling_friction"] / rows["ball_radius"] * rows["centrifugal_acceleration"])
 
 
 def inertia_ratio(rows: Parameters) -> Floats:
@@ -229,8 +226,7 @@ def spin_mass(rows: Parameters) -> Floats:
 
 def lateral_pull(rows: Parameters) -> Floats:
     """Constant acceleration of the ball along the floor, as of a load not square to it, shape (n, 2) [m/s^2]."""
-    pull: Floats = rows["lateral_acceleration"]
-    return pull
+    return np.asarray(rows["lateral_acceleration"])
 
 
 def resting_place(rows: Parameters) -> Floats:
@@ -242,8 +238,7 @@ def resting_place(rows: Parameters) -> Floats:
     steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
     with np.errstate(divide="ignore", invalid="ignore"):
         far = np.where(beyond > 0, np.minimum(half_gap(rows), np.where(steep > 0, beyond / steep, np.inf)), 0.0)
-    place: Floats = np.where(rows["break_away"][:, None] > 0, np.sign(lateral_pull(rows)) * far, 0.0)
-    return place
+    return np.asarray(np.where(rows["break_away"][:, None] > 0, np.sign(lateral_pull(rows)) * far, 0.0))
 
 
 def break_away_threshold(rows: Parameters) -> Floats:
@@ -255,30 +250,26 @@ def break_away_threshold(rows: Parameters) -> Floats:
     steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
     pull = np.abs(lateral_pull(rows)) - steep * np.abs(place)
     held = rolling_threshold(rows) + rows["break_away"] * rows["centrifugal_acceleration"]
-    threshold: Floats = held[:, None] + np.where((place != 0) & (np.abs(place) >= half_gap(rows)), pull, -pull)
-    return threshold
+    return np.asarray(held[:, None] + np.where((place != 0) & (np.abs(place) >= half_gap(rows)), pull, -pull))
 
 
 def path_curvature(rows: Parameters) -> Floats:
     """1 / rho of the path of the ball's centre on the cavity's floor along x and y, shape (n, 2) [1/m]."""
-    curvature: Floats = 1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None])
-    return curvature
+    return np.asarray(1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None]))
 
 
 def in_plane(rows: Parameters) -> Floats:
     """Omega² P, shape (n, 2, 2) [1/s²]: how the spin draws a ball outwards along x (flap) and y (chord)."""
     sine, cosine = np.sin(rows["stagger"]), np.cos(rows["stagger"])
     projection = np.array([[sine * sine, -sine * cosine], [-sine * cosine, cosine * cosine]])
-    drawn: Floats = np.moveaxis(projection * rows["rotation"] ** 2, -1, 0)
-    return drawn
+    return np.asarray(np.moveaxis(projection * rows["rotation"] ** 2, -1, 0))
 
 
 def level(rows: Parameters) -> npt.NDArray[np.bool_]:
     """Whether the load pulls the ball to no side, wherever structure and ball are, shape (n,)."""
     bent = (rows["floor_tilt"] != 0).any(axis=1) | np.isfinite(rows["floor_radius"]).any(axis=1)
     bent &= rows["centrifugal_acceleration"] != 0
-    square: npt.NDArray[np.bool_] = (rows["rotation"] == 0) & (lateral_pull(rows) == 0).all(axis=1) & ~bent
-    return square
+    return np.asarray((rows["rotation"] == 0) & (lateral_pull(rows) == 0).all(axis=1) & ~bent)
 
 
 def _require(holds: npt.NDArray[np.bool_], name: str, values: npt.NDArray[Any], rule: str) -> None:
@@ -515,8 +506,7 @@ class ParticleDamper:
         In a structure of several modes, that of those that yield most to a force at the cavity along x and along y.
         """
         load = self.parameters["centrifugal_acceleration"][0] * np.diag(self._tilt)
-        pull: Floats = load - in_plane(self.parameters)[0]
-        return pull
+        return np.asarray(load - in_plane(self.parameters)[0])
 
     def leading(self, axis: int) -> int:
         """Which of the modes yields most to a force at the cavity along an axis."""

@@ -55,8 +55,7 @@ class Flights:
         structures = structures_by(damper, rows)
         back = np.argsort(self.systems.order)[: structures.mass.shape[1]]
         z, rate = self.runs["motion"]["z"][:, back], self.runs["motion"]["rate"][:, back]
-        energies: Floats = 0.5 * (structures.spring * z**2 + structures.mass * rate**2)
-        return energies
+        return np.asarray(0.5 * (structures.spring * z**2 + structures.mass * rate**2))
 
     def state(self) -> Records:
         """Where the runs are, dtype `damper.state.RUN`."""
@@ -148,8 +147,7 @@ def moved_by(damper: ParticleDamper, amplitudes: npt.ArrayLike, count: int) -> t
 def _spread(shape: Floats, weight: Floats, moved: Floats) -> Floats:
     """Least coordinates, by their weights, that move the cavity so, shape (n, k)."""
     light = shape.transpose(0, 2, 1) / weight[:, :, None]
-    spread: Floats = (light @ np.linalg.pinv(shape @ light, hermitian=True) @ moved[:, :, None])[..., 0]
-    return spread
+    return np.asarray((light @ np.linalg.pinv(shape @ light, hermitian=True) @ moved[:, :, None])[..., 0])
 
 
 class Outcome(StrEnum):

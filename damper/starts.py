@@ -189,8 +189,7 @@ def _patience(rate: float, period: Floats, longest: int) -> Floats:
     """Cycles of the first window: a multiple of the batches in it, and half of what is allowed at most."""
     remembered = np.inf if rate == 0 else _MEMORY / (rate * period)
     cycles = np.minimum(np.where(np.isfinite(remembered), np.maximum(remembered, _SHORTEST), _SHORTEST), longest / 2)
-    whole: Floats = np.maximum(np.ceil(cycles / BATCHES), 1) * BATCHES
-    return whole
+    return np.asarray(np.maximum(np.ceil(cycles / BATCHES), 1) * BATCHES)
 
 
 def _begin(start: Start, here: slice, m: Motions, begun: _Begun, first: int) -> None:
@@ -250,10 +249,9 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
     nu = np.array([harmonic.frequency for harmonic in harmonics])[:, None]
     turn = np.exp(1j * np.array([harmonic.phase for harmonic in harmonics]))[:, None]
     damping = np.where(structures.dashpot > 0, structures.dashpot, _LOSSLESS * structures.mass * nu)
-    alone: Complex = (
+    return np.asarray(
         forces_on(structures, harmonics) * turn / (structures.spring - structures.mass * nu**2 + 1j * nu * damping)
     )
-    return alone
 
 
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:
@@ -262,8 +260,7 @@ def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))
-    least: Floats = factor.min(axis=1)
-    return least
+    return np.asarray(factor.min(axis=1))
 
 
 def forgets(systems: Systems) -> float:

@@ -81,8 +81,7 @@ class Forced:
     @property
     def residual(self) -> Floats:
         """What the books of power do not explain [W]."""
-        residual: Floats = self.power_in - self.power_lost - self.stored
-        return residual
+        return np.asarray(self.power_in - self.power_lost - self.stored)
 
 
 def summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:

@@ -90,9 +90,7 @@ def fixed(value: float | None, places: int = 0) -> str:
 
 def amount(value: float | None) -> str:
     """A number for a column whose rows differ by powers of ten: whole ones from 100 on, three digits below."""
-    if value is None or not math.isfinite(value):
-        return DASH
-    return fixed(value) if abs(value) >= 100 else significant(value)
+    return fixed(value) if value is not None and abs(value) >= 100 else significant(value)
 
 
 def percent(value: float | None, places: int = 2) -> str:

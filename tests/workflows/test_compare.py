@@ -63,7 +63,7 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
 
 
 def test_files(found, tmp_path: Path):
-    write_study(report, found, tmp_path / "out")
+    write_study(found, tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"compare.json", "compare.csv", "compare.svg", "report.html"} <= names
     document = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
@@ -82,7 +82,7 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
     other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
     other["design"] = {"clearance": ["0.1 mm", "4 mm"], "amplitude": ["1 mm", "2 mm"]}
     found = spindamp.compare(soft_and_stiff[2], other)
-    write_study(report, found, tmp_path / "out")
+    write_study(found, tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "<h1>stiff · slow</h1>" in page
     for text in (report.text(found).replace("\n", " "), page):

@@ -351,8 +351,8 @@ def study() -> WorkPrecision:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
-    write_study(report, study(), folder / "accuracy")
-    write_study(effects_report, EFFECTS, folder / "effects")
+    write_study(study(), folder / "accuracy")
+    write_study(EFFECTS, folder / "effects")
     return {name: folder / name / "report.html" for name in ("accuracy", "effects")}
 
 

@@ -12,7 +12,6 @@ import pytest
 
 from tests.workflows.browser import findings, needs_chromium
 from workflows.io.files import write_study
-from workflows.studies import reproduction_report as report
 from workflows.studies.reproduction import (
     FORMULATIONS,
     RELEASE,
@@ -167,7 +166,7 @@ def test_slips_are_numbers(found: Reproduction) -> None:
 @pytest.fixture(scope="module")
 def written(found: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction") / "out"
-    write_study(report, found, folder)
+    write_study(found, folder)
     return folder
 
 

@@ -288,7 +288,7 @@ def test_files(known, written):
         assert set(data["regime"].values.flat) <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
-    write_study(report, known, written)  # into its own folder again
+    write_study(known, written)  # into its own folder again
 
 
 @pytest.mark.usefixtures("few_speeds")

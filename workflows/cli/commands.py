@@ -21,7 +21,7 @@ from workflows.progress import LOG, Stages
 from workflows.versions import versions
 
 if TYPE_CHECKING:
-    from workflows.io.files import StudyReport
+    from workflows.io.files import StudyResult
     from workflows.scene.load import SceneFile
     from workflows.studies.sweep.executor import Workers
 
@@ -41,29 +41,18 @@ Dask = Annotated[
 ]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random numbers.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the machine-readable result and nothing else.")]
-Vary = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="KEY=VALUES",
-        help="START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; repeat the option for each key.",
-    ),
-]
+_RANGES = "START:STOP:COUNT, log:START:STOP:COUNT or a,b,c, with units; repeat the option for each key."
+Vary = Annotated[list[str] | None, typer.Option("--vary", metavar="KEY=VALUES", help=_RANGES)]
 Count = Annotated[
     int | None, typer.Option("--sample", metavar="N", help="Spread N points over all ranges instead of a grid.")
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Measure by fewer and faster sweeps, mostly to within 1 %.")]
-Uncertain = Annotated[
-    bool,
-    typer.Option(
-        "--uncertain",
-        help="Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices.",
-    ),
-]
+_DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices."
+Uncertain = Annotated[bool, typer.Option("--uncertain", help=_DISTRIBUTIONS)]
 
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
 
-Result = TypeVar("Result")
+Result = TypeVar("Result", bound="StudyResult")
 
 
 @_commands.command()
@@ -111,10 +100,9 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     The response is computed without and with the ball, under the forces of the table [excitation].
     Without --out, no files are written.
     """
-    from workflows.studies import response_report
     from workflows.studies.response import respond
 
-    _study(respond, response_report, out, json, _load(scene))
+    _study(respond, out, json, _load(scene))
 
 
 @_commands.command()
@@ -123,9 +111,9 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
     Without --out, no files are written.
     """
-    from workflows.studies import reproduction, reproduction_report
+    from workflows.studies.reproduction import reproduce
 
-    _study(reproduction.reproduce, reproduction_report, out, json)
+    _study(reproduce, out, json)
 
 
 @_commands.command()
@@ -136,10 +124,9 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
 
     Without --out, no files are written.
     """
-    from workflows.studies.work_precision import report
     from workflows.studies.work_precision.study import study
 
-    _study(study, report, out, json, _load(scene))
+    _study(study, out, json, _load(scene))
 
 
 @_commands.command()
@@ -148,9 +135,9 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
 
     Without --out, no files are written.
     """
-    from workflows.studies.work_precision import effects as study
+    from workflows.studies.work_precision.effects import effect_study
 
-    _study(study.effect_study, study, out, json, _load(scene))
+    _study(effect_study, out, json, _load(scene))
 
 
 @_commands.command()
@@ -222,7 +209,7 @@ def design(
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
     partial_results = None if out is None else out.with_name(f"{out.name}.partial")
-    best = _study(partial(solve, source), report, out, json, damper=False)
+    best = _study(partial(solve, source), out, json, damper=False)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.optimum.evaluation.works:
@@ -243,7 +230,7 @@ def compare(
     from workflows.studies import comparison
 
     loaded = [each if Path(each).is_dir() else _load(each) for each in runs]
-    _study(lambda stages: comparison.compare(loaded, stages), comparison, out, json)
+    _study(lambda stages: comparison.compare(loaded, stages), out, json)
 
 
 @_commands.command()
@@ -259,16 +246,16 @@ def modes(
     Without --out, the modes are listed.
     """
     from workflows import pipeline
-    from workflows.io import modes as files
+    from workflows.io import files
     from workflows.report import text
 
     if out is not None:
-        files.named(out, "--out")
+        files.modes_file(out, "--out")
     with Stages(lines=True) as stages:
         model = pipeline.modes(_load(scene), stages)
     if out is not None:
         files.save_modes(model, out, "--out")
-    typer.echo(files.dumps(model) if json else text.of_modes(model, out))
+    typer.echo(files.dump_modes(model) if json else text.of_modes(model, out))
 
 
 @_commands.command()
@@ -403,14 +390,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
-def _study(
-    solve: Callable[..., Result],
-    report: StudyReport[Result],
-    out: Path | None,
-    json: bool,
-    *of: SceneFile,
-    damper: bool = True,
-) -> Result:
+def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: SceneFile, damper: bool = True) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned; `of`: a study of one scene."""
     from workflows.io import files, folder
 
@@ -422,8 +402,8 @@ def _study(
         result = solve(*of, stages)
         if out is not None:
             with stages("report"):
-                files.write_study(report, result, out)
-    _show(files.as_json(report.document(result)) if json else plain(report.text(result)), out, json)
+                files.write_study(result, out)
+    _show(files.as_json(result.document()) if json else repr(result), out, json)
     return result
 
 
@@ -453,16 +433,16 @@ def _announce_compiler() -> None:
     from damper import compiled
 
     if not compiled.COMPILES:
-        problem = "a hundred times slower, and results do not wait for their self-check"
-        typer.echo(f"spindamp: NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {problem}", err=True)
+        slow = "a hundred times slower, and results do not wait for their self-check"
+        problem = f"NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {slow}"
     elif not compiled.CACHED:
-        problem = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
-        typer.echo(f"spindamp: {problem}: every start takes some ten seconds longer", err=True)
+        why = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
+        problem = f"{why}: every start takes some ten seconds longer"
     elif compiled.fresh() and sys.stderr.isatty():
-        typer.echo(
-            "spindamp: compiling the damper's kernels, once for an installation: up to a minute, with their check",
-            err=True,
-        )
+        problem = "compiling the damper's kernels, once for an installation: up to a minute, with their check"
+    else:
+        return
+    typer.echo(f"spindamp: {problem}", err=True)
 
 
 def _version(requested: bool) -> None:
@@ -503,20 +483,15 @@ def _listen(context: typer.Context, verbose: bool, log: Path | None) -> None:
         LOG.info("spindamp %s: %s", versions()["spindamp"], " ".join(sys.argv[1:]))
 
 
+_CHECKS = "Compare reference plates and motions with independent results; print the versions."
+
+
 def _spindamp(
     context: typer.Context,
     show: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
-    check: Annotated[
-        bool,
-        typer.Option(
-            "--self-check",
-            callback=_self_check,
-            is_eager=True,
-            help="Compare reference plates and motions with independent results; print the versions.",
-        ),
-    ] = False,
+    check: Annotated[bool, typer.Option("--self-check", callback=_self_check, is_eager=True, help=_CHECKS)] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print what is decided and done, with times.")
     ] = False,

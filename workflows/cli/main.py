@@ -84,11 +84,8 @@ def _usage(error: Exception) -> str | None:
 def _misused_or_defect(error: Exception) -> int:
     if (usage := _usage(error)) is not None:
         return _fail(usage, BAD_INPUT)
-    return _fail(
-        f"an internal error: {type(error).__name__}: {one_line(str(error))}; please report it with the scene and"
-        " what SPINDAMP_DEBUG=1 shows",
-        DEFECT,
-    )
+    problem = f"an internal error: {type(error).__name__}: {one_line(str(error))}"
+    return _fail(f"{problem}; please report it with the scene and what SPINDAMP_DEBUG=1 shows", DEFECT)
 
 
 def _fail(message: str, status: int) -> int:

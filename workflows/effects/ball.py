@@ -3,7 +3,6 @@
 import math
 from typing import Any, NamedTuple
 
-from fem.meshes.mesh_sequence import Planform
 from workflows.effects.definition import GIVEN, PRINTED, Called, Case, Definition, Refusal, not_printed
 from workflows.formatting import beside, significant, turning
 from workflows.scene import plate_mesh
@@ -30,16 +29,14 @@ class Beam(NamedTuple):
     square: float
 
 
-def beam_like(scene: Scene, form: Planform | None) -> Beam:
+def beam_like(case: Case) -> Beam:
     """The cantilever of a scene's plate, with its point mass."""
-    plate, material = scene.plate, scene.material
-    assert plate is not None
-    assert material is not None
-    length, width = plate_mesh.sides(plate, form)
-    thickness = plate_mesh.thickness_range(plate, form)[1]
+    plate, material = case.plate
+    length, width = plate_mesh.sides(plate, case.form)
+    thickness = plate_mesh.thickness_range(plate, case.form)[1]
     mass = material.density * length * width * thickness
     square = _ROOT**4 * material.youngs_modulus * thickness**2 / (12 * material.density * length**4)
-    return Beam(length, mass, square * SHARE * mass / (SHARE * mass + scene.point_mass))
+    return Beam(length, mass, square * SHARE * mass / (SHARE * mass + case.scene.point_mass))
 
 
 def _rolling_resistance(case: Case) -> Called:
@@ -83,7 +80,7 @@ def _floor_tilt(case: Case) -> Called:
     if scene.in_space:
         return Called(True, "as the structure bends, the floor tilts, and the load pulls the ball down the slope")
     target = scene.accuracy.damping
-    share, omega = max((_tilt_share(scene, case.form, speed), speed) for speed in scene.rotor.speeds)
+    share, omega = max((_tilt_share(case, speed), speed) for speed in scene.rotor.speeds)
     if share == 0.0:
         return Called(False, "structure.floor_tilt is 0")
     about = "about " if scene.given is None else ""
@@ -96,16 +93,16 @@ def _floor_tilt(case: Case) -> Called:
     return Called(False, f"{reason}, less than the {significant(100 * target)} % asked for")
 
 
-def _tilt_share(scene: Scene, form: Planform | None, omega: float) -> float:
+def _tilt_share(case: Case, omega: float) -> float:
     """Share of the ball's drive that the load takes down the slope; of a plate roughly, as of a beam."""
-    structure, rotor = scene.given, scene.rotor
+    structure, rotor = case.scene.given, case.scene.rotor
     if structure is not None and rotor.radius is not None:
         shares = [
             omega**2 * rotor.radius * abs(slope) / (2 * math.pi * frequency) ** 2
             for slope, frequency in zip(structure.floor_tilt, structure.frequency, strict=True)
         ]
         return max(shares)
-    beam, (own, hub) = beam_like(scene, form), STIFFENED
+    beam, (own, hub) = beam_like(case), STIFFENED
     square = beam.square + omega**2 * (own + hub * rotor.hub_radius / beam.length)
     return omega**2 * (rotor.hub_radius + beam.length) * SLOPE / beam.length / square
 
@@ -144,11 +141,8 @@ def _structural_modes(case: Case) -> Called:
     reason = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
     if ratio > scene.budget.scattered:
         return Called(True, f"{reason}: its hits scatter energy into modes beyond the first")
-    return Called(
-        False,
-        f"release, load and cavity lie in the bending plane, and {reason}: too light to scatter"
-        f" {significant(100 * target)} % into modes beyond the first",
-    )
+    light = f"too light to scatter {significant(100 * target)} % into modes beyond the first"
+    return Called(False, f"release, load and cavity lie in the bending plane, and {reason}: {light}")
 
 
 def _modes_refused(scene: Scene) -> Refusal | None:
@@ -166,7 +160,7 @@ def _mass_ratio(case: Case) -> float:
     damper = case.damper
     if damper.mass_ratio is not None:
         return damper.mass_ratio
-    return (damper.balls or 0.0) / (SHARE * beam_like(case.scene, case.form).mass + case.scene.point_mass)
+    return (damper.balls or 0.0) / (SHARE * beam_like(case).mass + case.scene.point_mass)
 
 
 HOUSED = "the housing holds the cavities outside the plate"
@@ -188,7 +182,7 @@ def _cavity_mass(case: Case) -> Called:
         return GIVEN
     if damper.housing:
         return Called(False, HOUSED)
-    beam, mass = beam_like(scene, case.form), scene.material.density * damper.cut
+    beam, mass = beam_like(case), scene.material.density * damper.cut
     shift = mass / (2 * (SHARE * beam.mass + scene.point_mass))
     why = f"the cavities take {significant(1e3 * mass, 2)} g out of the plate: at its tip that raises"
     percent = significant(100 * shift, 2)

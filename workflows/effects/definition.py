@@ -16,10 +16,6 @@ from workflows.scene.scene import Scene
 Floats = npt.NDArray[np.float64]
 
 
-CELLS_PER_MODE = 10
-"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
-
-
 @dataclass(frozen=True, eq=False)
 class LeftOut:
     """Relative shifts (k, count), without sign, of the modes at speeds omega (k,) in rad/s, ascending."""

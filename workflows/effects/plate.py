@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import fem
 from fem.meshes.mesh_sequence import Planform
-from workflows.effects.definition import (
-    AT_REST,
-    CELLS_PER_MODE,
-    GIVEN,
-    Called,
-    Case,
-    Definition,
-    LeftOut,
-    Refusal,
-    everywhere,
-)
+from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, Refusal, everywhere
 from workflows.formatting import beside, share, significant, turning
 from workflows.scene import plate_mesh
-from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.accuracy.neglected_effects import Bent, Turned
+
+
+CELLS_PER_MODE = 10
+"""Cells for each mode of a mesh on which rates are good to a percent (`fem.accuracy.neglected_effects.UNCERTAIN`)."""
 
 
 def _stress_stiffening(case: Case) -> Called:
@@ -92,15 +84,8 @@ def _solved_with_coriolis(scene: Scene, form: Planform | None, large_deflection:
     switches = {name: getattr(scene.effects, name) is not False for name in names}
     theory = "kirchhoff" if scene.plate is not None and scene.plate.theory == "kirchhoff" else "mindlin"
     effects = fem.Effects(**switches, large_deflection=large_deflection)
-    return turned(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes, theory)
-
-
-def _coarse(scene: Scene, form: Planform | None) -> tuple[fem.Plate, fem.Rotor]:
-    """The plate on a coarse mesh, and its rotor."""
-    source = SceneFile(scene, "scene", Path())
-    ladder = form or plate_mesh.planform(source)
-    mesh = plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes)
-    return plate_mesh.plate(source, mesh, ladder), plate_mesh.rotor(scene)
+    coarse = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
+    return turned(*coarse, effects, scene.rotor.speeds, scene.rotor.modes, theory)
 
 
 THINNER, LEAST = 0.88, 0.29
@@ -188,7 +173,8 @@ def _solved_with_deflection(scene: Scene, form: Planform | None) -> Bent | None:
     from fem.accuracy.neglected_effects import bent
 
     effects = fem.Effects(spin_softening=scene.effects.spin_softening is not False)
-    return bent(*_coarse(scene, form), effects, scene.rotor.speeds, scene.rotor.modes)
+    coarse = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
+    return bent(*coarse, effects, scene.rotor.speeds, scene.rotor.modes)
 
 
 def _rotary_inertia(case: Case) -> Called:

@@ -1,21 +1,26 @@
-"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView; and those of studies."""
+"""The files beside `results.json`: netCDF for xarray, CSV for any program, VTU for ParaView; of studies; of modes."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from fem import modal_files
+from fem.modal_model import ModalModel
 from workflows import formatting, versions
+from workflows.errors import BadInput
 from workflows.io import provenance
-from workflows.io.folder import replacing
+from workflows.io.folder import put, replacing, writable
 from workflows.io.serialise import Column, columns, write_unpublished
 from workflows.solve.engine_orders import branches
 from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, require_results
@@ -23,8 +28,6 @@ from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedP
 if TYPE_CHECKING:
     import xarray as xr
 
-
-Reported = TypeVar("Reported", contravariant=True)
 
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
@@ -72,15 +75,11 @@ def campbell(results: Results) -> list[Curve]:
 
 def velocity(point: SpeedPoint) -> list[Curve]:
     """The structure's velocity over time along axis 1, and along axis 2 if it moves that way (the paper's Fig. 2)."""
-    damping = point.damper
-    if damping is None or damping.history is None:
+    history = None if point.damper is None else point.damper.history
+    if history is None:
         return []
-    tag, curves = speed_tag(point), []
-    for number, (axis, along) in enumerate(zip("xy", damping.history.velocity.T, strict=True), 1):
-        if along.any():
-            name = f"velocity_{axis}_{tag}"
-            curves.append(Curve(name, f"axis {number}", "time_s", "velocity_m_s", damping.history.t, along))
-    return curves
+    moving = [i for i in range(2) if history.velocity[:, i].any()]
+    return _over_time(point, "velocity", "velocity_m_s", history.t, history.velocity, moving)
 
 
 def ball_path(point: SpeedPoint) -> list[Curve]:
@@ -88,15 +87,19 @@ def ball_path(point: SpeedPoint) -> list[Curve]:
     path = None if point.damper is None else point.damper.path
     if path is None:
         return []
-    tag, curves = speed_tag(point), []
-    for name, column, motion in (
-        ("ball", "position_m", path.ball),
-        ("displacement", "displacement_m", path.structure),
-    ):
-        for i in moving_axes(motion):
-            label = f"axis {i + 1}"
-            curves.append(Curve(f"{name}_{'xy'[i]}_{tag}", label, "time_s", column, path.t, motion[:, i]))
-    return curves
+    ball, displacement = path.ball, path.structure
+    return [
+        *_over_time(point, "ball", "position_m", path.t, ball, moving_axes(ball)),
+        *_over_time(point, "displacement", "displacement_m", path.t, displacement, moving_axes(displacement)),
+    ]
+
+
+def _over_time(
+    point: SpeedPoint, name: str, column: str, t: Floats, motion: Floats, axes: Sequence[int]
+) -> list[Curve]:
+    """A motion (n, 2) at times (n,) along some axes, from 0, a curve each."""
+    tag = speed_tag(point)
+    return [Curve(f"{name}_{'xy'[i]}_{tag}", f"axis {i + 1}", "time_s", column, t, motion[:, i]) for i in axes]
 
 
 def moving_axes(motion: Floats) -> list[int]:
@@ -140,14 +143,9 @@ def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
 
 def all_curves(results: Results) -> list[Curve]:
     """All curves of a run."""
-    history = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    return (
-        campbell(results)
-        + history
-        + capacity(results)
-        + damping_ratio(results)
-        + damping_ratio_of_other_starts(results)
-    )
+    over_time = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
+    damping = damping_ratio(results) + damping_ratio_of_other_starts(results)
+    return campbell(results) + over_time + capacity(results) + damping
 
 
 def speed_tag(point: SpeedPoint) -> str:
@@ -283,6 +281,34 @@ def write_vtu(surface: Surface, results: Results, path: Path) -> None:
     path.write_text(f"{declaration}\n<!-- {remark} -->\n{rest}", encoding="utf-8")
 
 
+def modes_file(file: str | os.PathLike[str], key: str = "file") -> Path:
+    """The path of a neutral file.
+
+    Raises:
+        BadInput: its name does not end in .npz or .json, or it is a folder.
+    """
+    path = Path(file)
+    if path.suffix.lower() not in (".npz", ".json"):
+        raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
+    if not path.absolute().parent.is_dir():
+        raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
+    return writable(path, key)
+
+
+def save_modes(model: ModalModel, file: str | os.PathLike[str], key: str = "file") -> Path:
+    """Write the neutral file, whole or not at all; what was there is replaced.
+
+    Raises:
+        BadInput: it cannot be written.
+    """
+    return put(modes_file(file, key), partial(modal_files.write, model), key)
+
+
+def dump_modes(model: ModalModel) -> str:
+    """The neutral file as JSON."""
+    return json.dumps(modal_files.document(model), default=np.ndarray.tolist, allow_nan=False)
+
+
 def as_json(document: Mapping[str, Any]) -> str:
     """The machine-readable result."""
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
@@ -299,46 +325,38 @@ def as_table(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> str:
     return text.getvalue()
 
 
-class StudyReport(Protocol[Reported]):
-    """What the report of a study offers.
-
-    Attributes:
-        NAME: of its command.
-    """
-
-    NAME: str
-
-    def document(self, result: Reported, /) -> Mapping[str, Any]:
-        """The machine-readable result."""
-
-    def text(self, result: Reported, /) -> str:
-        """What a person reads on the terminal."""
-
-    def files(self, result: Reported, /) -> Mapping[str, str | bytes]:
-        """The files beside the document, by their names, the page among them."""
-
-
 class StudyResult:
     """What a study came to; it prints as its command does, by the text of its report.
 
     Attributes:
-        REPORT: the module of the report, which imports the study.
+        REPORT: the module of the report, which imports the study. It has `NAME`, that of the command, and three
+            functions of a result: `document`, the machine-readable one; `text`, what a person reads on the terminal;
+            `files`, those beside the document, by their names, the page among them.
     """
 
     REPORT: ClassVar[str]
 
+    @property
+    def report(self) -> Any:
+        """The module of the report."""
+        return import_module(self.REPORT)
+
+    def document(self) -> dict[str, Any]:
+        """The machine-readable result."""
+        entries: dict[str, Any] = self.report.document(self)
+        return entries
+
     def __repr__(self) -> str:
-        text: str = import_module(self.REPORT).text(self)
-        return formatting.plain(text)
+        return formatting.plain(self.report.text(self))
 
 
-def write_study(report: StudyReport[Reported], result: Reported, out: Path) -> None:
+def write_study(result: StudyResult, out: Path) -> None:
     """Write `<name>.json` and the other files of a study into `out`, or nothing.
 
     Raises:
         BadInput: `out` cannot be written.
     """
-    contents = {f"{report.NAME}.json": as_json(report.document(result)) + "\n", **report.files(result)}
+    contents = {f"{result.report.NAME}.json": as_json(result.document()) + "\n", **result.report.files(result)}
     with replacing(out) as folder:
         for name, content in contents.items():
             (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)

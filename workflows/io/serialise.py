@@ -25,7 +25,7 @@ from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import non_file_kind, parse
-from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, require_results
+from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, copy_fields, require_results
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -82,17 +82,15 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def _json(results: Results, indent: int | None) -> str:
-    whole = Document(
+    whole = copy_fields(
+        Document,
+        results,
         schema_version=SCHEMA_VERSION,
         title=results.scene.title,
         scene=provenance.resolved_scene(results.scene, results.effects, results.theory),
-        **provenance.hashes(results),
+        scene_sha256=provenance.scene_sha256(results),
         versions=versions(),
-        timings=results.timings,  # type: ignore[arg-type]
-        notes=results.notes,
         effects={name: Switch(effect.on, effect.why) for name, effect in results.effects.items()},
-        speeds=results.speeds,
-        reductions=results.reductions,
         root_length=None if results.diagram is None else results.diagram.root_length,
     )
     text = adapter(Document).dump_json(whole, indent=indent, by_alias=True, exclude_defaults=True, exclude=_UNPUBLISHED)
@@ -340,10 +338,8 @@ def write_unpublished(results: Results, file: h5netcdf.File) -> None:
 
 def _unpublished(record: Any) -> dict[str, Any]:
     """The fields of a record, and of those within it, that JSON leaves out, as JSON is nested."""
-    rest: dict[str, Any] = {}
     alone, parts = _unpublished_fields(record.__class__)
-    for name in alone:
-        rest[name] = getattr(record, name)
+    rest: dict[str, Any] = {name: getattr(record, name) for name in alone}
     for name, key in parts:
         value = getattr(record, name)
         if is_dataclass(value):

@@ -20,9 +20,9 @@ from workflows.errors import BadInput
 from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
-from workflows.report.mode_viewer import POINTS, Indices, screen_exists, thinned
+from workflows.report.mode_viewer import POINTS, Indices, damper_mark, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
-from workflows.scene import paper, plate_mesh
+from workflows.scene import paper
 from workflows.scene.scene import Scene, as_typed
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
@@ -123,13 +123,8 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
             error = "" if mode.error_estimate is None else f", ± {significant(100 * mode.error_estimate, 2)} %"
             here = "" if mode.family == branch.family else f" ({mode.family} here)"
             title = f"{branch.label}{here}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
-            yield Value(
-                axes,
-                rpm,
-                mode.frequency_hz,
-                title,
-                (surface_speeds.index(at), number) if at in surface_speeds else None,
-            )
+            leads = (surface_speeds.index(at), number) if at in surface_speeds else None
+            yield Value(axes, rpm, mode.frequency_hz, title, leads)
     for meeting in crossings(results):
         title = f"{meeting.order}× meets {meeting.label}: {meeting.rpm:.6g} rpm, {meeting.frequency_hz:.6g} Hz"
         yield Value(axes, meeting.rpm, meeting.frequency_hz, title)
@@ -155,7 +150,7 @@ def campbell(results: Results, target: Target = PAGE) -> Figure | None:
     colours = [_branch(axes, track) for track in tracks]
     heights = _spread([float(track.y[-1]) for track in tracks], _LINE * highest)
     for y, track, colour in zip(heights, tracks, colours, strict=True):
-        axes.annotate(track.label, (fastest, y), (24, 0), textcoords="offset points", va="center", color=colour)
+        plots.note(axes, track.label, (fastest, y), (24, 0), va="center", color=colour)
     meetings = crossings(results)
     met = [meeting.rpm for meeting in meetings], [meeting.frequency_hz for meeting in meetings]
     axes.plot(*met, "o", ms=2.4, color=plots.INK, zorder=3)
@@ -251,15 +246,8 @@ def _oscillation(axes: Axes, track: files.Curve, colour: str) -> None:
 def _stop(axes: Axes, stop: float, end: float) -> None:
     late = stop > 0.6 * end
     axes.axvline(stop, color=plots.INK, lw=0.8, ls=plots.DASHED)
-    axes.annotate(
-        "the ball comes to rest",
-        (stop, 1.0),
-        (-4 if late else 4, -1),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        va="top",
-        ha="right" if late else "left",
-    )
+    side, offset = ("right", (-4, -1)) if late else ("left", (4, -1))
+    plots.note(axes, "the ball comes to rest", (stop, 1.0), offset, ("data", "axes fraction"), va="top", ha=side)
 
 
 def _cycles(axes: Axes, line: files.Curve, percent: Floats, edges: Floats, colour: str) -> None:
@@ -304,7 +292,7 @@ def _engine_orders(axes: Axes, orders: tuple[int, ...], fastest: float, highest:
 
 def _order(axes: Axes, order: int, x: float, y: float) -> None:
     small: dict[str, Any] = {"fontsize": 6.5, "color": plots.MUTED, "va": "center", "annotation_clip": False}
-    axes.annotate(f"{order}×", (x, y), (6, 0), textcoords="offset points", **small)
+    plots.note(axes, f"{order}×", (x, y), (6, 0), **small)
 
 
 def _spread(values: list[float], gap: float) -> list[float]:
@@ -367,16 +355,8 @@ def _beside(axes: Axes, limit: float | None) -> None:
         axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
         share = (np.log(1e3 * limit) - left) / (right - left)
         end = share - 0.01 if share > _MIDDLE else end
-    axes.annotate(
-        "air alone, turbine blades",
-        (end, high),
-        (0, 3),
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        ha="right",
-        va="bottom",
-        color=plots.MUTED,
-    )
+    words, look = "air alone, turbine blades", {"ha": "right", "va": "bottom", "color": plots.MUTED}
+    plots.note(axes, words, (end, high), (0, 3), ("axes fraction", "data"), **look)
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
@@ -480,12 +460,11 @@ def mesh(results: Results, target: Target = PAGE) -> Figure | None:
     surface, scene = results.surface, results.scene
     if surface is None or surface.frame is not None:
         return None
-    mark = None if scene.damper is None else plate_mesh.damper_at(scene, surface.points.T[:2])
-    return mesh_of(surface, mark, held(scene), target)
+    return mesh_of(surface, damper_mark(scene, surface), held(scene), target)
 
 
-def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, target: Target = PAGE) -> Figure:
-    """A surface from above, as it is drawn, with its damper (x, y) [m], if any; `root` says what its root is."""
+def mesh_of(surface: Surface, mark: tuple[float, ...] | None, root: str, target: Target = PAGE) -> Figure:
+    """A surface from above, as it is drawn, with its damper at (x, y, …) [m], if any; `root` says what its root is."""
     surface = replace(surface, points=surface.drawn(surface.points))
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
@@ -502,7 +481,7 @@ def mesh_of(surface: Surface, mark: tuple[float, float] | None, root: str, targe
     _draw(axes, points, surface.root, plots.CATEGORIES[0], 3.0)
     axes.plot([], [], color=plots.CATEGORIES[0], lw=3.0, label=root)
     if mark is not None:
-        x, y = (metres * value for value in mark)
+        x, y = (metres * value for value in mark[:2])
         axes.plot(x, y, "o", ms=7, mfc="none", mec=plots.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
     names = ("x, radial", "y, across") if surface.frame is None else _named_axes(surface.frame)

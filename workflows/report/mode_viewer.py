@@ -344,16 +344,12 @@ def base64_of(array: Any) -> str:
 
 def vectors(few: list[tuple[Floats, Floats]]) -> list[dict[str, Any]]:
     """Vectors (scaled by `largest`) and shares (32-bit floats) of each direction, ready for JSON."""
-    largest = [float(np.abs(along).max(initial=0.0)) for along, _ in few]
-    return [
-        {
-            "rank": len(along),
-            "largest": most,
-            "vectors": shorts(along, most),
-            "shares": base64_of(shares.astype("<f4")),
-        }
-        for (along, shares), most in zip(few, largest, strict=True)
-    ]
+    packed = []
+    for along, shares in few:
+        largest = float(np.abs(along).max(initial=0.0))
+        scaled = {"rank": len(along), "largest": largest, "vectors": shorts(along, largest)}
+        packed.append(scaled | {"shares": base64_of(shares.astype("<f4"))})
+    return packed
 
 
 def screen_exists() -> bool:

@@ -143,6 +143,13 @@ def legend(figure: Figure, axes: Axes, target: Target = PAGE, **how: Any) -> Non
     figure.legend(*curves, loc=loc, ncols=ncols, alignment="left", **how)
 
 
+def note(
+    axes: Axes, text: str, place: tuple[float, float], offset: tuple[float, float], coords: Any = "data", **how: Any
+) -> None:
+    """Words so many points beside a place; coords: what its x and y are in, as matplotlib calls it."""
+    axes.annotate(text, place, offset, xycoords=coords, textcoords="offset points", **how)
+
+
 def plain(drawn: Iterable[Axes]) -> None:
     """Plain numbers on logarithmic axes, where matplotlib would have powers of ten; 1, 2, 5 of few decades."""
     from matplotlib.ticker import LogLocator, NullFormatter
@@ -252,10 +259,9 @@ def _titles(figure: Figure, values: Iterable[Value]) -> str:
         drawn, box = list(group), axes.bbox
         places = axes.transData.transform([(value.x, value.y) for value in drawn]).tolist()
         for value, (x, y) in zip(drawn, places, strict=True):
-            if not (box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1):
-                continue
             place = round(x / _APART), round(y / _APART)
-            if place in taken:
+            inside = box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1
+            if not inside or place in taken:
                 continue
             taken.add(place)
             shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'

@@ -611,10 +611,10 @@ def pendulum(results: Results) -> Values:
 def turning_floor(results: Results) -> Values:
     """The floor's turning, which is left out: (1/5) m (s' - r kappa u')² of the spin makes 2/5 r kappa of the drive."""
     damper, target = results.scene.damper, results.scene.accuracy.damping
-    if damper is None or not coupling.tilts(results.effects):
+    if damper is None or not results.effects["floor_tilt"].on:
         return None
-    shares = [reduced.turning_share(damper.radius) for p, reduced, _ in ring_downs(results) if p.load_g > 0]
-    share = max(shares, default=0.0)
+    tilts = [abs(reduced.floor_tilt) for p, reduced, _ in ring_downs(results) if p.load_g > 0]
+    share = 0.4 * damper.radius * max(tilts, default=0.0)
     return {"share": share} if share > target else None
 
 

@@ -6,7 +6,6 @@ import re
 import shutil
 import textwrap
 from collections.abc import Callable
-from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,7 +21,7 @@ from workflows.report import remarks, verdict
 from workflows.report.templates import from_template
 from workflows.scene.load import DEFAULT, SceneLike
 from workflows.solve import limits
-from workflows.solve.results import Results, SpeedPoint
+from workflows.solve.results import Results, SpeedPoint, copy_fields
 
 if TYPE_CHECKING:
     from workflows.report.figures import Plots
@@ -116,13 +115,8 @@ def rows(results: Results) -> list[tuple[str, ...]]:
         return table
     count = min(max((len(point.modes) for point in results.speeds), default=0), _MODES_AT_MOST)
     heads = ("rpm", "load g", *(f"mode {i + 1} Hz" for i in range(count)))
-    return [
-        heads,
-        *(
-            (amount(p.rpm), amount(p.load_g), *(f"{m.frequency_hz:.2f} {m.family:<5}" for m in p.modes[:count]))
-            for p in results.speeds
-        ),
-    ]
+    modes = ([f"{mode.frequency_hz:.2f} {mode.family:<5}" for mode in p.modes[:count]] for p in results.speeds)
+    return [heads, *((amount(p.rpm), amount(p.load_g), *cells) for p, cells in zip(results.speeds, modes, strict=True))]
 
 
 def of_modes(model: ModalModel, file: Path | None) -> str:
@@ -156,7 +150,7 @@ class Shown(Results):
 
 def shown(results: Results) -> Shown:
     """The same results, which show themselves."""
-    return Shown(**{each.name: getattr(results, each.name) for each in fields(Results)})
+    return copy_fields(Shown, results)
 
 
 def brief(results: Results) -> str:

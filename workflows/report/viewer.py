@@ -1,14 +1,12 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import fem
-from fem import modal_model
-from fem.meshes.cells import edges_of
 from fem.meshes.read import raw_mesh, surface_of
 from fem.meshes.volume import SizeError, has_volume, volume_of
 from workflows import pipeline
@@ -23,7 +21,7 @@ from workflows.report.templates import from_template, in_mm, said
 from workflows.scene import load, quantities
 from workflows.scene.scene import Scene
 from workflows.solve import resources
-from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface
+from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory, bare_surface, skin
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
@@ -52,16 +50,8 @@ def numbers(surface: Surface) -> dict[str, Any]:
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
         "root": {"x": float(low[0]), "edges": len(ends), "length": float(held.sum())},
         "holes": len(mode_viewer.loops(surface.outline)) - 1,
-        "edges": {
-            "shortest": float(sides.min()),
-            "median": float(np.median(sides)),
-            "longest": float(sides.max()),
-        },
-        "angles": {
-            "least": float(angles.min()),
-            "greatest": float(angles.max()),
-            "odd_cells": int(np.count_nonzero(bad)),
-        },
+        "edges": {"shortest": float(sides.min()), "median": float(np.median(sides)), "longest": float(sides.max())},
+        "angles": {"least": float(angles.min()), "greatest": float(angles.max()), "odd_cells": int(bad.sum())},
         "aspect": float((sides.max(axis=1) / sides.min(axis=1)).max()),
     }
 
@@ -88,12 +78,12 @@ class ViewData:
 
     title: str
     surface: Surface
-    speeds: tuple[SpeedPoint, ...]
-    mark: tuple[float, ...] | None
-    thickness: float | None
-    root: str
     facts: tuple[tuple[str, str], ...]
     numbers: dict[str, Any]
+    root: str = ""
+    speeds: tuple[SpeedPoint, ...] = ()
+    mark: tuple[float, ...] | None = None
+    thickness: float | None = None
 
     @property
     def carrier(self) -> str:
@@ -113,16 +103,9 @@ def of_plate(
     if place is not None:
         told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
-    return ViewData(
-        title=scene.title,
-        surface=surface,
-        speeds=speeds,
-        mark=mark,
-        thickness=thickness if isinstance(thickness, float) else None,
-        root=figures.held(scene) if len(surface.root) else "",
-        facts=(*known, *words),
-        numbers={"damper": place, **known_of},
-    )
+    root = figures.held(scene) if len(surface.root) else ""
+    even = thickness if isinstance(thickness, float) else None
+    return ViewData(scene.title, surface, (*known, *words), {"damper": place, **known_of}, root, speeds, mark, even)
 
 
 _LONGEST = 5.0
@@ -154,16 +137,8 @@ def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
     read = numbers(surface)
     side = float(max(mesh.p.max(axis=1) - mesh.p.min(axis=1)))
     long = f"; {significant(side, 3)} m is long: --unit mm?" if unit is None and side > _LONGEST else ""
-    return ViewData(
-        title=path.name,
-        surface=surface,
-        speeds=(),
-        mark=None,
-        thickness=None,
-        root="clamped root",
-        facts=(*facts("surface", read), ("unit", _unit("m", unit, "[plate] mesh_unit") + long)),
-        numbers=read,
-    )
+    known = (*facts("surface", read), ("unit", _unit("m", unit, "[plate] mesh_unit") + long))
+    return ViewData(path.name, surface, known, read, "clamped root")
 
 
 def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> ViewData:
@@ -180,11 +155,7 @@ def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> Vi
             unit, mesh = given or "mm", volume_of(path, raw, scale if given is not None else 1e-3)
         except SizeError:
             raise error from None
-    triangles = modal_model.faces(mesh.cells)
-    used, renumbered = np.unique(triangles, return_inverse=True)
-    points, triangles, lines = mesh.points[used], renumbered.reshape(-1, 3), np.searchsorted(used, edges_of(mesh.cells))
-    outline, shapes = modal_model.edges(points, triangles), np.zeros((0, 0, len(points), 3))
-    surface = Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines, frame=np.eye(3))
+    surface = replace(skin(mesh.points, mesh.cells)[0], frame=np.eye(3))
     ends = [(float(one), float(other)) for one, other in zip(mesh.points.min(0), mesh.points.max(0), strict=True)]
     taken = _unit(unit, given, "[blade] unit")
     values = {
@@ -194,7 +165,7 @@ def _data_of_volume(path: Path, raw: Any, given: str | None, scale: float) -> Vi
         "sets": list(mesh.sets),
         "unit": unit,
     }
-    return ViewData(path.name, surface, (), None, None, "", facts("volume", values | {"taken": taken}), values)
+    return ViewData(path.name, surface, facts("volume", values | {"taken": taken}), values)
 
 
 def _unit(unit: str, given: str | None, key: str) -> str:
@@ -295,8 +266,7 @@ def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
     """The page as text."""
     seen = view(view_data, first, mode)
     with plots.style():
-        mark = None if view_data.mark is None else (view_data.mark[0], view_data.mark[1])
-        figure = figures.mesh_of(view_data.surface, mark, view_data.root)
+        figure = figures.mesh_of(view_data.surface, view_data.mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
     return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
 

@@ -133,10 +133,8 @@ class Damper(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         """One way of giving the mass, a ball that fits its cavity, and a rolling resistance that lets it roll."""
-        present = [key for key in ("mass_ratio", "mass", "ball_density") if getattr(self, key) is not None]
-        if len(present) != 1:
-            ways = "expected one of mass_ratio, mass, ball_density and ball_material"
-            raise fault(present[0] if present else "mass_ratio", f"{ways}{': leave one out' * bool(present)}")
+        ways = "mass_ratio, mass, ball_density and ball_material"
+        q.check_one(self, ("mass_ratio", "mass", "ball_density"), ways, blamed=0)
         if self.ball_density is not None:
             materials.check_density("ball_density", self.ball_density)
             if materials.is_too_dense(self.ball_density):
@@ -145,21 +143,16 @@ class Damper(Table):
                 )
         for side in self.cavity:
             if side < 2 * self.radius * (1 - ROUNDING):
-                raise fault(
-                    "cavity",
-                    f"a ball of radius {_mm(self.radius)} does not fit: expected sides of at least"
-                    f" {_mm(2 * self.radius)}",
-                )
+                ball, least = _mm(self.radius), _mm(2 * self.radius)
+                raise fault("cavity", f"a ball of radius {ball} does not fit: expected sides of at least {least}")
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
         lever = self.rolling_friction
         if isinstance(lever, float) and lever < 0:
             raise fault("rolling_friction", "expected at least 0")
         if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
-            raise fault(
-                "rolling_friction",
-                f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}",
-            )
+            problem = f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}"
+            raise fault("rolling_friction", problem)
         return self
 
     @property
@@ -287,14 +280,15 @@ _FOIL = 1e-5 * 1000.0
 """Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
 
 
+_HOUSED = "housing = the mass of what stands out of the plate"
+
+
 def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] | None:
     """Side 1 leaves a wall on either side of it."""
     if damper.housing or damper.cavity[0] < thickness * (1 - ROUNDING):
         return None
-    return "cavity", (
-        f"side 1 lies along the bending direction, through the plate's thickness: expected less than {_mm(thickness)},"
-        " or housing = the mass of what stands out of the plate"
-    )
+    side = "side 1 lies along the bending direction, through the plate's thickness"
+    return "cavity", f"{side}: expected less than {_mm(thickness)}, or {_HOUSED}"
 
 
 def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] | None:
@@ -307,14 +301,10 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
     if damper.housing or damper.cavity[1] < room * (1 - ROUNDING):
         return None
     if room <= ROUNDING * reach:
-        return "at", (
-            "on the plate's edge there is no room for a cavity: expected a place further in, or housing = the mass of"
-            " what stands out of the plate"
-        )
-    return "cavity", (
-        f"side 2 lies across the plate: expected less than {_mm(room)}, the room at its place, another place (at),"
-        " or housing = the mass of what stands out of the plate"
-    )
+        problem = "on the plate's edge there is no room for a cavity"
+        return "at", f"{problem}: expected a place further in, or {_HOUSED}"
+    smaller = f"expected less than {_mm(room)}, the room at its place, another place (at)"
+    return "cavity", f"side 2 lies across the plate: {smaller}, or {_HOUSED}"
 
 
 def cavities_abreast(damper: Damper, thickness: float, width: float) -> int:
@@ -328,10 +318,8 @@ def side_by_side(damper: Damper, thickness: float, width: float, reach: float) -
     most = cavities_abreast(damper, thickness, width) * int(reach / (2 * damper.radius) + ROUNDING)
     if damper.housing or damper.count <= most:
         return None
-    return "count", (
-        f"the plate has room for {most} cavities of this size between its root and the damper's place: expected no"
-        " more, or housing = the mass of what stands out of the plate"
-    )
+    room = f"the plate has room for {most} cavities of this size between its root and the damper's place"
+    return "count", f"{room}: expected no more, or {_HOUSED}"
 
 
 def housing_too_light(damper: Damper) -> tuple[str, str] | None:

@@ -9,13 +9,14 @@ import re
 import stat
 import tomllib
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic.json_schema import GenerateJsonSchema
 
 from workflows import docstrings
@@ -24,7 +25,7 @@ from workflows.formatting import revolutions
 from workflows.scene import quantities
 from workflows.scene.materials import PLATES
 from workflows.scene.quantities import Table
-from workflows.scene.scene import KnownModes, Scene
+from workflows.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -69,16 +70,13 @@ class SceneFile:
 
     def with_full_paths(self) -> SceneFile:
         """The same with the full paths of the files it names, for a copy in another folder."""
-        plate, blade, structure = self.scene.plate, self.scene.blade, self.scene.structure
         tables: dict[str, dict[str, Any]] = {}
-        if plate is not None and plate.mesh is not None:
-            tables["plate"] = {"mesh": self._full(plate.mesh)}
-        if blade is not None:
-            tables["blade"] = {"mesh": self._full(blade.mesh)}
-        if isinstance(structure, KnownModes):
-            names = structure.modes
-            full = self._full(names) if isinstance(names, str) else {key: self._full(names[key]) for key in names}
-            tables["structure"] = {"modes": full}
+        for table, key in (("plate", "mesh"), ("blade", "mesh"), ("structure", "modes")):
+            names = getattr(getattr(self.scene, table), key, None)
+            if isinstance(names, str):
+                tables[table] = {key: self._full(names)}
+            elif names is not None:  # by speeds
+                tables[table] = {key: {speed: self._full(name) for speed, name in names.items()}}
         return self.changed(**tables)
 
     def _full(self, name: str) -> str:
@@ -247,14 +245,9 @@ def non_file_kind(path: Path) -> str:
 
 def _gravity(data: Mapping[str, Any]) -> float:
     """[rotor] gravity, needed to read accelerations in g; a wrong one is reported by its own field."""
-    rotor = data.get("rotor")
     try:
-        return (
-            quantities.to_si(rotor["gravity"], quantities.ACCELERATION)
-            if isinstance(rotor, dict)
-            else quantities.STANDARD_GRAVITY
-        )
-    except (KeyError, quantities.UnitError):
+        return quantities.to_si(data["rotor"]["gravity"], quantities.ACCELERATION)
+    except (LookupError, TypeError, quantities.UnitError):
         return quantities.STANDARD_GRAVITY
 
 
@@ -308,9 +301,6 @@ def bad_input(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
     errors = sorted(error.errors(include_url=False), key=lambda e: order.get(e["type"], 1))
     first = errors[0]
     loc = _keys(first)
-    context = first.get("ctx", {})
-    if first["type"] == "together":
-        loc += str(context["key"]).split(".")
     problem, value = error_text(first, loc), _lookup(data, loc)
     unknown = [fault for fault in errors[1:] if fault["type"] == "extra_forbidden"]
     rest = [fault for fault in errors[1:] if fault["type"] == first["type"] or fault["type"] not in order]
@@ -327,14 +317,13 @@ def bad_input(error: ValidationError, data: Mapping[str, Any], name: str) -> Bad
 
 def _keys(error: Any) -> list[str]:
     """The keys that lead to an error; marks of alternatives are in brackets, which no key is."""
-    return [part for part in map(str, error["loc"]) if not part.startswith("[")]
+    loc = [part for part in map(str, error["loc"]) if not part.startswith("[")]
+    return loc + str(error["ctx"]["key"]).split(".") if error["type"] == "together" else loc
 
 
 def _named(error: Any) -> str:
     """A further error with its key."""
     loc = _keys(error)
-    if error["type"] == "together":
-        loc += str(error["ctx"]["key"]).split(".")
     return f"{key_name(loc)}: {'missing' if error['type'] == 'missing' else error_text(error, loc)}"
 
 
@@ -377,23 +366,23 @@ def _unknown(error: Any, loc: list[str]) -> str:
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
         half = quantities.halved(error["input"], quantities.LENGTH)
         return f": a ball is given by its radius{f', here radius = {half}' if half else ', half its diameter'}"
-    return did_you_mean(loc[-1], _fields(loc[:-1])) or _belongs(loc[-1])
+    beside = [name for table, _, name in (path.rpartition(".") for path in keys()) if table == ".".join(loc[:-1])]
+    return did_you_mean(loc[-1], beside) or _belongs(loc[-1])
 
 
 def instead(loc: list[str]) -> str:
     """What a scene has instead of a key that people take for one; empty where nothing is known."""
-    keys = _hints()["keys"]
-    hint = keys.get(".".join(loc)) or keys.get(loc[-1])
+    known = _hints()["keys"]
+    hint = known.get(".".join(loc)) or known.get(loc[-1])
     return f": {hint}" if hint else ""
 
 
 def _meant(loc: list[str]) -> str:
     """What a key that is missing means, and which keys a table needs."""
-    tables = _tables().get(loc[0], []) if len(loc) > 1 else [Scene]
-    table = next((table for table in tables if loc[-1] in table.model_fields), None)
-    if table is None:
+    if len(loc) > 2 or ".".join(loc) not in keys():
         return ""
-    inner = tables_of(table.model_fields[loc[-1]])
+    table, field = keys()[".".join(loc)]
+    inner = _tables_of(field)
     needs = [name for table in inner for name, key in table.model_fields.items() if key.is_required()]
     needed = f"; it needs {', '.join(needs)}" if len(loc) == 1 and needs else ""
     return f": {docstrings.of_fields(table)[loc[-1]]}{needed}"
@@ -414,11 +403,20 @@ def _lookup(data: Any, loc: list[str]) -> object:
     return None if isinstance(data, Mapping) and len(loc) == 1 else data
 
 
-def _tables() -> dict[str, list[type[BaseModel]]]:
-    return {name: kinds for name, field in Scene.model_fields.items() if (kinds := tables_of(field))}
+@cache
+def keys() -> dict[str, tuple[type[BaseModel], FieldInfo]]:
+    """All keys of a scene by dotted path: the table that has each, and its field."""
+
+    def listed(table: type[BaseModel], prefix: str) -> Iterator[tuple[str, tuple[type[BaseModel], FieldInfo]]]:
+        for name, entry in table.model_fields.items():
+            yield prefix + name, (table, entry)
+            for inner in _tables_of(entry):
+                yield from listed(inner, f"{prefix}{name}.")
+
+    return dict(listed(Scene, ""))
 
 
-def tables_of(field: Any) -> list[type[BaseModel]]:
+def _tables_of(field: Any) -> list[type[BaseModel]]:
     """The tables that a key may hold."""
     models, kinds = [], [field.annotation]
     while kinds:
@@ -429,17 +427,8 @@ def tables_of(field: Any) -> list[type[BaseModel]]:
     return models
 
 
-def _fields(loc: list[str]) -> list[str]:
-    if not loc:
-        return list(Scene.model_fields)
-    tables = _tables().get(loc[0], [])
-    for key in loc[1:]:
-        tables = [kind for table in tables if key in table.model_fields for kind in tables_of(table.model_fields[key])]
-    return [name for table in tables for name in table.model_fields]
-
-
 def _belongs(key: str) -> str:
-    homes = [f"[{name}]" for name, kinds in _tables().items() if any(key in kind.model_fields for kind in kinds)]
+    homes = [f"[{table}]" for table, _, name in (path.partition(".") for path in keys()) if name == key]
     return f": it belongs in {' or '.join(homes)}" if homes else ""
 
 

@@ -5,16 +5,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, WithJsonSchema, model_validator
 
 from fem.meshes.thickness import Bilinear, Polynomial, Profile
 from fem.meshes.thickness import of as thickness_of
@@ -85,13 +76,8 @@ class Thickness(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving a thickness that varies, and a table whose parts fit together."""
-        present = [key for key in ("values", "polynomial", "field") if getattr(self, key) is not None]
-        if len(present) != 1:
-            raise fault(
-                present[-1] if present else "values",
-                f"expected one of a table (x, y, values), a polynomial and a field of the mesh file"
-                f"{': leave one out' * bool(present)}",
-            )
+        ways = "a table (x, y, values), a polynomial and a field of the mesh file"
+        q.check_one(self, ("values", "polynomial", "field"), ways)
         if self.values is not None:
             self._fits(self.values)
         for key in ("x", "y") if self.values is None else ():
@@ -275,10 +261,8 @@ def _either(schema: dict[str, Any]) -> None:
     schema["oneOf"] = [{"required": ["name"]}, {"required": schema.pop("required")}]
 
 
-class Material(Table):
+class Material(Table, json_schema_extra=_either):
     """Linear, isotropic, homogeneous: three numbers, or the name of a material that has them."""
-
-    model_config = ConfigDict(json_schema_extra=_either)
 
     name: Annotated[str, *q.name_of(materials.PLATES)] | None = None
     """a material whose numbers are known, instead of the numbers"""

@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -129,10 +130,16 @@ def rotor(scene: Scene) -> fem.Rotor:
     return fem.Rotor(scene.rotor.hub_radius, scene.rotor.stagger, scene.rotor.precone)
 
 
-def coarse_mesh(form: Planform, cells: int) -> Any:
-    """The coarsest mesh of a planform's ladder that has so many cells, or the finest."""
-    meshes = (form.mesh(size) for size in form.sizes)
-    return next((mesh for mesh in meshes if mesh.t.shape[1] >= cells), form.mesh(form.sizes[-1]))
+def coarse_plate(scene: Scene, form: Planform | None, cells_per_mode: int) -> tuple[fem.Plate, fem.Rotor]:
+    """The plate on the coarsest mesh of its ladder with so many cells for each mode, or on the finest; and its rotor.
+
+    form: its planform, needed where that is a mesh.
+    """
+    source = SceneFile(scene, "scene", Path())
+    ladder, cells = form or planform(source), cells_per_mode * scene.rotor.modes
+    meshes = (ladder.mesh(size) for size in ladder.sizes)
+    mesh = next((mesh for mesh in meshes if mesh.t.shape[1] >= cells), None)
+    return plate(source, ladder.mesh(ladder.sizes[-1]) if mesh is None else mesh, ladder), rotor(scene)
 
 
 def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
@@ -178,14 +185,10 @@ def place(source: SceneFile, mesh: Any) -> tuple[float, float]:
 def damper_at(scene: Scene, points: np.ndarray) -> tuple[float, float]:
     """The same on a mesh of which the points (2, n) are known."""
     place = given_place(scene)
-    return tip(points) if place is None else place
-
-
-def tip(points: np.ndarray) -> tuple[float, float]:
-    """The middle of the tip of a plate with these points (2, n)."""
-    x, y = points
-    outermost = y[_outermost(points)]
-    return float(x.max()), float(0.5 * (outermost.min() + outermost.max()))
+    if place is not None:
+        return place
+    x, y = points[:, _outermost(points)]
+    return float(x.max()), float(0.5 * (y.min() + y.max()))
 
 
 def _outermost(points: np.ndarray) -> np.ndarray:

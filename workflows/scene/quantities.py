@@ -6,7 +6,7 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
@@ -231,11 +231,16 @@ def halved(value: object, kind: Kind) -> str | None:
     return f"{si / 2:g}" if match is None else f"'{float(match[1]) / 2:g} {match[2].rstrip()}'"
 
 
-def _in_range(value: float, kind: Kind) -> float:
+def _as_float(value: float) -> float:
+    """A whole number too large for a float is infinite."""
     try:
-        number = float(value)
+        return float(value)
     except OverflowError:
-        number = math.inf
+        return math.inf
+
+
+def _in_range(value: float, kind: Kind) -> float:
+    number = _as_float(value)
     if not math.isfinite(number):
         raise UnitError(f"must be finite: {kind.expectation}")
     if number and not kind.least <= abs(number) <= kind.most:
@@ -250,6 +255,14 @@ ROUNDING = 1e-9
 def fault(key: str, problem: str) -> PydanticCustomError:
     """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
     return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+def check_one(table: BaseModel, keys: Sequence[str], expectation: str, *, blamed: int = -1) -> None:
+    """See that a table has exactly one of some keys; one of several is at fault: which of those it has."""
+    present = [key for key in keys if getattr(table, key) is not None]
+    if len(present) != 1:
+        leave = ": leave one out" if present else ""
+        raise fault(present[blamed] if present else keys[0], f"expected one of {expectation}{leave}")
 
 
 def wrong(expectation: str) -> PydanticCustomError:
@@ -350,16 +363,13 @@ def _direction(value: object) -> tuple[float, ...]:
 
 def _place(value: object, info: ValidationInfo) -> tuple[float, ...] | str | int:
     """Two or three lengths, the name of a set of nodes, or the number of a node."""
-    expectation = (
-        f"expected a place such as {_two(LENGTH)} on a plate, three lengths in space, the name of a set of nodes or the"
-        " number of a node"
-    )
     if isinstance(value, str) and value.strip():
         return _line(value)
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return value
     if not isinstance(value, list | tuple) or not 2 <= len(value) <= 3:
-        raise wrong(expectation)
+        others = "three lengths in space, the name of a set of nodes or the number of a node"
+        raise wrong(f"expected a place such as ['{LENGTH.example}', '{LENGTH.example}'] on a plate, {others}")
     return tuple(si(LENGTH, item, info) for item in value)
 
 
@@ -367,10 +377,6 @@ def _one_or_two(kind: Kind, *, zero: bool) -> tuple[BeforeValidator, WithJsonSch
     """One value for both of the damper's axes, or a value for each; above 0, or any where `zero`."""
     expectation = f"expected a value such as '{kind.example}', or a list of two, one for each axis"
     return several(partial(si if zero else above_zero, kind), quantity_schema(kind), expectation, 2, 2, single=True)
-
-
-def _two(kind: Kind) -> str:
-    return f"['{kind.example}', '{kind.example}']"
 
 
 _TRADE_NAMES = {"titanium": "Ti-6Al-4V", "ti64": "Ti-6Al-4V", "inconel": "Inconel 718", "aluminum": "aluminium"}
@@ -413,10 +419,7 @@ def plain_number(value: object) -> float:
         raise wrong(f"expected a number: {value} is {float(share[1]) / 100:g}")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise wrong("expected a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
+    number = _as_float(value)
     if not math.isfinite(number):
         raise wrong("expected a finite number")
     return number

@@ -49,6 +49,12 @@ def as_typed(rpm: float) -> float:
     return int(rpm) if float(rpm).is_integer() else rpm
 
 
+_SPEED = q.quantity_schema(q.ROTATION)
+_RANGE = {"start": _SPEED, "stop": _SPEED, "count": {"type": "integer", "minimum": 1}}
+_LADDER = {"type": "object", "properties": _RANGE, "required": [*_RANGE], "additionalProperties": False}
+_SPEEDS_SCHEMA = {"anyOf": [q.array_schema(_SPEED), _LADDER]}
+
+
 def _speeds(value: object, info: ValidationInfo) -> tuple[float, ...]:
     if isinstance(value, dict):
         speeds = _ladder(value, info)
@@ -85,32 +91,15 @@ def _ladder(value: dict[str, object], info: ValidationInfo) -> list[float]:
 
 def _whole(value: dict[str, object]) -> None:
     """All three keys, and no other."""
-    names = ("start", "stop", "count")
-    unknown = [name for name in value if name not in names]
+    unknown = [name for name in value if name not in _RANGE]
     if unknown:
         listed = ", ".join(f"'{name}'" for name in unknown)
-        hint = did_you_mean(unknown[0], names) if len(unknown) == 1 and unknown != ["step"] else ""
+        hint = did_you_mean(unknown[0], _RANGE) if len(unknown) == 1 and unknown != ["step"] else ""
         raise wrong(f"unknown key {listed}{hint or ': expected start, stop and count'}")
-    for name in names:
+    for name in _RANGE:
         if name not in value:
             raise wrong(f"'{name}' is missing: expected start, stop and count")
 
-
-_SPEEDS_SCHEMA = {
-    "anyOf": [
-        q.array_schema(q.quantity_schema(q.ROTATION)),
-        {
-            "type": "object",
-            "properties": {
-                "start": q.quantity_schema(q.ROTATION),
-                "stop": q.quantity_schema(q.ROTATION),
-                "count": {"type": "integer", "minimum": 1},
-            },
-            "required": ["start", "stop", "count"],
-            "additionalProperties": False,
-        },
-    ]
-}
 
 Speeds = Annotated[tuple[float, ...], BeforeValidator(_speeds), WithJsonSchema(_SPEEDS_SCHEMA)]
 
@@ -286,6 +275,11 @@ class Rotor(Table):
             raise fault("precone", "expected an angle within ±90 deg (a bare number is in radians)")
         return self
 
+    @property
+    def has_origin(self) -> bool:
+        """Whether the scene says where the spin axis of a structure in space is."""
+        return self.origin is not None or "hub_radius" in self.model_fields_set
+
 
 class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
@@ -448,10 +442,7 @@ class Excitation(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         """One way of giving the force."""
-        present = [key for key in ("force", "pressure", "base") if getattr(self, key) is not None]
-        if len(present) != 1:
-            problem = f"expected one of force, pressure and base{': leave one out' * bool(present)}"
-            raise fault(present[-1] if present else "force", problem)
+        q.check_one(self, ("force", "pressure", "base"), "force, pressure and base")
         if self.at is not None and self.force is None:
             raise fault("at", "a place belongs to a force: leave this out")
         if isinstance(self.at, tuple) and len(self.at) != 3:
@@ -528,11 +519,8 @@ def check_weight(damper: Damper, structure: float) -> None:
     """Balls that the structure [kg] carries, not the other way round; of a plate that is known once it is solved."""
     if damper.balls is not None and damper.balls > HEAVIEST * structure:
         key = next(key for key in ("mass", "ball_material", "ball_density") if getattr(damper, key) is not None)
-        raise fault(
-            f"damper.{key}",
-            f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg; these weigh"
-            f" {damper.balls:g} kg",
-        )
+        problem = f"expected balls of at most {HEAVIEST:g} times the structure's mass, {structure:g} kg"
+        raise fault(f"damper.{key}", f"{problem}; these weigh {damper.balls:g} kg")
     _check_count(damper, damper.balls if damper.mass_ratio is None else damper.mass_ratio * structure)
 
 
@@ -542,11 +530,8 @@ def _check_count(damper: Damper, mass: float | None) -> None:
         return
     most = max(int(mass / (4 / 3 * math.pi * damper.radius**3 * LIGHTEST)), 1)
     if damper.count > most:
-        raise fault(
-            "damper.count",
-            f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together: more would be"
-            f" lighter than {LIGHTEST:g} kg/m^3, the lightest foam",
-        )
+        problem = f"expected at most {most} of radius {damper.radius:g} m that weigh {mass:g} kg together"
+        raise fault("damper.count", f"{problem}: more would be lighter than {LIGHTEST:g} kg/m^3, the lightest foam")
 
 
 _OF_A_PLATE = {
@@ -640,16 +625,11 @@ class Scene(Table):
             self._check_plate()
         self._check_damper()
         if self.design is not None and self.design.amplitude is None and self.excitation is None:
-            raise fault(
-                "design.amplitude",
-                "missing: the range over which the least damping counts (or give [excitation] instead)",
-            )
+            problem = "missing: the range over which the least damping counts (or give [excitation] instead)"
+            raise fault("design.amplitude", problem)
         if self.excitation is not None and self.damper is not None and self.damper.damping_ratio == 0:
-            raise fault(
-                "damper.damping_ratio",
-                "without damping the amplitude at resonance is unbounded: give the damping ratio by air and clamp,"
-                " such as 0.001",
-            )
+            problem = "without damping the amplitude at resonance is unbounded"
+            raise fault("damper.damping_ratio", f"{problem}: give the damping ratio by air and clamp, such as 0.001")
         if self.plate is not None:
             check_on_plate(self.plate, self.damper, self.release)
         if self.damper is not None and (radius := self._damper_radius) is not None:
@@ -696,7 +676,7 @@ class Scene(Table):
         """What a blade or a structure of known modes takes, and what it leaves out."""
         if self.blade is not None and self.material is None:
             raise fault("material", "the table is missing")
-        if self.blade is not None and self.rotor.origin is None and "hub_radius" not in self.rotor.model_fields_set:
+        if self.blade is not None and not self.rotor.has_origin:
             raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
             raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
@@ -707,11 +687,8 @@ class Scene(Table):
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
-            raise fault(
-                "damper.at",
-                "missing: a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm'], a set of"
-                " its nodes or a node's number",
-            )
+            place = "a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm']"
+            raise fault("damper.at", f"missing: {place}, a set of its nodes or a node's number")
 
     def _check_plate(self) -> None:
         for table in ("plate", "material"):
@@ -727,11 +704,9 @@ class Scene(Table):
         if self.damper is None and self.release is not None:
             raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
-            raise fault(
-                "rotor.precone",
-                "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal, or the"
-                " plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)",
-            )
+            problem = "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal"
+            alone = "the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)"
+            raise fault("rotor.precone", f"{problem}, or {alone}")
 
     def _check_given(self, structure: Structure) -> None:
         if self.damper is None:

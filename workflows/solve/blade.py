@@ -14,7 +14,6 @@ import fem
 from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
-from workflows.errors import BadInput
 from workflows.formatting import beside, percent, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
@@ -236,7 +235,7 @@ def blade_of(source: SceneFile) -> Blade:
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
-        raise BadInput(text, file=source.name, key=f"[blade] {key}", value=value) from error
+        raise source.wrong(text, f"[blade] {key}", value) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
@@ -248,7 +247,7 @@ def blade_of(source: SceneFile) -> Blade:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         blade = Blade(mesh, stuff, root, about.axis, about.origin)
     except fem.MeshError as error:
-        raise BadInput(str(error), file=source.name, key="[blade] root", value=spec.root) from error
+        raise source.wrong(str(error), "[blade] root", spec.root) from error
     _check_sides(source, blade)
     return blade
 
@@ -262,12 +261,7 @@ def _check_sides(source: SceneFile, blade: Blade) -> None:
         root, reach = (significant(1e3 * float(np.linalg.norm(arm))) for arm in (outwards, tip))
         text = f"the spin axis passes between the root, {root} mm away, and the tip, {reach} mm away on its other side"
         point = "hub_radius" if source.scene.rotor.origin is None else "origin"
-        raise BadInput(
-            f"{text}: expected both on one side",
-            file=source.name,
-            key=f"[rotor] {point}",
-            value=getattr(source.scene.rotor, point),
-        )
+        raise source.wrong(f"{text}: expected both on one side", f"[rotor] {point}", getattr(source.scene.rotor, point))
 
 
 def in_words(source: SceneFile, blade: Blade) -> str:

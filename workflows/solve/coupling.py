@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,16 +34,6 @@ def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
     return SpeedPoint.at(omega, rotor.radius, rotor.gravity, reduced=reduced)
-
-
-def tilts(effects: dict[str, Effect]) -> bool:
-    """Whether the floor of the cavity tilts as the structure bends."""
-    return effects["floor_tilt"].on
-
-
-def tilting(effects: dict[str, Effect]) -> dict[str, Effect]:
-    """The same effects on a floor that tilts."""
-    return effects | {"floor_tilt": Effect(True, "")}
 
 
 def with_forced_effects(source: SceneFile) -> SceneFile:
@@ -73,7 +64,7 @@ def structure(
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
     """
-    reduced, tilted = point.reduced, tilts(effects)
+    reduced, tilted = point.reduced, effects["floor_tilt"].on
     assert reduced is not None
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
@@ -82,17 +73,12 @@ def structure(
     if effects["structural_modes"].on and point.cavity_modes:
         modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
         return _of_modes(scene, point, modes, tilts=tilted) | turning
-    both = (1.0, 1.0)
-    tilt = (reduced.floor_tilt,) * 2
+    stiffness, tilt = (reduced.K1, reduced.K1), (reduced.floor_tilt,) * 2
     if scene.given is not None:
-        both = (1.0, (scene.given.frequency[1] / scene.given.frequency[0]) ** 2)
-        tilt = scene.given.floor_tilt
-    return {
-        "modal_mass": reduced.M2,
-        "stiffness": (reduced.K1 * both[0], reduced.K1 * both[1]),
-        "floor_tilt": tilt if tilted else (0.0, 0.0),
-        **turning,
-    }
+        first, second = scene.given.frequency
+        stiffness, tilt = (reduced.K1, reduced.K1 * (second / first) ** 2), scene.given.floor_tilt
+    tilt = tilt if tilted else (0.0, 0.0)
+    return {"modal_mass": reduced.M2, "stiffness": stiffness, "floor_tilt": tilt, **turning}
 
 
 def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:
@@ -241,8 +227,7 @@ def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.
         cosine, sine = np.cos(tilt * u), np.sin(tilt * u)
         along.append(driven * cosine - pressed * sine)
         force = force * cosine + driven * sine
-    needed: np.ndarray = (np.hypot(*along) / np.maximum(force, 1e-9 * load)).max(axis=0)
-    return needed
+    return np.asarray((np.hypot(*along) / np.maximum(force, 1e-9 * load)).max(axis=0))
 
 
 _NOTABLE = 0.99
@@ -349,38 +334,24 @@ def _place_errors(source: SceneFile) -> Iterator[None]:
 
 
 def cavity_modes(
-    source: SceneFile,
-    effects: dict[str, Effect],
-    plate: fem.Reduction,
-    reduced: list[Reduced | None],
+    source: SceneFile, effects: dict[str, Effect], plate: fem.Reduction, reduced: list[Reduced | None]
 ) -> list[tuple[CavityMode, ...]]:
     """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
     balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
     if source.scene.damper is None or not effects["structural_modes"].on:
         return [()] * len(balls)
     reduction = fem.modes_at(plate.operators, plate.diagram, plate.at, np.array(balls))
-    return [modes_of(reduction, n, pressed=reduction.pressed) for n in range(len(reduction.stiffness))]
+    return [modes_of(reduction, n, "pressed") for n in range(len(reduction.stiffness))]
 
 
-def modes_of(reduction: Any, n: int, **forces: Any) -> tuple[CavityMode, ...]:
-    """The modes that `fem` finds at a cavity, at its nth speed; `forces` on them by name, (speeds, modes)."""
-    return tuple(
-        CavityMode(
-            number=k + 1,
-            stiffness=float(reduction.stiffness[n, k]),
-            shape=_both(reduction.shape[n, :, k]),
-            slope=_both(reduction.slope[n, :, k]),
-            drawn=_both(reduction.drawn[n, :, k]),
-            **{name: float(values[n, k]) for name, values in forces.items()},
-        )
-        for k in range(reduction.stiffness.shape[1])
-    )
+def modes_of(reduction: Any, n: int, force: str) -> tuple[CavityMode, ...]:
+    """The modes that `fem` finds at a cavity, at its nth speed; force: what of a `CavityMode` its `pressed` is."""
+    pairs = (map(tuple, getattr(reduction, name)[n].T.tolist()) for name in ("shape", "slope", "drawn"))
+    every = zip(count(1), reduction.stiffness[n].tolist(), *pairs)
+    forces = reduction.pressed[n].tolist()
+    return tuple(CavityMode(*each, **{force: push}) for each, push in zip(every, forces, strict=True))
 
 
 def reduced_of(reduction: Any) -> Reduced:
     """The structure that `fem` finds at a damper's place."""
     return copy_fields(Reduced, reduction, floor_tilt=reduction.slope)
-
-
-def _both(pair: np.ndarray) -> tuple[float, float]:
-    return float(pair[0]), float(pair[1])

@@ -19,19 +19,8 @@ from workflows.errors import BadInput, during
 from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.scene import Scene
-from workflows.solve import coupling, limits
-from workflows.solve.results import (
-    BallPath,
-    CavityMode,
-    Damping,
-    Energy,
-    Figures,
-    Floats,
-    History,
-    OwnFigures,
-    SpeedPoint,
-    copy_fields,
-)
+from workflows.solve import coupling, limits, results
+from workflows.solve.results import CavityMode, Floats, OwnFigures, SpeedPoint, copy_fields
 
 CYCLES = 8
 """Vibration cycles from the ball's first motion on."""
@@ -46,7 +35,7 @@ KINDS = ("release", "start", "reversal", "hit", "rub", "grip")
 """Names of the kinds of event by their numbers in `damper.state`."""
 
 
-def ball_path(motion: damper.RingDown) -> BallPath | None:
+def ball_path(motion: damper.RingDown) -> results.BallPath | None:
     """The ball's way in the first cycles in which it moves, from a ring-down with its events; None if it never does."""
     rows = motion.rows
     if rows is None or motion.last_motion is None:
@@ -63,15 +52,9 @@ def ball_path(motion: damper.RingDown) -> BallPath | None:
     events: Floats = rows["time"][inside]
     times = np.union1d(np.linspace(begin, end, count), events)
     samples = damper.sample(motion, times)
-    return BallPath(
-        t=times,
-        ball=samples.relative_position,
-        structure=samples.displacement,
-        regime=samples.regime,
-        at=np.searchsorted(times, events),
-        kind=tuple(KINDS[kind] for kind in rows["kind"][inside].tolist()),
-        axis=rows["axis"][inside].astype(np.int64),
-    )
+    at, kinds = np.searchsorted(times, events), tuple(KINDS[kind] for kind in rows["kind"][inside].tolist())
+    axes = rows["axis"][inside].astype(np.int64)
+    return results.BallPath(times, samples.relative_position, samples.displacement, samples.regime, at, kinds, axes)
 
 
 _RESOLVING = 1e-3
@@ -85,11 +68,7 @@ _SAMPLES_AT_MOST = 4000
 
 
 def simulate(
-    scene: Scene,
-    effects: dict[str, Effect],
-    points: tuple[SpeedPoint, ...],
-    stages: Stages,
-    shown: int | None = None,
+    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int | None = None
 ) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
     with stages("damper", len(points)) as step:
@@ -113,7 +92,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     judged = system if tilting is None or system.formulation == "printed" else tilting
     more: dict[str, Any] = {"pendulum": coupling.pendulum(system, point.omega)}
     if tilting is not None:
-        level = None if judged is system else copy_fields(Figures, falling(in_leading_modes(system)))
+        level = None if judged is system else copy_fields(results.Figures, falling(in_leading_modes(system)))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
     more["first"] = coupling.moves_first_from(judged, point)
@@ -151,10 +130,10 @@ def most_cycles(system: damper.ParticleDamper) -> int:
 
 def _tilting(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper | None:
     """The damper on a tilting floor, with equations that know it; None where the scene's own is that."""
-    if coupling.tilts(effects) or point.tilt_share == 0.0 or scene.damper is None:
+    if effects["floor_tilt"].on or point.tilt_share == 0.0 or scene.damper is None:
         return None
     consistent = scene.changed(damper={"formulation": "consistent"})
-    return particle_damper(consistent, coupling.tilting(effects), point)
+    return particle_damper(consistent, effects | {"floor_tilt": Effect(True, "")}, point)
 
 
 def _cutoff(system: damper.ParticleDamper, point: SpeedPoint) -> tuple[float, float]:
@@ -224,7 +203,7 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     return hits | ({"break_away": limits.rim_slope(scene, point)} if effects["indentation"].on else {})
 
 
-def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> Damping:
+def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> results.Damping:
     release = coupling.release_displacement(scene, point, system)
     cycles = scene.release.cycles if scene.release is not None else "auto"
     stop_cycles = None if isinstance(cycles, str) else cycles
@@ -236,7 +215,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     left = None if system.modes is None else motion.modal_energies
     numbers = [] if left is None else [mode.number for mode in coupling.damper_modes(scene, point)]
     return copy_fields(
-        Damping,
+        results.Damping,
         motion,
         outcome=str(motion.outcome),
         stopped=motion.last_motion if motion.rested else None,
@@ -250,19 +229,19 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         amplitude_g=energy.amplitude / gravity,
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
-        energy=copy_fields(Energy, motion.energy),
+        energy=copy_fields(results.Energy, motion.energy),
         modal_energies={} if left is None else dict(zip(numbers, left.tolist(), strict=True)),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
     )
 
 
-def _history(motion: damper.RingDown) -> History:
+def _history(motion: damper.RingDown) -> results.History:
     period = 2 * math.pi / motion.damper.stuck_frequency
     end = min(motion.duration, _SAMPLES_AT_MOST / _SAMPLES_PER_CYCLE * period)
     count = max(2, math.ceil(end / period * _SAMPLES_PER_CYCLE) + 1)
     samples = damper.sample(motion, np.linspace(0.0, end, count))
-    return History(samples.time, samples.velocity)
+    return results.History(samples.time, samples.velocity)
 
 
 def _look_up(_: float) -> None:

@@ -12,7 +12,7 @@ from fem.rotor import from_rpm
 from workflows.errors import BadInput
 from workflows.formatting import interval, turning, whole
 from workflows.scene.scene import Scene
-from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction, copy_fields
 
 
 @dataclass(frozen=True)
@@ -182,23 +182,18 @@ def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, 
 
 
 def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[SpeedPoint, int]) -> Crossing | None:
+    """The crossing of an order with a mode between two points; None where they do not meet."""
     (a, f), (b, g) = ((point.rpm, frequency_of(point, k)) for point, k in (low, high))
-    rpm = _meeting(order, (a, f), (b, g))
-    if rpm is None:
+    below, above = f**2 - (order * a / 60) ** 2, g**2 - (order * b / 60) ** 2
+    if below == above or below * above > 0 or above == 0:
         return None
+    rpm = math.sqrt(a**2 + below / (below - above) * (b**2 - a**2))
     point, k = low if rpm - a < b - rpm else high
     mode = point.modes[k] if point.modes else Mode(f, "flap")
-    return Crossing(
-        order=order,
-        branch=mode.branch,
-        family=mode.family,
-        label=label,
-        rpm=rpm,
-        frequency_hz=order * rpm / 60,
-        error=mode.error_estimate,
-        basis=0.0 if mode.error_parts is None else mode.error_parts.basis,
-        turns=3600 * (g**2 - f**2) / (b**2 - a**2) / order,
-    )
+    basis = 0.0 if mode.error_parts is None else mode.error_parts.basis
+    turns = 3600 * (g**2 - f**2) / (b**2 - a**2) / order
+    of = {"order": order, "label": label, "rpm": rpm, "frequency_hz": order * rpm / 60, "error": mode.error_estimate}
+    return copy_fields(Crossing, mode, **of, basis=basis, turns=turns)
 
 
 def frequency_of(point: SpeedPoint, k: int) -> float:
@@ -208,13 +203,3 @@ def frequency_of(point: SpeedPoint, k: int) -> float:
     if point.reduced is None:
         raise ValueError("the structure is not known")
     return point.reduced.f2_hz
-
-
-def _meeting(order: int, low: tuple[float, float], high: tuple[float, float]) -> float | None:
-    """The speed [rpm] between two points (rpm, Hz) at which an order meets the frequency; None where it does not."""
-    (a, f), (b, g) = low, high
-    below, above = f**2 - (order * a / 60) ** 2, g**2 - (order * b / 60) ** 2
-    if below == above or below * above > 0 or above == 0:
-        return None
-    share = below / (below - above)
-    return math.sqrt(a**2 + share * (b**2 - a**2))

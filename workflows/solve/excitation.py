@@ -67,15 +67,19 @@ def modes_at_crossing(point: SpeedPoint, crossing: Crossing) -> tuple[list[Cavit
     return modes, axis, axis == 0 and coupling.leading_mode(point.cavity_modes, 0) is modes[0]
 
 
-def modes_followed(point: SpeedPoint, modes: list[CavityMode]) -> list[CavityMode]:
-    """The mode crossed and those that yield most along either axis, ascending."""
+def modes_followed(point: SpeedPoint, modes: list[CavityMode] | None) -> list[CavityMode] | None:
+    """The mode crossed and those that yield most along either axis, ascending; None where the structure is given."""
+    if modes is None:
+        return None
     leaders = [coupling.leading_mode(point.cavity_modes, axis) for axis in range(2)]
     numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
     return [mode for mode in point.cavity_modes if mode.number in numbers]
 
 
-def idle_structure(modes: list[CavityMode], excitation: Excitation) -> str:
+def idle_structure(modes: list[CavityMode] | None, excitation: Excitation) -> str:
     """Why a crossing has nothing to follow; nothing where it has."""
+    if modes is None:
+        return ""
     most = max(math.hypot(*mode.shape) for mode in modes)
     if math.hypot(*modes[0].shape) <= _STILL * most:
         return "the damper's place does not move in this mode"
@@ -154,11 +158,10 @@ def damper_at(
         BadInput: the damper does not fit there.
     """
     modes, _, _ = modes_at_crossing(at, crossing)
-    if modes is not None and (idle := idle_structure(modes, excitation)):
+    if idle := idle_structure(modes, excitation):
         return idle
     with read_from(solver.source.name):
-        chosen = None if modes is None else modes_followed(at, modes)
-        return particle_damper(solver.source.scene, solver.choice.effects, at, chosen)
+        return particle_damper(solver.source.scene, solver.choice.effects, at, modes_followed(at, modes))
 
 
 def root_stress(results: Results, crossing: Crossing) -> float | None:

@@ -9,12 +9,11 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem import modal_model
-from fem.meshes.cells import edges_of
 from fem.modal_files import ModesFileError, Raw, in_si, joined, read
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
@@ -24,19 +23,9 @@ from workflows.formatting import interval, percent, share, significant
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
+from workflows.solve import results
 from workflows.solve.coupling import modes_of, reduced_of
-from workflows.solve.results import (
-    Diagram,
-    ErrorParts,
-    Floats,
-    Ints,
-    Mode,
-    ModeAtSeat,
-    SeatDescription,
-    SpeedPoint,
-    Surface,
-    speeds_with_shapes,
-)
+from workflows.solve.results import Floats, Ints, SpeedPoint
 
 if TYPE_CHECKING:
     from fem.reduction.known_modes import Floor
@@ -111,29 +100,19 @@ class SpaceStructure:
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
         cut = None if self.cut is None else self.cut(modes)
-        displaced = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
-        known = tuple(_mode(modes, k, name, turned, bent, cut) for k, name in enumerate(names[: scene.rotor.modes]))
-        point = SpeedPoint.at(
-            omega,
-            self.radius,
-            scene.rotor.gravity,
-            known,
-            root_stress=None if self.root_stress is None else omega**2 * self.root_stress,
-            static_displacement=displaced[0],
-            tip_rotation=displaced[1],
-        )
+        stress = None if self.root_stress is None else omega**2 * self.root_stress
+        displaced, untwist = (None, None) if modes.static is None else modal_model.deflection(self.model, modes.static)
+        records = _modes(modes, names[: scene.rotor.modes], bent, turned, cut)
+        static = {"root_stress": stress, "static_displacement": displaced, "tip_rotation": untwist}
+        point = SpeedPoint.at(omega, self.radius, scene.rotor.gravity, records, **static)
         damper = scene.damper
         if damper is None or self.seat is None:
             return point
         try:
             floor = self.floor(modes)
+            pull, load = self.seat.pull, self.seat.load(modes)
             reduced, every = reduced_modes(
-                modes,
-                floor,
-                self.seat.pull,
-                ball_mass=damper.balls,
-                mass_ratio=damper.mass_ratio,
-                load=self.seat.load(modes),
+                modes, floor, pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio, load=load
             )
         except NoMotion as error:
             raise source.wrong(str(error), "[damper] direction") from error
@@ -148,7 +127,7 @@ class SpaceStructure:
             radius=floor.radius,
             load_g=omega**2 * floor.radius / scene.rotor.gravity,
             reduced=reduced_of(reduced),
-            cavity_modes=modes_of(every, 0, pushed=every.pressed) if effects["structural_modes"].on else (),
+            cavity_modes=modes_of(every, 0, "pushed") if effects["structural_modes"].on else (),
             stagger=floor.stagger(self.model.axis),
             lean=(float(floor.lean[0]), float(floor.lean[1])),
             sticks_out=self.seat.sticks_out,
@@ -161,7 +140,7 @@ class SpaceStructure:
         points = self.model.points if self.seat is None else self.seat.place.point[None]
         return float(np.linalg.norm(self.model.load(points), axis=1).max())
 
-    def seat_at(self, omega: float) -> SeatDescription | None:
+    def seat_at(self, omega: float) -> results.SeatDescription | None:
         """How the damper lies at a speed [rad/s]; None without one."""
         if self.seat is None:
             return None
@@ -170,24 +149,12 @@ class SpaceStructure:
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
-        return SeatDescription(
-            tuple((at.point + 0.0).tolist()),
-            at.how,
-            tuple(((floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius + 0.0).tolist()),
-            tuple((floor.normal + 0.0).tolist()),
-            tuple(tuple((axis + 0.0).tolist()) for axis in floor.axes),
-            tuple(
-                ModeAtSeat(
-                    k + 1,
-                    names[k],
-                    float(modes.frequencies_hz[k]),
-                    _known(masses[:, k]),
-                    _known(masses[:, k] * modes.squares[k]),
-                    _known(tilts[:, k]),
-                )
-                for k in range(len(names))
-            ),
-        )
+        figures = ([tuple(results.known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
+        every = tuple(map(results.ModeAtSeat, range(1, len(names) + 1), names, modes.frequencies_hz.tolist(), *figures))
+        pull = (floor.pressing * floor.normal + floor.lean @ floor.axes) / floor.radius
+        vectors = (at.point, pull, floor.normal, *floor.axes)
+        place, load, normal, *axes = (tuple((vector + 0.0).tolist()) for vector in vectors)
+        return results.SeatDescription(place, at.how, load, normal, tuple(axes), every)
 
     def floor(self, modes: ModesAtSpeed) -> Floor:
         """The cavity's floor at a speed.
@@ -202,28 +169,22 @@ class SpaceStructure:
             raise ValueError("the scene has no [damper]")
         return floor(self.model, self.seat.place, modes, self.seat.direction, self.seat.normal)
 
-    def surface(self, speeds: Sequence[float], count: int) -> Surface:
+    def surface(self, speeds: Sequence[float], count: int) -> results.Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
-        shown = speeds_with_shapes(len(speeds))
-        points, triangles = self.model.points, modal_model.faces(self.model.cells)
+        shown = results.speeds_with_shapes(len(speeds))
         shapes = np.array([self.modes(speeds[k]).shapes[:count] for k in shown])
-        used, lines = np.unique(triangles), None
+        surface, used = results.skin(self.model.points, self.model.cells)
         if used.size:
-            lines = np.searchsorted(used, edges_of(self.model.cells))
-            points, shapes, triangles = points[used], shapes[:, :, used], np.searchsorted(used, triangles)
+            shapes = shapes[:, :, used]
+            held = modal_model.held(shapes)[surface.outline].all(axis=1)
+            surface = replace(surface, root=surface.outline[held])
         else:
             marks = _MARK * self.model.size * _TETRAHEDRON
-            triangles = (4 * np.arange(len(points))[:, None, None] + _SIDES).reshape(-1, 3)
-            points = (points[:, None] + marks).reshape(-1, 3)
-            shapes = np.repeat(shapes, 4, axis=2)
-        outline = modal_model.edges(points, triangles) if used.size else np.zeros((0, 2), dtype=np.int64)
-        still = modal_model.held(shapes)
-        root = outline[still[outline].all(axis=1)] if used.size else outline
+            triangles = (4 * np.arange(len(self.model.points))[:, None, None] + _SIDES).reshape(-1, 3)
+            points, shapes = (self.model.points[:, None] + marks).reshape(-1, 3), np.repeat(shapes, 4, axis=2)
+            surface = replace(surface, points=points, cells=("triangle", triangles))
         mark = None if self.seat is None else self.seat.place.point
-        cells, frame = ("triangle", triangles), self._drawing()
-        return Surface(
-            points, cells, outline, root, shapes, shown, lines=lines, frame=frame, mark=mark, axis=self.model.axis
-        )
+        return replace(surface, shapes=shapes, at=shown, frame=self._drawing(), mark=mark, axis=self.model.axis)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""
@@ -238,10 +199,6 @@ class SpaceStructure:
         axes = frame(normal, self.model.axis)
         return np.array([normal, axes[1], axes[0]])
 
-    def diagram(self) -> Diagram:
-        """What modes over speed have beyond the modes themselves."""
-        return Diagram(self.described, 0.0, (), (), (), None)
-
 
 _MARK = 0.006
 """Half of what a node's mark measures, in sizes of the structure."""
@@ -254,34 +211,20 @@ _STILL = 1e-6
 """Displacement of a place over the largest of all modes that counts as none."""
 
 
-def _known(pair: Floats) -> tuple[float | None, float | None]:
-    one, other = (float(each) if np.isfinite(each) else None for each in pair)
-    return one, other
+def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | None) -> tuple[results.Mode, ...]:
+    """Modes as results have them; their errors are those of the file, where it has some, and of interpolation.
 
-
-def _mode(modes: ModesAtSpeed, k: int, family: str, *left_out: Floats | None) -> Mode:
-    """A mode as results have it; its error is that of the file, where it says one, and of interpolation.
-
-    left_out: what Coriolis forces, large deflection and cavities would move, each relative, (modes,).
+    left_out: what large deflection, Coriolis forces and cavities would move, each relative, (modes,).
     """
-    turned, bent, cut = (None if each is None else float(each[k]) for each in left_out)
-    between = modes.interpolation
-    parts = ErrorParts(
-        mesh=None if modes.errors is None else float(modes.errors[k]),
-        layers=0.0,
-        basis=float("nan") if between is None else float(between[k]),
-        theory=0.0,
-        large_deflection=bent,
-        coriolis=turned,
-        cavity_mass=cut,
-    )
-    return Mode(
-        frequency_hz=float(modes.frequencies_hz[k]),
-        family=family,
-        error_parts=parts,
-        damping_ratio=None if modes.damping_ratios is None else float(modes.damping_ratios[k]),
-        branch=k if modes.tracks is None else int(modes.tracks[k]),
-    )
+    count = len(families)
+
+    def each(values: Floats | Ints | None, missing: float | None = None) -> list[Any]:
+        return [missing] * count if values is None else values[:count].tolist()
+
+    exact, between = [0.0] * count, each(modes.interpolation, math.nan)
+    errors = map(results.ErrorParts, each(modes.errors), exact, between, exact, *map(each, left_out))
+    branches = range(count) if modes.tracks is None else each(modes.tracks)
+    return tuple(map(results.Mode, each(modes.frequencies_hz), families, errors, each(modes.damping_ratios), branches))
 
 
 def space_structure(source: SceneFile) -> SpaceStructure:
@@ -351,7 +294,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         digests.append(sha256)
         turns = turns and raw.turns
         model = _in_si(source, known, name, raw)
-        if not raw.turns and source.scene.rotor.origin is None and "hub_radius" not in _rotor_keys(source):
+        if not raw.turns and not source.scene.rotor.has_origin:
             raise source.wrong(NO_ORIGIN.format("file"), "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
             problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
@@ -393,11 +336,6 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
             f"The files hold {min(counts)} to {max(counts)} modes; the first {min(counts)}, common to all, are used."
         )
     return problems
-
-
-def _rotor_keys(source: SceneFile) -> set[str]:
-    """The keys of [rotor] that the scene has."""
-    return source.scene.rotor.model_fields_set
 
 
 @lru_cache(maxsize=8)
@@ -455,6 +393,9 @@ _UNLIKE = 2.0
 """Ratio of densities that the modes of a structure imply from which on their shapes are not normalised to mass."""
 
 
+_NORMALISED = "expected shapes of modal mass 1, or their modal masses"
+
+
 def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalModel:
     """The model of a file in m and kg, once its units and the scale of its shapes make sense.
 
@@ -473,11 +414,8 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         raise source.wrong(problem, "[structure] modes") from error
     largest = np.concatenate([np.abs(modes.shapes).max(axis=(1, 2)) for modes in raw.model.speeds])
     if largest.size > 1 and np.ptp(largest) <= 1e-5 * largest.max():
-        raise source.wrong(
-            f"{name}: the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass;"
-            " expected shapes of modal mass 1, or their modal masses",
-            "[structure] modes",
-        )
+        problem = f"the largest displacement of every mode is {largest[0]:g}: its shapes are not normalised to mass"
+        raise source.wrong(f"{name}: {problem}; {_NORMALISED}", "[structure] modes")
     try:
         fits = [modal_model.densities(model, modes) for modes in model.speeds]
     except modal_model.BadCells as error:
@@ -487,12 +425,9 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         return model
     every = np.concatenate([each for each in fits if each is not None])
     if every.max() > _UNLIKE * every.min():
-        raise source.wrong(
-            f"{name}: its shapes are not normalised to mass: for modal masses of 1 the modes would need densities from"
-            f" {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3: expected shapes of modal"
-            " mass 1, or their modal masses",
-            "[structure] modes",
-        )
+        ends = f"from {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3"
+        problem = f"its shapes are not normalised to mass: for modal masses of 1 the modes would need densities {ends}"
+        raise source.wrong(f"{name}: {problem}: {_NORMALISED}", "[structure] modes")
     density = float(np.median(every))
     if not _LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
         raise source.wrong(_units(name, raw, model.size, density), "[structure] unit, mass_unit")
@@ -532,12 +467,10 @@ def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, 
     least = min(float((np.linalg.norm(modes.shapes, axis=2).max(axis=1) ** -2.0).min()) for modes in model.speeds)
     most = OSMIUM * (model.size / 3.0**0.5) ** 3
     if least > most:
-        raise source.wrong(
-            f"{name} would have an effective mass of {significant(least)} kg where it moves most, and its nodes span a"
-            f" block of {significant(most)} kg at most: was another unit meant? If not, nodes further away are missing"
-            " (of the root, for example)",
-            key,
-        )
+        heavy = f"{name} would have an effective mass of {significant(least)} kg where it moves most"
+        block = f"its nodes span a block of {significant(most)} kg at most"
+        nodes = "If not, nodes further away are missing (of the root, for example)"
+        raise source.wrong(f"{heavy}, and {block}: was another unit meant? {nodes}", key)
 
 
 _UNEVEN = 1.05
@@ -561,7 +494,8 @@ def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False
 
     turns: axis and point on it are the file's where the scene does not give them.
     """
-    rotor, axis_given = source.scene.rotor, _rotor_keys(source)
+    rotor = source.scene.rotor
+    axis_given = rotor.model_fields_set
     axis, origin = model.axis, model.origin
     own = Rotor(rotor.hub_radius, rotor.stagger, rotor.precone)
     if rotor.axis is not None:
@@ -672,12 +606,10 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if modes.rotations is not None:
         other = float(floor(model, at, replace(modes, rotations=None), direction, normal).slope[0, leads])
         if max(abs(slope), abs(other)) > _UNLIKE_TURNS * min(abs(slope), abs(other)):
-            raise source.wrong(
-                f"in mode {leads + 1} the nodes' rotations tilt the floor by {significant(slope / lift)} 1/m over the"
-                f" displacement, and their displacements by {significant(other / lift)} 1/m: expected rotations in rad"
-                " of the same shapes",
-                "[structure] modes",
-            )
+            tilts = f"tilt the floor by {significant(slope / lift)} 1/m over the displacement"
+            others = f"their displacements by {significant(other / lift)} 1/m"
+            problem = f"in mode {leads + 1} the nodes' rotations {tilts}, and {others}"
+            raise source.wrong(f"{problem}: expected rotations in rad of the same shapes", "[structure] modes")
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
             f"The slope of the floor in mode {leads + 1}, {significant(slope / lift)} 1/m over the displacement, is"
@@ -770,9 +702,7 @@ def _placed(model: ModalModel, point: tuple[float, ...]) -> Place:
     return modal_model.place(model, np.array(point))
 
 
-@lru_cache(maxsize=4)
-def _pull(model: ModalModel, at: Place) -> Pull:
-    return modal_model.pull(model, at)
+_pull = lru_cache(maxsize=4)(modal_model.pull)
 
 
 def named_set(source: SceneFile, sets: Mapping[str, Ints], name: str, key: str, beside: str = "") -> Ints:

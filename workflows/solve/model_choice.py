@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import fem
@@ -46,11 +45,10 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
         raise NoAnswer(f"{source.name}: [rotor] speeds, {key}: {error}") from error
     except fem.Unresolved as error:
         if source.scene.blade is not None:
-            raise NoAnswer(
-                f"{source.name}: [blade] root: in double precision the blade is all but loose: rounding leaves nothing"
-                " of its lowest frequency at rest; expected a root that holds it, thicker cells, and more than a"
-                " single row of them: hexahedra of 20 nodes in a row deform without stress"
-            ) from error
+            loose = "in double precision the blade is all but loose: rounding leaves nothing of its lowest frequency"
+            better = "expected a root that holds it, thicker cells, and more than a single row of them"
+            better += ": hexahedra of 20 nodes in a row deform without stress"
+            raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}") from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (fem.SingularMatrix, fem.NotConverged) as error:
@@ -109,10 +107,7 @@ def chosen_theory(
         return Theory(spec.theory, "asked for by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
-    source = SceneFile(scene, "scene", Path())
-    ladder = form or plate_mesh.planform(source)
-    plate = plate_mesh.plate(source, plate_mesh.coarse_mesh(ladder, CELLS_PER_MODE * scene.rotor.modes), ladder)
-    rotor = plate_mesh.rotor(scene)
+    plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
     stiffened = scene.effects.stress_stiffening is not False
     effects = fem.Effects(stress_stiffening=stiffened, large_deflection=large_deflection and stiffened)
     chosen = choose_theory(plate, rotor, effects, scene.rotor.speeds, scene.rotor.modes, scene.accuracy.frequency)

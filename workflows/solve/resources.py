@@ -212,7 +212,7 @@ def _first_unknowns(form: Planform, model: str, modes: int, most: int) -> float:
         return unknowns(model, form.mesh(begun_with(form, modes)))
     along, across = form.cells(begun_with(form, modes))  # no mesh is made, for which scikit-fem would be loaded
     counts = (along + 1) * (across + 1), along * (across + 1) + across * (along + 1), along * across
-    return _in_all(_of_each(model, quads=True), counts)
+    return _in_all(model, counts, quads=True)
 
 
 def of_a_plate(model: str, unknowns: float, modes: int, large_deflection: bool = False) -> float:
@@ -236,17 +236,13 @@ def unknowns(model: str, mesh: Any) -> float:
         mesh, quads = mesh.to_meshtri(), False
     if name == "solid":
         mesh = quadrilaterals(mesh)
-    return _in_all(_of_each(model, quads), (mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]))
+    return _in_all(model, (mesh.p.shape[1], mesh.facets.shape[1], mesh.t.shape[1]), quads)
 
 
-def _of_each(model: str, quads: bool) -> tuple[int, int, int]:
-    """Unknowns of each corner, edge and cell of a mesh in a theory."""
+def _in_all(model: str, counts: tuple[int, int, int], quads: bool) -> float:
+    """Unknowns that a theory has on so many corners, edges and cells."""
     theory, element = theory_of(model)
-    return theory.unknowns(element, quads)
-
-
-def _in_all(each: tuple[int, int, int], counts: tuple[int, int, int]) -> float:
-    return float(sum(own * count for own, count in zip(each, counts, strict=True)))
+    return float(sum(own * count for own, count in zip(theory.unknowns(element, quads), counts, strict=True)))
 
 
 def available() -> float:

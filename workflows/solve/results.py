@@ -17,6 +17,8 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, co
 from pydantic_core import core_schema
 
 import fem
+from fem import modal_model
+from fem.meshes.cells import edges_of
 from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import from_rpm
 from workflows.effects.definition import Effect, LeftOut
@@ -90,18 +92,16 @@ class _Array:
 
 Floats = Annotated[npt.NDArray[np.float64], _Array(float)]
 Ints = Annotated[npt.NDArray[np.int64], _Array(int)]
-Unknown = Annotated[
-    float,
+
+_NULL_AS_NAN = (
     BeforeValidator(lambda value: math.nan if value is None else value),
     WithJsonSchema({"type": ["number", "null"]}),
-]
+)
+
+Unknown = Annotated[float, *_NULL_AS_NAN]
 """A number that may be none that is finite, which is published as null."""
 
-MaybeUnknown = Annotated[
-    float | None,
-    BeforeValidator(lambda value: math.nan if value is None else value),
-    WithJsonSchema({"type": ["number", "null"]}),
-]
+MaybeUnknown = Annotated[float | None, *_NULL_AS_NAN]
 """The same, left out of files where it is None."""
 
 Pair = tuple[Unknown, Unknown]
@@ -601,10 +601,6 @@ class Reduced:
     """slope of the cavity's floor over its displacement"""
     whole_motion: Annotated[float, KEPT] = 1.0
 
-    def turning_share(self, radius: float) -> float:
-        """Share of its drive that the turning floor takes from a ball of a radius [m], 2/5 r kappa."""
-        return 0.4 * radius * abs(self.floor_tilt)
-
 
 @dataclass(frozen=True)
 class CavityMode:
@@ -641,9 +637,9 @@ class ModeAtSeat:
     number: int
     family: str
     frequency_hz: float
-    mass: tuple[float | None, float | None]
-    stiffness: tuple[float | None, float | None]
-    floor_tilt: tuple[float | None, float | None]
+    mass: tuple[float | None, ...]
+    stiffness: tuple[float | None, ...]
+    floor_tilt: tuple[float | None, ...]
 
     def along(self, axis: int) -> tuple[float | None, ...]:
         """The three along an axis of the cavity."""
@@ -834,11 +830,11 @@ class Diagram:
     """
 
     mesh: str
-    bound: float
-    bases: tuple[int, ...]
-    veerings: tuple[tuple[float, float, tuple[str, ...]], ...]
-    lost: tuple[float, ...]
-    critical: float | None
+    bound: float = 0.0
+    bases: tuple[int, ...] = ()
+    veerings: tuple[tuple[float, float, tuple[str, ...]], ...] = ()
+    lost: tuple[float, ...] = ()
+    critical: float | None = None
     root_length: float | None = None
 
 
@@ -918,10 +914,7 @@ class Cavity(NamedTuple):
 
 
 def points(
-    source: SceneFile,
-    discrete: Discrete,
-    diagram: fem.Campbell,
-    numbers: Sequence[int],
+    source: SceneFile, discrete: Discrete, diagram: fem.Campbell, numbers: Sequence[int]
 ) -> tuple[SpeedPoint, ...]:
     """Modes at the speeds of these numbers in the sweep."""
     from fem.accuracy.neglected_effects import cut
@@ -932,31 +925,30 @@ def points(
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
-    known = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
+    shares = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
     if discrete.cavity is not None:
         cavity = discrete.cavity
         shifts = cut(operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
         left = (0.5 if cavity.single else 1.0) * shifts.extent if cavity.counted else shifts.mass
-        known["cavity_mass"] = np.asarray(left + cavity.weakens * shifts.stiffness)[:, :count]
-    known["mesh"], known["layers"] = discrete.choice.errors_at(omega), np.full(bounds.shape, discrete.layers)
-    known["basis"], known["theory"] = bounds, over_speeds(operators, diagram)[rows, :count]
+        shares["cavity_mass"] = np.asarray(left + cavity.weakens * shifts.stiffness)[:, :count]
+    shares["mesh"], shares["layers"] = discrete.choice.errors_at(omega), np.full(bounds.shape, discrete.layers)
+    shares["basis"], shares["theory"] = bounds, over_speeds(operators, diagram)[rows, :count]
     nothing = np.full(bounds.shape, np.nan)
-    errors = map(ErrorParts, *(_known(known.get(part.name, nothing)[:, :count]) for part in fields(ErrorParts)))
+    errors = map(ErrorParts, *(known(shares.get(part.name, nothing)[:, :count]) for part in fields(ErrorParts)))
     turning = operators.gyroscopic is not None
     damping = np.where(turning & (omega[:, None] > 0.0), diagram.damping_ratios[rows, :count], np.nan)
-    at_each = diagram.families
-    families = [family for row in rows for family in at_each[row][:count]]
+    families = [family for names in map(diagram.families.__getitem__, rows) for family in names[:count]]
     branches: list[int] = diagram.branches[rows, :count].ravel().tolist()
     frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
-    modes = tuple(map(Mode, frequencies, families, errors, _known(damping), branches))
+    modes = tuple(map(Mode, frequencies, families, errors, known(damping), branches))
     return tuple(
         SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count], stagger=rotor.stagger)
         for n, speed in enumerate(omega.tolist())
     )
 
 
-def _known(values: Floats) -> list[Any]:
-    """Numbers (k, count) in one list, None where they are not known."""
+def known(values: Floats) -> list[Any]:
+    """Numbers in one list, None where they are not known."""
     return [each if math.isfinite(each) else None for each in values.ravel().tolist()]
 
 
@@ -993,6 +985,17 @@ def _finer(operators: fem.Operators, refined: Finer, shown: tuple[int, ...]) -> 
     return replace(_shaped(operators, refined.mesh, small, shown), lines=refined.lines)
 
 
+def skin(points: Floats, cells: Sequence[tuple[str, Ints]]) -> tuple[Surface, Ints]:
+    """The outer surface of cells in space, without shapes and root, and which of the points (n, 3) lie on it."""
+    triangles = modal_model.faces(cells)
+    used = np.unique(triangles)
+    points, triangles = points[used], np.searchsorted(used, triangles)
+    outline, lines, shapes = np.zeros((0, 2), np.int64), None, np.zeros((0, 0, len(points), 3))
+    if used.size:
+        outline, lines = modal_model.edges(points, triangles), np.searchsorted(used, edges_of(cells))
+    return Surface(points, ("triangle", triangles), outline, outline[:0], shapes, (), lines=lines), used
+
+
 def bare_surface(mesh: Any) -> Surface:
     """A mesh's mid-surface, without shapes."""
     points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
@@ -1019,17 +1022,11 @@ def diagram_of(discrete: Discrete, diagram: fem.Campbell, count: int, requested:
     veerings = []
     for veering in diagram.veerings:
         low, high = (rounded_rpm(float(omega)) for omega in diagram.omega[veering.step : veering.step + 2])
-        names = [families[veering.step][k] for k in veering.modes if k < count]
-        veerings.append((low, high, tuple(names)))
-    return Diagram(
-        mesh=discrete.mesh,
-        root_length=clamped_length(operators.plate.mesh),
-        bound=float(diagram.bounds[:, :count].max()),
-        bases=diagram.sizes,
-        veerings=tuple(veering for veering in veerings if veering[2]),
-        lost=lost,
-        critical=rounded_rpm(fem.critical_speed(operators)) if lost and linear else None,
-    )
+        if names := tuple(families[veering.step][k] for k in veering.modes if k < count):
+            veerings.append((low, high, names))
+    bound, root_length = float(diagram.bounds[:, :count].max()), clamped_length(operators.plate.mesh)
+    critical = rounded_rpm(fem.critical_speed(operators)) if lost and linear else None
+    return Diagram(discrete.mesh, bound, diagram.sizes, tuple(veerings), lost, critical, root_length)
 
 
 def _in_phase(shapes: Floats) -> Floats:

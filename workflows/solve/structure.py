@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 import fem
-from workflows.effects.definition import Effect, LeftOut
+from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
@@ -21,7 +21,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
-from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory
+from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory, copy_fields
 
 if TYPE_CHECKING:
     from fem.sweep.reduced_basis import ReducedBasis
@@ -134,24 +134,18 @@ class StructureState:
 
     def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
         """A run's results at these points, or at all of them."""
-        return Results(
-            scene=self.source.scene,
-            effects=self.effects,
-            speeds=self.points if points is None else points,
-            surface=self.surface,
-            theory=self.theory,
-            diagram=self.diagram,
-            mesh_sha256=self.mesh_sha256,
-            notes=self.source.remarks,
-            timings={} if stages is None else stages.timings(),
-        )
+        speeds = self.points if points is None else points
+        timings = {} if stages is None else stages.timings()
+        scene, notes = self.source.scene, self.source.remarks
+        return copy_fields(Results, self, scene=scene, speeds=speeds, notes=notes, timings=timings)
 
     def with_pictures(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
         rotor, plate = self.source.scene.rotor, self.plate
         if self.solver is not None and (space := self.solver.space) is not None:
             speeds = [point.omega for point in self.points]
-            return replace(self, surface=space.surface(speeds, rotor.modes if shapes else 1), diagram=space.diagram())
+            drawn = space.surface(speeds, rotor.modes if shapes else 1)
+            return replace(self, surface=drawn, diagram=Diagram(space.described))
         if plate is None:
             return self
         surface = plate.surface(modes=rotor.modes) if shapes else self.surface
@@ -289,12 +283,7 @@ class StructureSolver:
             )
 
 
-def discretise(
-    source: SceneFile,
-    model_choice: ModelChoice,
-    stages: Stages,
-    size: int | None = None,
-) -> Discrete:
+def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, size: int | None = None) -> Discrete:
     """Matrices on the cheapest mesh whose estimated errors meet the accuracy asked for, or on the finest.
 
     With a `size` of the planform's ladder they are on that mesh, with errors that are not known.
@@ -318,13 +307,14 @@ def discretise(
     def whole(operators: fem.Operators) -> fem.Operators:
         return fem.with_coriolis(operators) if effects["coriolis"].on else operators
 
+    left_out = {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
     if size is not None:
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = fem.Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
-        return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, _left_out(effects))
+        return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, left_out)
     try:
-        left_out = sum(effect.largest for effect in _left_out(effects).values())
-        tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), left_out)
+        most = sum(effect.largest for effect in left_out.values())
+        tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), most)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
         choice = fem.choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
@@ -336,7 +326,7 @@ def discretise(
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
     LOG.info("%s theory on %s, %d unknowns", theory.name, described, choice.operators.mass.shape[0])
-    return Discrete(choice, theory, described, layers, _left_out(effects))
+    return Discrete(choice, theory, described, layers, left_out)
 
 
 def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect]) -> Cavity | None:
@@ -344,14 +334,8 @@ def cavity_of(source: SceneFile, discrete: Discrete, effects: dict[str, Effect])
     scene, damper = source.scene, source.scene.damper
     if damper is None or not damper.cut or scene.effects.cavity_mass is False:
         return None
-    return Cavity(
-        at=plate_mesh.place(source, discrete.choice.operators.plate.mesh),
-        volume=damper.cut,
-        depth=damper.cavity[0],
-        weakens=damper.weakens,
-        single=damper.count == 1,
-        counted=effects["cavity_mass"].on,
-    )
+    at, counted = plate_mesh.place(source, discrete.choice.operators.plate.mesh), effects["cavity_mass"].on
+    return Cavity(at, damper.cut, damper.cavity[0], damper.weakens, single=damper.count == 1, counted=counted)
 
 
 def _metal(cavity: Cavity | None) -> tuple[float, float] | None:
@@ -374,10 +358,6 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
             raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
-
-
-def _left_out(effects: dict[str, Effect]) -> dict[str, LeftOut]:
-    return {name: effect.left_out for name, effect in effects.items() if effect.left_out is not None}
 
 
 def sweep(
@@ -405,15 +385,8 @@ def sweep(
         if speeds.size == 1 or np.diff(np.sort(speeds)).max() > np.diff(more).min():
             speeds = np.union1d(speeds, more)
     count = scene.rotor.modes if scene.damper is None else max(scene.rotor.modes, _FOR_BENDING)
-    return fem.campbell(
-        operators,
-        speeds,
-        count,
-        tolerance=scene.budget.basis,
-        states=discrete.choice.states,
-        bases=bases,
-        progress=progress,
-    )
+    basis, states = scene.budget.basis, discrete.choice.states
+    return fem.campbell(operators, speeds, count, tolerance=basis, states=states, bases=bases, progress=progress)
 
 
 def counted(scene: Scene, operators: fem.Operators) -> int | None:

@@ -3,7 +3,6 @@
 Their words are those of `templates/paper.toml`.
 """
 
-import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -13,7 +12,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pydantic_core import to_json
 
 import damper
 from workflows import pipeline
@@ -29,7 +27,6 @@ from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
 from workflows.solve.damper import particle_damper, simulate
 from workflows.solve.results import Figures, Floats, SpeedPoint
-from workflows.versions import versions
 
 FORMULATIONS = ("printed", "consistent")
 SHOWN = 3
@@ -529,15 +526,6 @@ class Reproduction(StudyResult):
         """How many claims got which verdict."""
         counts = Counter(claim.verdict for claim in self.claims)
         return {verdict: counts[verdict] for verdict in Verdict}
-
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "versions": versions(),
-            **json.loads(to_json({n: getattr(self, n) for n in ("claims", "slips", "closure")}, inf_nan_mode="null")),
-            "assumptions": TEXTS["assumptions"],
-        }
 
 
 def reproduce(stages: Stages | None = None) -> Reproduction:

@@ -1,7 +1,11 @@
 """The reproduction of the paper: its claims judged, and as files: JSON, CSV and one page for a person."""
 
+import json
 import re
 from collections.abc import Iterable
+from typing import Any
+
+from pydantic_core import to_json
 
 from workflows import formatting
 from workflows.io.files import as_table
@@ -10,9 +14,20 @@ from workflows.report.templates import from_template
 from workflows.scene.paper import SDC_RANGE
 from workflows.studies.reproduction import FORMULATIONS, SHOWN, TEXTS, Family, Reproduction, Value
 from workflows.studies.sweep.report import Picture
+from workflows.versions import versions
 
 NAME = "reproduce"
-document = Reproduction.document
+
+
+def document(reproduction: Reproduction) -> dict[str, Any]:
+    """The machine-readable result."""
+    parts = {name: getattr(reproduction, name) for name in ("claims", "slips", "closure")}
+    return {
+        "schema_version": 1,
+        "versions": versions(),
+        **json.loads(to_json(parts, inf_nan_mode="null")),
+        "assumptions": TEXTS["assumptions"],
+    }
 
 
 @plots.style()
@@ -73,10 +88,10 @@ def _capacity(family: Family, number: int) -> str:
 
 def files(reproduction: Reproduction) -> dict[str, str | bytes]:
     """The files beside `reproduce.json`."""
-    document = reproduction.document()
-    claims = document["claims"]
+    entries = document(reproduction)
+    claims = entries["claims"]
     lines = [
-        line | {"assumptions": _joined(each["name"] for each in line["assumptions"])} for line in document["closure"]
+        line | {"assumptions": _joined(each["name"] for each in line["assumptions"])} for line in entries["closure"]
     ]
     return {
         "reproduce.csv": as_table(claims[0], claims),

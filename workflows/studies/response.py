@@ -334,16 +334,9 @@ def _passage(
         omega = np.sort([*omega, *more])
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        return Passage(
-            crossing=crossing,
-            axis=axis,
-            omega=omega,
-            forces=forcing.levels,
-            states=states,
-            reduction=reduction,
-            least_force=share * float((levels * states.moves_from).min()),
-            figures=replace(figures, cutoff=share * figures.cutoff),
-        )
+        least_force = share * float((levels * states.moves_from).min())
+    figures = replace(figures, cutoff=share * figures.cutoff)
+    return Passage(crossing, axis, omega, forcing.levels, states, reduction, least_force, figures)
 
 
 def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> damper.Forced:
@@ -404,8 +397,7 @@ def _steady_states(
     dampers, harmonics, alone, points = [], [], list[npt.NDArray[np.complex128]](), solver.at(omega).points
     branch, source, starts = excitation.branch_of(points, crossing), solver.source, tuple(damper.Start)
     for point in points:
-        own = excitation.modes_of(point, branch)
-        only = None if own is None else excitation.modes_followed(point, own)
+        only = excitation.modes_followed(point, excitation.modes_of(point, branch))
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         driven = [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]

@@ -20,18 +20,8 @@ from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
 from workflows.solve.limits import AIR
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
-from workflows.studies.response import (
-    NEAR_BEST,
-    Passage,
-    Response,
-    Row,
-    best_level,
-    is_beyond,
-    is_scene_end,
-    peak,
-    rows,
-    shows,
-)
+from workflows.studies import response as study
+from workflows.studies.response import Passage, Response, Row, best_level, is_beyond, peak, rows, shows
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -174,19 +164,14 @@ def sentences(result: Response) -> list[str]:
             f" {capital(each)}." for each in remarks.misfit(result.results.scene, result.results.speeds)
         )
     answer += _added(result)
-    speeds = _speeds(result)
+    speeds = result.results.scene.rotor.speeds
     for passage in result.passages:
         largest = {peak(passage, force)[0] for force in range(len(passage.forces))} & {0, len(passage.omega) - 1}
         if largest and shows(passage, speeds):
-            at_end = any(is_scene_end(float(passage.omega[k]), speeds) for k in largest)
+            at_end = any(study.is_scene_end(float(passage.omega[k]), speeds) for k in largest)
             where = "the scene's speeds" if at_end else "the speeds followed"
             answer.append(f"{place(passage.crossing)}, at the end of {where}: the peak may lie outside them.")
     return answer
-
-
-def _speeds(result: Response) -> list[float]:
-    """All of the scene [rad/s]."""
-    return list(result.results.scene.rotor.speeds)
 
 
 def _added(result: Response) -> list[str]:
@@ -195,7 +180,7 @@ def _added(result: Response) -> list[str]:
     for level in sorted({*result.excitation.levels} - {*result.requested_levels}):
         here = [row for row in rows(result) if row.force == level and best_level(row.passage.reduction) == level]
         predicted = [1.0 if row.estimate is None else row.estimate.ratio for row in here]
-        tenth = [(1 - NEAR_BEST) * (1 - ratio) for ratio in predicted]
+        tenth = [(1 - study.NEAR_BEST) * (1 - ratio) for ratio in predicted]
         missed = [row for row, p, most in zip(here, predicted, tenth, strict=True) if abs(row.ratio - p) > most]
         near += [] if missed else [level]
         sentences += templates.said("response/missed", rows=missed, unit=unit)
@@ -213,7 +198,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     frictionless = estimate.reason == Reason.SLIP and damper is not None and damper.friction == 0
     if frictionless or (estimate.reason and estimate.reason not in _OF_MOTION):
         return estimate
-    if not shows(passage, _speeds(result)):
+    if not shows(passage, result.results.scene.rotor.speeds):
         return replace(estimate, reason=Reason.OTHER_MODE, detail=HIDDEN)
     levels = [ForceLevel(row.force, row.ratio, row.greatest, not is_beyond(result, row)) for row in mine]
     borne = [each for each in levels if each.endured] or levels

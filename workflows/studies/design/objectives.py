@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import Backbone, DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
+from damper import DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
 from damper.curve_measurement import SWEEPS, settled
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
@@ -284,11 +284,6 @@ class CrossedDamper:
         """At the cavity along x, of the same effect on the leading mode [N]."""
         return excitation.force_at_cavity(self.system, self.harmonic)
 
-    @property
-    def backbone(self) -> Backbone:
-        """Free vibration at the crossing."""
-        return excitation.free_vibration(self.system, threads=1)
-
     @cached_property
     def _mode(self) -> tuple[float, float]:
         """The mode that is crossed: its frequency [rad/s], and the cavity in it at a modal mass of 1 kg [1/kg^0.5]."""
@@ -341,9 +336,9 @@ def crossing_objective(
     """
     forcing = scene.excitation
     modes, axis, leads = excitation.modes_at_crossing(point, crossing)
-    if forcing is None or (modes is not None and excitation.idle_structure(modes, forcing)):
+    if forcing is None or excitation.idle_structure(modes, forcing):
         return None
-    followed = None if modes is None else excitation.modes_followed(point, modes)
+    followed = excitation.modes_followed(point, modes)
     system = particle_damper(scene, effects, point, followed)
     bare = without_pull(system, scene, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
@@ -603,7 +598,8 @@ def _speeds(here: CrossedDamper, *, quick: bool) -> list[float]:
     middles = here.pendulum_resonances()
     hollow = here.system.floor_radius is not None
     if here.leads and not (quick and hollow):
-        middles += [here.speed_of(turns) for _, turns in here.backbone.answers(here.force)]
+        free = excitation.free_vibration(here.system, threads=1)
+        middles += [here.speed_of(turns) for _, turns in free.answers(here.force)]
     speeds = {here.speed_of(here.with_ball), here.speed_of(here.without_ball)}
     speeds |= {middle * (1 + zeta * part) for middle in middles for part in aside}
     if hollow:

@@ -224,46 +224,40 @@ class DesignResult(StudyResult):
     grid: Grid | None
     response: Response | None
 
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        evaluation, design, worst = self.optimum.evaluation, self.space.design, self.optimum.worst
-        values = self.space.values(self.optimum.shares)
-        damper = self.scene.scene.damper
-        best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
-        entries = {
-            "schema_version": 1,
-            "title": self.space.source.scene.title,
-            "objective": self.space.goal.objective,
-            "constraints": design.model_dump(mode="json", exclude_none=True),
-            "best": best | {"cavity": None if damper is None else list(damper.cavity)},
-            "works": evaluation.works,
-            "value": evaluation.value,
-            "greatest": finite(evaluation.greatest),
-            "at": {
-                "speed": finite(evaluation.speed),
-                "amplitude": finite(evaluation.amplitude),
-                "order": evaluation.order,
-            },
-            "without": finite(evaluation.without),
-            "bound": finite(evaluation.bound),
-            "cutoff": finite(evaluation.cutoff),
-            "ball_mass": finite(evaluation.mass),
-            "holds": [vars(each) for each in self.active_constraints],
-            "worst_deviation": None
-            if worst is None
-            else {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value},
-            "evaluations": self.optimum.evaluations,
-            "verdict": verdict(self.space, self.optimum),
-            "why": sentences(self),
-        }
-        if self.response is not None:
-            entries |= {"confirmed": self.optimum.confirmed, "search_value": self.optimum.search_value}
-            entries["crossings"] = response_report.entries(self.response)
-        return entries
-
 
 NAME = "design"
-document = DesignResult.document
+
+
+def document(result: DesignResult) -> dict[str, Any]:
+    """The machine-readable result."""
+    evaluation, design, worst = result.optimum.evaluation, result.space.design, result.optimum.worst
+    values = result.space.values(result.optimum.shares)
+    damper = result.scene.scene.damper
+    at = {name: finite(getattr(evaluation, name)) for name in ("speed", "amplitude")}
+    off = worst and {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value}
+    best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
+    entries = {
+        "schema_version": 1,
+        "title": result.space.source.scene.title,
+        "objective": result.space.goal.objective,
+        "constraints": design.model_dump(mode="json", exclude_none=True),
+        "best": best | {"cavity": None if damper is None else list(damper.cavity)},
+        "works": evaluation.works,
+        "value": evaluation.value,
+        "greatest": finite(evaluation.greatest),
+        "at": at | {"order": evaluation.order},
+        **{name: finite(getattr(evaluation, name)) for name in ("without", "bound", "cutoff")},
+        "ball_mass": finite(evaluation.mass),
+        "holds": [vars(each) for each in result.active_constraints],
+        "worst_deviation": off,
+        "evaluations": result.optimum.evaluations,
+        "verdict": verdict(result.space, result.optimum),
+        "why": sentences(result),
+    }
+    if result.response is not None:
+        entries |= {"confirmed": result.optimum.confirmed, "search_value": result.optimum.search_value}
+        entries["crossings"] = response_report.entries(result.response)
+    return entries
 
 
 def verdict(space: Space, optimum: Optimum) -> str:

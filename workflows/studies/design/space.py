@@ -14,15 +14,8 @@ from workflows.scene.materials import KNOWN, OSMIUM
 from workflows.scene.scene import FLAT, Design, Scene
 from workflows.solve import coupling, excitation, limits
 from workflows.solve.results import Floats, SpeedPoint
-from workflows.studies.design.objectives import (
-    BEYOND,
-    NONE,
-    Evaluation,
-    LeastAmplitude,
-    LeastDamping,
-    Obstacle,
-    amplitude_objective,
-)
+from workflows.studies.design import objectives
+from workflows.studies.design.objectives import Evaluation, LeastAmplitude, LeastDamping, Obstacle
 from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, empty
 from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Spread, Value, at_shares, find
 
@@ -203,7 +196,7 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
         return Space(source, design, axes, LeastDamping(*design.amplitude, tuple(sorted(scene.rotor.speeds))), source)
     excitation.excitation_of(source)
     forced = coupling.with_forced_effects(source)
-    return Space(source, design, axes, amplitude_objective(forced, stages or Stages(visible=False)), forced)
+    return Space(source, design, axes, objectives.amplitude_objective(forced, stages or Stages(visible=False)), forced)
 
 
 def _axes(design: Design) -> tuple[Axis, ...]:
@@ -288,7 +281,7 @@ def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool |
     for number, mine in enumerate(cases):
         missing = rows["reason"][number * speeds : (number + 1) * speeds]
         if (missing >= 0).any():
-            scores.append(Evaluation(0.0, -NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
+            scores.append(Evaluation(0.0, -objectives.NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
         else:
             scores.append(_one(space, mine, quick))
     return scores
@@ -299,16 +292,17 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     scene = cases[0].scene
     mass = max(each.damper.ball_mass for each in cases)
     if (why := _no_verdict(space, cases)) is not None:
-        return Evaluation(0.0, -NONE, mass=mass, why=why)
+        return Evaluation(0.0, -objectives.NONE, mass=mass, why=why)
     fastest = max(cases, key=lambda each: each.point.omega)
     shares = limit_shares(space.design, scene, mass, fastest.point)
     used, over = tuple(shares.items()), exceeded(shares)
     if over is not None:
         name, ratio = over
-        return Evaluation(0.0, -BEYOND - math.log(ratio), mass=mass, used=used, why=Obstacle("limit", text=name))
+        score, why = -objectives.BEYOND - math.log(ratio), Obstacle("limit", text=name)
+        return Evaluation(0.0, score, mass=mass, used=used, why=why)
     sticks_out = fastest.point.sticks_out
     if space.has_to_fit and scene.blade is not None and sticks_out > 0:
-        score, why = -BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
+        score, why = -objectives.BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
         return Evaluation(0.0, score, mass=mass, used=used, sticks_out=sticks_out, why=why)
     endured = limits.endured(fastest.results)
     endured = math.inf if endured is None else endured

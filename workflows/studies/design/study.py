@@ -141,8 +141,7 @@ def _best_of(score: Score, shares: Floats) -> Floats:
     quick = np.array([each.score for each in score(shares, True)])
     foremost = shares[np.argsort(-quick, kind="stable")[:_FOREMOST]]
     scores = [each.score for each in score(foremost, False)]
-    best: Floats = foremost[int(np.argmax(scores))]
-    return best
+    return np.asarray(foremost[int(np.argmax(scores))])
 
 
 def _globally(space: Space, score: Score, seed: int) -> Floats:
@@ -165,19 +164,9 @@ def _globally(space: Space, score: Score, seed: int) -> Floats:
             stale += 1
         return -scores
 
-    how: dict[str, Any] = {"callback": lambda *_, **__: stale >= _STALE}
-    differential_evolution(
-        lost,
-        Bounds(np.zeros(dimensions), np.ones(dimensions)),
-        init=first,
-        maxiter=_GENERATIONS,
-        tol=0.0,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-        rng=seed,
-        **how,
-    )
+    how: dict[str, Any] = {"init": first, "maxiter": _GENERATIONS, "tol": 0.0, "polish": False, "rng": seed}
+    how |= {"vectorized": True, "updating": "deferred", "callback": lambda *_, **__: stale >= _STALE}
+    differential_evolution(lost, Bounds(np.zeros(dimensions), np.ones(dimensions)), **how)
     return at
 
 
@@ -200,8 +189,7 @@ def _ways(dimensions: int, free: list[int]) -> Floats:
     """Steps to either side along each of the free axes, and along two at once: limits are seldom along one."""
     one = np.eye(dimensions)[free]
     pairs = [first + sign * second for first, second in combinations(one, 2) for sign in (-1.0, 1.0)]
-    ways: Floats = np.array([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
-    return ways
+    return np.asarray([sign * way for way in (*one, *pairs) for sign in (-1.0, 1.0)])
 
 
 _GOES_ON = "the designs evaluated so far are kept; the same command resumes"

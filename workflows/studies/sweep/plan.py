@@ -15,10 +15,10 @@ from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, instead, parse, tables_of, unit
+from workflows.scene.load import SceneFile, error_text, instead, keys, parse, unit
 from workflows.scene.materials import KNOWN
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -176,22 +176,12 @@ def find(name: str, where: str) -> Key:
 @cache
 def every() -> tuple[str, ...]:
     """All keys of a scene's tables by dotted path."""
-    return tuple(name for name in _fields(Scene) if "." in name and not name.startswith("design."))
-
-
-def _fields(table: type[BaseModel], prefix: str = "") -> dict[str, Any]:
-    """Fields of a table and of the tables in it, by dotted path."""
-    fields = {}
-    for name, entry in table.model_fields.items():
-        fields[prefix + name] = entry
-        for inner in tables_of(entry):
-            fields |= _fields(inner, f"{prefix}{name}.")
-    return fields
+    return tuple(name for name in keys() if "." in name and not name.startswith("design."))
 
 
 @cache
 def _adapter(path: str) -> TypeAdapter[Any]:
-    field = _fields(Scene)["damper.cavity" if path == CLEARANCE else path]
+    _, field = keys()["damper.cavity" if path == CLEARANCE else path]
     kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return TypeAdapter(kind)
 
@@ -290,10 +280,8 @@ def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Ax
     where = "vary" if isinstance(vary, Mapping) else "--vary"
     axes = list[Axis]()
     for name, values in vary.items() if isinstance(vary, Mapping) else map(_split, vary):
-        key, given = (
-            find(name.strip(), where),
-            values.strip() if isinstance(values, str) else np.asarray(values).tolist(),
-        )
+        key = find(name.strip(), where)
+        given = values.strip() if isinstance(values, str) else np.asarray(values).tolist()
         try:
             axis = _ranged(key, values, gravity) if isinstance(values, str) else _listed(key, values, gravity)
         except ValueError as error:
@@ -487,8 +475,7 @@ def sobol(dimensions: int, count: int, seed: int) -> Floats:
     """So many points, a power of two, spread over the unit cube."""
     from scipy.stats import qmc
 
-    shares: Floats = qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
-    return shares
+    return np.asarray(qmc.Sobol(dimensions, scramble=True, rng=seed).random(count))
 
 
 def at_shares(axes: Sequence[Axis], shares: Floats, identity: Mapping[str, Any]) -> Plan:

@@ -55,8 +55,7 @@ def _label(data: xr.Dataset, name: str) -> str:
 
 def _along(data: xr.Dataset, name: str) -> Floats:
     """The values of a key in the unit that people have for it."""
-    values: Floats = _unit(data, name)[0] * np.asarray(data[name].values, dtype=float)
-    return values
+    return np.asarray(_unit(data, name)[0] * np.asarray(data[name].values, dtype=float))
 
 
 def _formatted(data: xr.Dataset, name: str, value: Any) -> str:

@@ -47,10 +47,8 @@ def axes(vary: Mapping[str, object] | Iterable[str], scene: Scene) -> tuple[Axis
     spreads = read(vary, scene.rotor.gravity) or defaults(scene)
     for axis in spreads:
         if axis.spread is None or axis.name == SPEEDS:
-            raise BadInput(
-                "expected a distribution: START:STOP (even), log:START:STOP or normal:MEAN:DEVIATION",
-                key=f"--vary {axis.name}",
-            )
+            problem = "expected a distribution: START:STOP (even), log:START:STOP or normal:MEAN:DEVIATION"
+            raise BadInput(problem, key=f"--vary {axis.name}")
     return spreads
 
 

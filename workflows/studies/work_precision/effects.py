@@ -49,24 +49,22 @@ def changes(
     these; and for the ball's damping those at which it does nothing within what the structure endures.
     """
     mine, others = ({point.rpm: point for point in points} for points in (own, other))
+    with_it, without = (mine, others) if own_has_it else (others, mine)
     pairs: dict[str, list[_Pair]] = defaultdict(list)
     common = [rpm for rpm in mine if rpm in others]
     for rpm in [rpm for rpm in common if rpm in judged] or common:
         for name, values in _values(mine[rpm], others[rpm]).items():
-            with_it, without = values if own_has_it else values[::-1]
             if name != "ball_damping_ratio" or judged.get(rpm) != 0 or not any(judged.values()):
-                pairs[name].append((rpm, with_it, without))
+                pairs[name].append((rpm, *(values if own_has_it else values[::-1])))
     relative: dict[str, float | None] = dict.fromkeys(pairs)
     at, error = {}, {}
     for name, both in pairs.items():
         known = [(change, rpm) for rpm, *values in both if (change := _change(*values)) is not None]
-        sides = {rpm: (mine[rpm], others[rpm])[:: 1 if own_has_it else -1] for _, rpm in known}
-        found = [(change, rpm, _error(name, change, *sides[rpm])) for change, rpm in known]
+        found = [(change, rpm, _error(name, change, with_it[rpm], without[rpm])) for change, rpm in known]
         if found:  # one beyond its error goes before a larger one that is not
             most = max(found, key=lambda each: (abs(each[0]) > each[2], abs(each[0])))
             relative[name], at[name], error[name] = most
-    missing = set(others) - set(mine), set(mine) - set(others)
-    diverging = dict(zip(("with", "without"), missing if own_has_it else missing[::-1], strict=True))
+    diverging = {"with": set(without) - set(with_it), "without": set(with_it) - set(without)}
     remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
     remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
     if _FALLING in pairs:
@@ -207,20 +205,20 @@ class EffectStudy(StudyResult):
     target: float
     rows: tuple[EffectChange, ...]
 
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "title": self.title,
-            "asked": self.target,
-            "machine": machine(),
-            "noise": POLICY_OF_DIFFERENCES,
-            "rows": [entry(row) | {"within_noise": row.within_noise} for row in self.rows],
-        }
-
 
 NAME = "effects"
-document = EffectStudy.document
+
+
+def document(result: EffectStudy) -> dict[str, Any]:
+    """The machine-readable result."""
+    return {
+        "schema_version": 1,
+        "title": result.title,
+        "asked": result.target,
+        "machine": machine(),
+        "noise": POLICY_OF_DIFFERENCES,
+        "rows": [entry(row) | {"within_noise": row.within_noise} for row in result.rows],
+    }
 
 
 def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy:
@@ -273,13 +271,8 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             theirs = scatter_of(time.value.points, partial(run, **switches), judged)
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
             row = replace(row, scatter=both)
-        return replace(
-            row,
-            remarks=together + changed.remarks,
-            time_s=extra,
-            time_spread_s=ends,
-            time_share=extra / medians[on],
-        )
+        share, remarks = extra / medians[on], together + changed.remarks
+        return replace(row, remarks=remarks, time_s=extra, time_spread_s=ends, time_share=share)
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:

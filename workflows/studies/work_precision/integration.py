@@ -279,15 +279,8 @@ class Integration:
         length = max(map(abs, self.release))
         speed, n = length * self.rate, self.k + 2
         scale = np.repeat([length, speed, 1.0, self.damper.modal_mass * speed**2], [n, n + 2, 3, 1])
-        solved: Any = solve_ivp(
-            motion,
-            (0.0, left),
-            [*self.x, 0.0],
-            self.method,
-            rtol=self.rtol,
-            atol=1e-4 * self.rtol * scale,
-            events=[watch(guard) for guard in guards],
-        )
+        how: dict[str, Any] = {"rtol": self.rtol, "atol": 1e-4 * self.rtol * scale}
+        solved: Any = solve_ivp(motion, (0.0, left), [*self.x, 0.0], self.method, events=[*map(watch, guards)], **how)
         if solved.status < 0:
             raise ArithmeticError(solved.message)
         self.structure += float(solved.y[-1, -1])

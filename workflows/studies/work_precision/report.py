@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
 from workflows.report.templates import from_template, said
-from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision
+from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision, entry, machine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAME = "accuracy"
-document = WorkPrecision.document
+
+
+def document(result: WorkPrecision) -> dict[str, Any]:
+    """The machine-readable result."""
+    return {
+        "schema_version": 1,
+        "title": result.title,
+        "asked": result.targets,
+        "machine": machine(),
+        "noise": POLICY,
+        "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in result.studies],
+        "chosen": {stage: asdict(chosen) for stage, chosen in result.chosen.items()},
+        "left_out": result.left_out,
+    }
+
 
 _SMALLEST = 1e-16
 """An error of nothing is drawn here, on the axis' edge."""
@@ -45,15 +60,11 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
     for number, method in enumerate(methods):
         rows = [row for row in study.rows if row.method == method and row.time_s is not None and row.error is not None]
         if rows:
-            axes.plot(
-                [max(row.error or 0.0, _SMALLEST) for row in rows],
-                [row.time_s or 0.0 for row in rows],
-                color=plots.CATEGORIES[number % len(plots.CATEGORIES)],
-                marker=plots.MARKERS[number % len(plots.MARKERS)],
-                ls="-" if number < len(plots.CATEGORIES) else (0, (3, 2)),
-                lw=1.0,
-                label=method,
-            )
+            errors = [max(row.error or 0.0, _SMALLEST) for row in rows]
+            times = [row.time_s or 0.0 for row in rows]
+            colour, marker = (each[number % len(each)] for each in (plots.CATEGORIES, plots.MARKERS))
+            style = "-" if number < len(plots.CATEGORIES) else (0, (3, 2))
+            axes.plot(errors, times, color=colour, marker=marker, ls=style, lw=1.0, label=method)
     if target is not None:
         axes.axvline(target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
@@ -95,11 +106,8 @@ def text(work_precision: WorkPrecision) -> str:
         lines.append(f"  {'method':<30} {'setting':<{wide}} {'unknowns':>9} {'time, ms':>10} {'error':>9}")
         for row in study.rows:
             unknowns = formatting.DASH if row.unknowns is None else str(row.unknowns)
-            figures = (
-                f"{_milliseconds(row):>10} {formatting.significant(row.error, 2):>9}"
-                if row.failed is None
-                else f" {row.failed}"
-            )
+            figures = f"{_milliseconds(row):>10} {formatting.significant(row.error, 2):>9}"
+            figures = figures if row.failed is None else f" {row.failed}"
             lines.append(f"  {row.method:<30} {row.setting:<{wide}} {unknowns:>9} {figures}")
         lines.append("")
     lines.append("chosen by the scene's accuracy")

@@ -79,14 +79,12 @@ def damper_study(
     def error(run: Any) -> float:
         return abs(_taken(run) / taken - 1.0)
 
+    def stepped(run: Any) -> tuple[int, float]:
+        return len(run.time) - 1, error(run)
+
     start = system, release, CYCLES
     cases: list[tuple[Any, ...]] = [
-        (
-            "fixed step, as in the paper",
-            f"{steps} a cycle",
-            partial(damper.stepped_ringdown, *start, steps),
-            lambda run: (len(run.time) - 1, error(run)),
-        )
+        ("fixed step, as in the paper", f"{steps} a cycle", partial(damper.stepped_ringdown, *start, steps), stepped)
         for steps in STEPS
     ]
     for method, tolerances in METHODS.items():
@@ -169,14 +167,9 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
                 failed = "the reference's own mesh" if error(results) is None else None
                 row = replace(row, setting=setting, unknowns=None, error=error(results), failed=failed)
             rows.append(row)
-        studies.append(
-            ConvergenceStudy(
-                f"whole pipeline: {name}",
-                f"relative error of the {name} at {turning(best.omega)}",
-                f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}",
-                tuple(rows),
-            )
-        )
+        compared = f"relative error of the {name} at {turning(best.omega)}"
+        against = f"the same scene and theory with an accuracy of {FINEST:g}{_reference(finest, shown)}"
+        studies.append(ConvergenceStudy(f"whole pipeline: {name}", compared, against, tuple(rows)))
         modes = own.speeds[shown].modes
         estimate = modes[0].error_estimate if name == "first frequency" and modes else None
         chosen[f"pipeline: {name}"] = Choice("pipeline", _mesh(own), estimate, error(own))
@@ -382,27 +375,20 @@ def speeds(operators: fem.Operators, top: float, count: int, step: Step) -> tupl
         at = np.searchsorted(diagram.omega, timed)
         return max(diagram.sizes, default=None), _largest_error(diagram.frequencies_hz[at], direct)
 
-    cases: list[tuple[Any, ...]] = [
-        (
-            "reduced basis",
-            f"bound below {tolerance:g}",
-            partial(fem.campbell, operators, omega, count, tolerance=tolerance),
-            judge,
-        )
-        for tolerance in _TOLERANCES
-    ]
-    alone = (
-        "each speed by itself",
-        f"{timed.size} of {omega.size} timed",
-        one_by_one,
-        lambda solved: (operators.mass.shape[0], _largest_error(solved, direct)),
-        omega.size / timed.size,
-    )
+    def judge_alone(solved: Floats) -> tuple[int | None, float]:
+        return operators.mass.shape[0], _largest_error(solved, direct)
+
+    cases = list[tuple[Any, ...]]()
+    for tolerance in _TOLERANCES:
+        work = partial(fem.campbell, operators, omega, count, tolerance=tolerance)
+        cases.append(("reduced basis", f"bound below {tolerance:g}", work, judge))
+    alone = "each speed by itself", f"{timed.size} of {omega.size} timed", one_by_one, judge_alone
+    cases.append((*alone, omega.size / timed.size))
     study = ConvergenceStudy(
         "speeds",
         f"largest relative error of {count} frequencies at {omega.size} speeds up to {turning(top)}",
         f"modes solved for at {timed.size} of the speeds on the same mesh, good to rounding",
-        ladder(step, [*cases, alone]),
+        ladder(step, cases),
     )
     diagram = fem.campbell(operators, omega, count)
     sizes = " and ".join(map(str, diagram.sizes))
@@ -457,14 +443,8 @@ def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list
     (form, _), solver = choice.plate, discretise(source, choice, Stages(visible=False))
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
-    problem = Problem(
-        form=form,
-        plate=lambda mesh: plate_mesh.plate(source, mesh, form),
-        rotor=operators.rotor,
-        effects=plain,
-        omega=float(solver.choice.probes[-1]),
-        count=count,
-    )
+    top = float(solver.choice.probes[-1])
+    problem = Problem(form, lambda mesh: plate_mesh.plate(source, mesh, form), operators.rotor, plain, top, count)
     steps = 3 + sum(len(problem.sizes(method.finest)) for method in PLATE_METHODS)
     with stages("plate", steps) as step:
         studies, limits = plate_studies(problem, step)

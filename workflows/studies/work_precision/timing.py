@@ -127,26 +127,9 @@ class WorkPrecision(StudyResult):
     chosen: dict[str, Choice]
     left_out: str | None = None
 
-    def document(self) -> dict[str, Any]:
-        """The machine-readable result."""
-        return {
-            "schema_version": 1,
-            "title": self.title,
-            "asked": self.targets,
-            "machine": machine(),
-            "noise": POLICY,
-            "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in self.studies],
-            "chosen": {stage: asdict(chosen) for stage, chosen in self.chosen.items()},
-            "left_out": self.left_out,
-        }
-
 
 def measure(
-    method: str,
-    setting: str,
-    work: Callable[[], T],
-    judge: Callable[[T], tuple[int | None, float]],
-    share: float = 1.0,
+    method: str, setting: str, work: Callable[[], T], judge: Callable[[T], tuple[int | None, float]], share: float = 1.0
 ) -> tuple[Setting, T | None]:
     """Time some work and judge what it returns, as (unknowns, error); what fails is a row that says why.
 
