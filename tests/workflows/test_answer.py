@@ -99,7 +99,6 @@ def test_a_step_between_two_loads_is_named() -> None:
     most = 100 * found.speeds[0].verdict.damping_ratio
     said = f"Of little use: at most {most:.2g} % equivalent damping ratio (at 3500 rpm)"
     assert answer(found).verdict == said
-    assert [p.verdict.grade for p in found.speeds] == ["modest", "negligible"]
 
 
 def test_the_verdict_in_numbers() -> None:
@@ -373,6 +372,7 @@ def test_a_ball_that_loses_nothing(friction: float, begin: str, structure: Scene
     assert energy.final == pytest.approx(energy.initial, rel=1e-9)
     said = answer(run)
     assert said.verdict == "No: the balls dissipate nothing"
+    assert run.speeds[0].verdict.reason == "no_loss"
     assert said.sentences[0].startswith(begin)
 
 
@@ -454,8 +454,10 @@ def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
         ("3500", "1 MHz", "0.3", slides),
     ):
         scene = changed(base(speeds, release="0.001 0", friction=friction), structure__frequency=frequency)
-        verdict = answer(workflows.run(scene)).verdict
+        said = answer(workflows.run(scene))
+        verdict = said.verdict
         assert verdict.startswith(says), verdict
+        assert (said.sentences == ()) == (says is slides), "one reason for all"
         assert verdict.endswith(", and the scene has 0.1") == (says is rests)
         assert (", provided that " in verdict) == (says is rests)
 
@@ -587,22 +589,6 @@ def test_a_damper_that_is_refused_has_no_estimate_at_engine_orders(
     ]
 
 
-def test_a_ball_that_loses_nothing_takes_nothing_in_a_cycle_and_without_a_load_there_is_no_verdict(paper):
-    """Restitution 1, no friction: what a cycle lends comes back. At 0 rpm its weight is all that presses the ball."""
-    lossless = {"restitution": 1.0, "friction": 0.0, "rolling_friction": 0.0, "damping_ratio": 0.0}
-    lossless = {f"damper__{key}": value for key, value in lossless.items()}
-    scene = changed(
-        paper, **lossless, rotor__speeds=["0 rpm", "3500 rpm"], release__cycles=50, accuracy__frequency=0.05
-    )
-    del scene["excitation"]
-    found = workflows.run(scene)
-    still, turning = found.speeds
-    assert (still.verdict.grade, still.verdict.reason) == ("unknown", "ball_weight")
-    assert turning.verdict.reason == "no_loss"
-    assert not any("never move" in note for note in found.notes)
-    assert turning.damper.peak_sdc > 1e-3 > 1e-9 >= remarks.lost_at_most(turning.damper)
-
-
 def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     """The paper's plate bears ρ Ω² L²/2 on average: 527 MPa at 17500 rpm, 2475 MPa at 37923."""
     scene = changed(paper, rotor__speeds=["3500 rpm", "37000 rpm", "38000 rpm"], release__cycles=2)
@@ -643,11 +629,9 @@ def test_a_damping_ratio_of_rounding_counts_as_none() -> None:
     assert said.verdict == "Undecided: no damping by the balls was found"
 
 
-@pytest.mark.parametrize("mesh", ["plate_coarse.msh", "plate_medium.msh"])
-def test_the_pull_is_that_of_a_mesh_as_well(paper: Scene, mesh: str) -> None:
+def test_the_pull_is_that_of_a_mesh_as_well(paper: Scene) -> None:
     """The same plate: ρ Ω² L²/2."""
-    file = str(Path(__file__).parents[2] / "meshes" / mesh)
-    plate = {"mesh": file, "thickness": "1 cm", "theory": "kirchhoff"}
+    plate = {"mesh": str(COARSE), "thickness": "1 cm", "theory": "kirchhoff"}
     scene = {"plate": plate, "material": paper["material"], "rotor": {"speeds": ["17500 rpm"], "modes": 1}}
     scene["accuracy"] = {"frequency": 0.5}
     found = workflows.run(scene)
@@ -727,14 +711,6 @@ def test_a_ball_that_slides_supplies_no_best() -> None:
     assert "%, at 3500 rpm" in told
     assert "80 rpm" not in told
     assert "100 rpm" not in told
-
-
-def test_where_all_slide_there_is_one_reason() -> None:
-    said = answer(at(80, 100))
-    assert said.verdict.startswith(
-        "No verdict: the balls would slide, since rolling requires a friction coefficient of"
-    )
-    assert said.sentences == ()
 
 
 def test_a_middle_of_speeds_has_both_its_ends() -> None:

@@ -24,11 +24,10 @@ import pytest
 import fem
 import spindamp
 from tests.limits import HANG
-from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, shipped_scene, write
 from workflows import cli, progress
 from workflows.cli.commands import COMMANDS
 from workflows.progress import Stages
-from workflows.scene.load import SHIPPED
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -395,7 +394,7 @@ def test_packages_and_light_commands_load_nothing_heavy() -> None:
 
 def test_a_design_space_that_the_load_locks_starts_nothing(tmp_path: Path) -> None:
     """A formula answers: no worker starts, no kernel is compiled, and no chart is drawn on the page."""
-    scene = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("structure")
     del scene["release"]
     scene["design"] = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm"], "amplitude": ["1 um", "2 um"]}
     scene["damper"] |= {"ball_density": "7850 kg/m^3"}

@@ -253,7 +253,9 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
 def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
     alone = changed(
-        paper, effects=PLAIN, **{"rotor__speeds": ["3500 rpm", "7500 rpm"], "release__cycles": 20} | changes
+        paper,
+        effects=PLAIN,
+        **{"rotor__speeds": ["3500 rpm", "7500 rpm"], "release__cycles": 20, "accuracy__frequency": 0.01} | changes,
     )
     scene = write(alone, tmp_path / "scene.toml")
     found = json.loads(spindamp("check", "scene.toml", "--json").out)["sizes"]

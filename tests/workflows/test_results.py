@@ -76,14 +76,9 @@ def test_frequencies_and_loads_of_table_two(document: dict[str, Any]) -> None:
             assert mode["error_parts"]["coriolis"] is None  # it is on
         frequencies = [mode["frequency_hz"] for mode in point["modes"]]
         assert frequencies == sorted(frequencies)
-
-
-def test_cut_off_ratio(document: dict[str, Any]) -> None:
-    for point in document["speeds"]:
-        damper = point["damper"]
-        assert damper["cutoff_ratio"] == pytest.approx(damper["cutoff_g"] / point["load_g"])
-        if point["load_g"] >= 12337:
-            assert 0.09 <= damper["cutoff_ratio"] <= 0.112
+        cutoff = point["damper"]["cutoff_ratio"]
+        assert cutoff == pytest.approx(point["damper"]["cutoff_g"] / point["load_g"])
+        assert 0.09 <= cutoff <= 0.112 or point["load_g"] < 12337
 
 
 def test_reduced_parameters_belong_together(document: dict[str, Any]) -> None:
@@ -195,19 +190,6 @@ def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
         assert np.linalg.norm(field, axis=1).max() == pytest.approx(1)
     first = mesh.point_data["mode_1_at_10000_rpm"]
     np.testing.assert_allclose(first[mesh.points[:, 0] == 0], 0, atol=1e-12)
-
-
-@pytest.mark.usefixtures("quickly")
-@pytest.mark.parametrize(
-    ("formulation", "impacts", "left"), [("consistent", 164, 0.99138562833), ("printed", 165, 1.0680097305)]
-)
-def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, left: float) -> None:
-    # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
-    speeds = [math.sqrt(219_320 / 0.2)]
-    scene = changed(structure, rotor__speeds=speeds, damper__formulation=formulation)
-    damping = workflows.run(scene).speeds[0].damper
-    assert damping.impacts == impacts
-    assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
 
 
 @pytest.mark.usefixtures("quickly")

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-import tomllib
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -13,7 +12,7 @@ from scipy.stats import qmc
 
 import spindamp
 from tests.workflows.browser import findings
-from tests.workflows.conftest import changed
+from tests.workflows.conftest import changed, shipped_scene
 from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.report.templates import said
@@ -234,7 +233,7 @@ def test_speeds_without_a_picture_are_named(here):
     """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
     varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
-    scene = changed(tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8")), accuracy__frequency=0.02)
+    scene = changed(shipped_scene("paper"), accuracy__frequency=0.02)
     found = spindamp.sweep(scene, varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.map_caption(found, report.HEADLINE, "damper.restitution", "damper.friction")
     assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
@@ -242,7 +241,7 @@ def test_speeds_without_a_picture_are_named(here):
 
 def test_divergence_is_a_reason(here):
     """Spin softening takes the stiffness of a plate that spins across its thickness, beyond its first frequency."""
-    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("paper")
     scene["rotor"] |= {"stagger": "90 deg", "speeds": ["3000 rpm"]}
     scene["effects"] = {"stress_stiffening": False, "large_deflection": False, "coriolis": False}
     scene["accuracy"] = {"frequency": 0.02}
@@ -371,7 +370,7 @@ def test_confidence_is_resampled_alike():
 
 def test_what_is_uncertain_has_a_verdict(here):
     """Balls denser than osmium, and amplitudes that the plate does not endure, have no part in what is said."""
-    dense = changed(tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")), damper__count=1)
+    dense = changed(shipped_scene("structure"), damper__count=1)
     for scene, says in ((dense, "no verdict"), (at_full_speed(), "No point adds damping at an amplitude that the")):
         found = spindamp.sweep(
             scene, {"damper.friction": "0.2:0.4"}, uncertain=True, sample=8, quick=True, executor=here
@@ -411,7 +410,7 @@ def test_the_text_has_a_line_for_each_statement():
 def test_few_points_with_a_verdict(here):
     """The ball's weight is more than the load at 50 rpm; above 0.095 g the ball is denser than osmium."""
     scene = changed(
-        tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")),
+        shipped_scene("structure"),
         damper__count=1,
         damper__mass_ratio=None,
         damper__mass="0.05 g",
@@ -427,7 +426,7 @@ def test_few_points_with_a_verdict(here):
 
 
 def at_full_speed():
-    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("paper")
     scene["effects"] = {"structural_modes": False}
     return changed(scene, rotor__speeds=["17500 rpm"], accuracy__frequency=0.02)
 
@@ -443,7 +442,7 @@ def test_what_is_uncertain_unless_it_is_said():
 
 def test_what_follows_from_materials_is_uncertain_too():
     """A 4 mm steel ball on titanium keeps 0.77 of 10 m/s and all of 0.1 m/s; rolling takes more than hysteresis."""
-    scene = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("structure")
     auto = {"restitution": "auto", "rolling_friction": "auto", "radius": "2 mm", "cavity": ["4.8 mm", "4.8 mm"]}
     scene["damper"] = {"ball_material": "hardened steel", "floor_material": "Ti-6Al-4V", "friction": 0.2, **auto}
     found = {axis.name: axis.spread for axis in sensitivity.defaults(parse(scene))}

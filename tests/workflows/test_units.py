@@ -38,6 +38,9 @@ RIGHT = [
     ("10 m/s^2", quantities.ACCELERATION, 10),
     (0.2, quantities.LENGTH, 0.2),
     (7850, quantities.DENSITY, 7850),
+    *((text, quantities.SLOPE, 6.9) for text in ("6.9 1/m", "6.9 rad/m", 6.9)),
+    *((text, quantities.SLOPE, 0.4 * math.pi / 0.18) for text in ("0.4 deg/mm", "400 deg/m")),
+    ("60 Hz", quantities.FREQUENCY, 60),
 ]
 
 
@@ -76,6 +79,8 @@ def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
 WRONG = [
     ("5 kg", quantities.LENGTH, "expected a length such as '20 cm'"),
     ("50 Hz", quantities.ROTATION, "expected a rotation speed such as '3500 rpm'"),
+    *((text, quantities.ROTATION, "of frequency.*as revolutions.*'3600 rpm'") for text in ("60 Hz", "0.06 kHz")),
+    *((text, quantities.SLOPE, "6.9 1/m") for text in ("0.4 deg", "0.4 deg/s", "0.4 deg^2/m")),
     ("3500 rpm", quantities.FREQUENCY, "expected a frequency"),
     ("3 furlongs", quantities.LENGTH, "unknown unit 'furlongs'"),
     ("3 PSI", quantities.PRESSURE, "did you mean 'psi'?"),

@@ -15,11 +15,10 @@ import pytest
 from fem import modal_model
 from fem.meshes.cells import cell, edges_of
 from tests.workflows.browser import driven, findings, needs_chromium
-from tests.workflows.conftest import Command, Scene, changed, refused, write
+from tests.workflows.conftest import Command, Scene, changed, refused, shipped_scene, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
-from workflows.scene.load import SHIPPED
 from workflows.solve.results import Surface
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -233,7 +232,7 @@ def test_results_without_a_plate(spindamp: Command) -> None:
 @pytest.fixture(scope="module")
 def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run whose modes are complex: a plate whose bending is in the plane of rotation."""
-    paper = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    paper = shipped_scene("paper")
     scene = changed(
         paper,
         rotor={"speeds": ["9000 rpm"], "modes": 3, "stagger": "45 deg"},
