@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import KNOWN, Scene, changed, on_mesh
+from tests.workflows.conftest import BALL, KNOWN, Scene, changed, on_mesh
 from workflows import pipeline
 from workflows.progress import Stages
 from workflows.report import remarks
@@ -167,7 +167,7 @@ def thick(*rpm: float, **changes: Any) -> Scene:
         "damper": KNOWN["damper"]
         | {"count": None, "mass_ratio": None, "radius": "1.5 mm", "rolling_friction": "0.2 mm"},
         "release": {"displacement": ["1 mm", "0 mm"], "cycles": 2},
-        "effects": {"structural_modes": False, "floor_tilt": True, "cavity_mass": False},
+        "effects": {"structural_modes": False, "floor_tilt": True, "cavity_mass": False, "coriolis": False},
         "accuracy": {"frequency": 0.02},
     }
     del scene["damper"]["count"], scene["damper"]["mass_ratio"]
@@ -412,16 +412,9 @@ def test_the_slope_of_the_floor_in_one_sentence(tilt: float, rpm: tuple[int, ...
 HOLLOW: dict[str, Any] = {
     "structure": {"frequency": "213 Hz", "mass": "1 kg"},
     "rotor": {"speeds": ["4261 rpm"], "radius": "20 cm"},
-    "damper": {
-        "mass_ratio": 0.01,
-        "radius": "1 mm",
-        "cavity": ["8 mm", "8 mm"],
-        "restitution": 0.5,
-        "friction": 0.3,
-        "rolling_friction": "0.005 mm",
-        "floor_radius": "20 mm",
-        "damping_ratio": 0.001,
-    },
+    "damper": BALL
+    | {"mass_ratio": 0.01, "cavity": ["8 mm", "8 mm"], "floor_radius": "20 mm"}
+    | {"rolling_friction": "0.005 mm", "damping_ratio": 0.001},
     "release": {"ratio": 0.15},
     "accuracy": {"damping": 0.02},
 }

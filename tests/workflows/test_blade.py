@@ -31,39 +31,8 @@ from workflows.studies.design.space import Optimum, design_space, evaluate_desig
 from workflows.studies.design.study import design
 from workflows.studies.sweep.evaluate import PlateCache
 
-SCENE = """
-title = "fan"
-
-[blade]
-mesh = "fan.inp"
-root = "nroot"
-
-[material]
-name = "Ti-6Al-4V"
-
-[rotor]
-speeds = [{speeds}]
-origin = ["0 m", "0 m", "0 m"]
-stagger = "35 deg"
-modes = 4
-
-[accuracy]
-frequency = 0.2
-"""
-DAMPER = """
-[damper]
-at = ["340 mm", "26 mm", "25 mm"]
-ball_material = "steel"
-radius = "1.5 mm"
-cavity = ["4.5 mm", "4.5 mm"]
-restitution = 0.6
-friction = 0.2
-rolling_friction = "0.02 mm"
-damping_ratio = 0.001
-
-[release]
-cycles = 5
-"""
+TEXTS = tomllib.loads(Path(__file__).with_name("blades.toml").read_text(encoding="utf-8"))
+SCENE, DAMPER, PLATE = (TEXTS[name] for name in ("scene", "damper", "plate"))
 
 pytestmark = pytest.mark.usefixtures("quickly")
 
@@ -130,10 +99,7 @@ def solved(folder, speeds):
     return pipeline.structure(scene(folder, SCENE, speeds), QUIET), QUIET
 
 
-WRONG = tomllib.loads(Path(__file__).with_name("wrong_blades.toml").read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize("case", WRONG["fan"].values(), ids=WRONG["fan"])
+@pytest.mark.parametrize("case", TEXTS["fan"].values(), ids=TEXTS["fan"])
 def test_what_is_wrong_is_one_line_with_its_key(folder, case):
     with pytest.raises(BadInput, match=case["says"]) as refused:
         pipeline.run(scene(folder, change=case["change"]))
@@ -205,35 +171,6 @@ def test_plate_and_blade_exclude_each_other():
         parse({"blade": {"mesh": "a.inp"}, "plate": {}, "rotor": {"speeds": [1.0]}})
 
 
-PLATE = """
-[material]
-name = "Ti-6Al-4V"
-
-[rotor]
-speeds = ["10000 rpm"]
-modes = 4
-{place}
-
-[damper]
-at = {at}
-ball_material = "steel"
-radius = "2 mm"
-count = 20
-cavity = ["5 mm", "5 mm"]
-restitution = 0.5
-friction = 0.3
-rolling_friction = "0.02 mm"
-damping_ratio = 0.001
-
-[effects]
-structural_modes = true
-cavity_mass = false
-
-[accuracy]
-frequency = 0.005
-"""
-
-
 def test_a_flat_plate_of_bricks_has_the_plates_numbers(tmp_path):
     """Frequencies within both estimates; what the damper meets within 0.4 %: two theories, two meshes."""
     flat = make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05)
@@ -293,7 +230,7 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, case):
         assert re.search(rf"near \(24[68], -?{across:g}\.?\d*, ", said[0])
 
 
-@pytest.mark.parametrize("case", WRONG["bricks"].values(), ids=WRONG["bricks"])
+@pytest.mark.parametrize("case", TEXTS["bricks"].values(), ids=TEXTS["bricks"])
 def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
     """A plate of 10 mm times 80 mm times 200 mm of 4430 kg/m³; steel of 7850 kg/m³."""
     with pytest.raises(BadInput, match=rf"\[damper\] {case['says']}") as refused:

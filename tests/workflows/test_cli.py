@@ -126,13 +126,9 @@ def test_check_says_why(spindamp: Command) -> None:
 
 
 def test_divergence_is_no_answer(spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    changes = {
-        "rotor__speeds": ["20000 rpm", "30000 rpm"],
-        "rotor__stagger": "90 deg",
-        "effects__stress_stiffening": False,
-        "accuracy__frequency": 0.05,
-    }
-    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    rotor = paper["rotor"] | {"speeds": ["20000 rpm", "30000 rpm"], "stagger": "90 deg"}
+    soft = changed(paper, rotor=rotor, effects__stress_stiffening=False, accuracy__frequency=0.05)
+    scene = write(soft, tmp_path / "scene.toml")
     refused(spindamp("campbell", scene, "--out", "out"), "", "20000 rpm", status=3)
     assert list(tmp_path.iterdir()) == [scene]
 

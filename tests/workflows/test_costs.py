@@ -309,15 +309,9 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.mark.usefixtures("hasty")
 def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
-    changes = {
-        "rotor__speeds": ["10000 rpm"],
-        "rotor__stagger": "90 deg",
-        "rotor__modes": 2,
-        "effects__coriolis": False,
-        "plate__theory": "mindlin",
-        "accuracy__frequency": 0.02,
-    }
-    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    rotor = paper["rotor"] | {"speeds": ["10000 rpm"], "stagger": "90 deg", "modes": 2}
+    alone = changed(paper, rotor=rotor, effects__coriolis=False, plate__theory="mindlin", accuracy__frequency=0.02)
+    scene = write(alone, tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--json")
     assert outcome.status == 0, outcome.err
     found = {row["effect"]: row for row in json.loads(outcome.out)["rows"]}

@@ -14,7 +14,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
 from fem.rotor import in_rpm
 from tests.workflows.browser import findings, needs_chromium
-from tests.workflows.conftest import KNOWN, changed, shipped_scene
+from tests.workflows.conftest import BALL, KNOWN, changed, shipped_scene
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.progress import Stages
@@ -30,18 +30,14 @@ from workflows.studies import response_report as report
 from workflows.studies.design import objectives
 from workflows.studies.response import FEW_SPEEDS, respond
 
-STRUCTURE = changed(
-    KNOWN,
-    title="known",
-    structure__frequency="200 Hz",
-    rotor__speeds=["3000 rpm", "5000 rpm"],
-    damper__mass_ratio=0.01,
-    damper__count=305,
-    damper__cavity=["3 mm", "3 mm"],
-    damper__damping_ratio=0.01,
-    release={"displacement": ["1 mm", "0 mm"]},
-    excitation={"orders": [3], "force": ["20 N", "2 N"]},
-)
+STRUCTURE = KNOWN | {
+    "title": "known",
+    "structure": {"frequency": "200 Hz", "mass": "1 kg"},
+    "rotor": KNOWN["rotor"] | {"speeds": ["3000 rpm", "5000 rpm"]},
+    "damper": BALL | {"mass_ratio": 0.01, "count": 305, "cavity": ["3 mm", "3 mm"], "damping_ratio": 0.01},
+    "release": {"displacement": ["1 mm", "0 mm"]},
+    "excitation": {"orders": [3], "force": ["20 N", "2 N"]},
+}
 
 
 @pytest.fixture
@@ -633,10 +629,9 @@ def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
 
 def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
     """From rest to 40000 rpm f² bends over Ω²: by two speeds the orders meet the modes where twenty-one have them."""
-    plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"}
     ball = {"radius": "2 mm", "cavity": ["4.05 mm", "4.05 mm"], "rolling_friction": "0.02 mm", "damping_ratio": 0.002}
     scene = {
-        "plate": plate,
+        "plate": {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"},
         "material": {"name": "Ti-6Al-4V"},
         "rotor": {"hub_radius": "150 mm", "modes": 4, "speeds": ["0 rpm", "40000 rpm"]},
         "damper": {**ball, "count": 1, "ball_material": "steel", "restitution": 0.6, "friction": 0.2},

@@ -38,16 +38,8 @@ def wrong(spindamp: Command, tmp_path: Path) -> Callable[..., str]:
 
 def test_every_unknown_key_is_named(paper: Scene, wrong: Callable[..., str]) -> None:
     """In one line, with what was probably meant; what is missing for their sake is not said as well."""
-    changes = {
-        "plate__lenght": "20 cm",
-        "plate__length": None,
-        "rotor__rpm": 3,
-        "damper__diameter": "2 mm",
-        "damper__radius": None,
-        "accuracy__frequenzy": 1e-3,
-        "wings": {"a": 1},
-        "colour": "red",
-    }
+    changes = {"plate__lenght": "20 cm", "rotor__rpm": 3, "damper__diameter": "2 mm", "accuracy__frequenzy": 1e-3}
+    changes |= {"plate__length": None, "damper__radius": None, "wings": {"a": 1}, "colour": "red"}
     error = wrong(changed(paper, **changes), "[plate] lenght = '20 cm'", "unknown key: did you mean 'length'?")
     for said in (
         "also unknown: ",
