@@ -261,21 +261,10 @@ def test_cells_nodes_and_one_side_of_a_plate_give_one_slope(plate: ModalModel) -
 
 def test_a_neutral_file_comes_back_bit_for_bit(plate: ModalModel, tmp_path: Path) -> None:
     """Through .npz and .json, one after the other; and from a file in mm and t."""
-    full = replace(
-        plate,
-        sets={"TIP": np.array([3, 5])},
-        speeds=tuple(
-            replace(
-                m,
-                rotations=0.1 * m.shapes,
-                errors=np.full(4, 1e-3),
-                damping_ratios=np.full(4, 2e-3),
-                static=m.shapes[0] * 1e-4,
-                drawn=m.shapes[:, 7],
-            )
-            for m in plate.speeds
-        ),
-    )
+    more = {"errors": np.full(4, 1e-3), "damping_ratios": np.full(4, 2e-3)}
+    speeds = [replace(m, rotations=0.1 * m.shapes, static=m.shapes[0] * 1e-4, **more) for m in plate.speeds]
+    speeds = [replace(m, drawn=m.shapes[:, 7]) for m in speeds]
+    full = replace(plate, sets={"TIP": np.array([3, 5])}, speeds=tuple(speeds))
     write(full, tmp_path / "one.npz")
     write(read(tmp_path / "one.npz").model, tmp_path / "two.json")
     back, was = document(read(tmp_path / "two.json").model), document(full)

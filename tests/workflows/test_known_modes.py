@@ -288,27 +288,14 @@ def small() -> dict[str, Any]:
     x = np.linspace(0.0, 200.0, 9)
     shapes = np.zeros((1, 2, 9, 3))
     shapes[0, 0, :, 2], shapes[0, 1, :, 1] = 6e-5 * x**2, 4.5e-3 * x
-    return {
-        "format": "spindamp modes 1",
-        "unit": "mm",
-        "mass_unit": "kg",
-        "axis": [0, 0, 2],
-        "origin": [0, 0, 0],
-        "speeds_rpm": [3000.0],
-        "nodes": np.stack([x, 0 * x, 0 * x], axis=1).tolist(),
-        "frequencies_hz": [[200.0, 300.0]],
-        "shapes": shapes.tolist(),
-        "modal_masses": [[1.0, 1.0]],
-        "set_TIP": [8],
-    }
+    head = {"format": "spindamp modes 1", "unit": "mm", "mass_unit": "kg", "axis": [0, 0, 2], "origin": [0, 0, 0]}
+    modes = {"speeds_rpm": [3000.0], "frequencies_hz": [[200.0, 300.0]], "modal_masses": [[1.0, 1.0]]}
+    nodes = {"nodes": np.stack([x, 0 * x, 0 * x], axis=1).tolist(), "shapes": shapes.tolist(), "set_TIP": [8]}
+    return head | modes | nodes
 
 
-OF_THE_BAR = changed(
-    SCENE,
-    structure__modes="bar.json",
-    rotor={"speeds": ["3000 rpm"], "gravity": "10 m/s^2"},
-    damper__at="TIP",
-)
+OF_THE_BAR = changed(SCENE, structure__modes="bar.json", damper__at="TIP")
+OF_THE_BAR["rotor"] = {"speeds": ["3000 rpm"], "gravity": "10 m/s^2"}
 
 WRONG = tomllib.loads(Path(__file__).with_name("wrong_modes.toml").read_text(encoding="utf-8"))
 

@@ -44,19 +44,12 @@ def test_shipped_scenes_need_little(name: str) -> None:
 
 
 MANY = {"start": "0 rpm", "stop": "9000 rpm", "count": 100_000}
+BRICKS: dict[str, Any] = {"rotor__modes": 200, "plate__theory": "solid"}
 TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
     ({"release__cycles": 1_000_000_000}, "[release] cycles = 1000000000.0: ", "ask for fewer cycles"),
     ({"rotor__speeds": MANY, "release__cycles": 1000}, "[rotor] speeds", "fewer speeds"),
     ({"rotor__speeds": MANY, "rotor__modes": 200}, "[rotor] speeds", "fewer speeds"),
-    (
-        {
-            "rotor__modes": 200,
-            "plate__theory": "solid",
-            "rotor__speeds": MANY | {"count": 60_000},
-        },
-        "",
-        "",
-    ),
+    (BRICKS | {"rotor__speeds": MANY | {"count": 60_000}}, "", ""),
 ]
 
 

@@ -10,7 +10,7 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -236,19 +236,12 @@ def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> No
     np.testing.assert_array_equal(back.surface.thickness, found.surface.thickness)
 
 
+WORN = (None, b"", b"[]", b"[" * 100_000, b'{"schema_version": 1}', b'{"schema_version": 99}')
+
+
 @pytest.mark.parametrize(
     ("name", "content"),
-    [
-        ("results.json", None),
-        ("results.json", b""),
-        ("results.json", b"[]"),
-        ("results.json", b"[" * 100_000),
-        ("results.json", b'{"schema_version": 1}'),
-        ("results.json", b'{"schema_version": 99}'),
-        ("results.nc", None),
-        ("results.nc", b""),
-        ("results.nc", b"no HDF5"),
-    ],
+    [*(("results.json", each) for each in WORN), *(("results.nc", each) for each in (None, b"", b"no HDF5"))],
 )
 def test_what_is_no_run_says_so(finished: Path, name: str, content: bytes | None, tmp_path: Path) -> None:
     for each in ("results.json", "results.nc"):
@@ -339,27 +332,16 @@ def _full() -> Any:
     ring |= {"outcome": "", "stopped": None, "release": (1.0, 0.0), "history": None, "path": None}
     ring |= {"amplitude_g": one, "sdc": one, "peak_velocity": one}
     damping = results.Damping(**ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": {1: 1.0}})
-    return results.SpeedPoint(
-        omega=1.0,
-        rpm=1.0,
-        radius=1.0,
-        load_g=1.0,
-        modes=(results.Mode(1.0, "flap", parts, 0.0),),
+    own: dict[str, Any] = figures | dict.fromkeys((*OTHER_WAYS, "level"), results.Figures(**figures))
+    own |= {"error": 0.0, "folds": (1.0, 2.0), "jump": (1.0, 2.0)}
+    own |= dict.fromkeys(("tilt_share", "tilted_cutoff_g", "tilted_cutoff_ratio"), 1.0)
+    point = SpeedPoint(1.0, 1.0, 1.0, 1.0, (results.Mode(1.0, "flap", parts, 0.0),))
+    return replace(
+        point,
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damper=damping,
-        damping_curve=results.OwnFigures(
-            **figures,
-            **dict.fromkeys(OTHER_WAYS, results.Figures(**figures)),
-            error=0.0,
-            folds=(1.0, 2.0),
-            jump=(1.0, 2.0),
-            level=results.Figures(**figures),
-            tilt_share=1.0,
-            pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
-            tilted_cutoff_g=1.0,
-            tilted_cutoff_ratio=1.0,
-        ),
+        damping_curve=results.OwnFigures(**own, pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0))),
     )
 
 
