@@ -40,10 +40,7 @@ def test_zeno_time(e: float, zeno: float) -> None:
     """
     omega = 3e-4
     run = ringdown(
-        heavy(omega, 1.0, restitution=e),
-        (-9.81 / omega**2, 0.0),
-        cycles=10 * omega / 2 / math.pi,
-        keep_events=True,
+        heavy(omega, 1.0, restitution=e), (-9.81 / omega**2, 0.0), cycles=10 * omega / 2 / math.pi, keep_events=True
     )
     hits = run.rows[run.rows["kind"] == HIT]
     assert hits["direction"][-1] == 0, "the sequence ends in sticking"

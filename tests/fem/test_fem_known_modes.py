@@ -296,10 +296,7 @@ def test_a_floor_that_is_given_its_normal_turns_with_the_structure() -> None:
     turn = Rotation.from_rotvec([0.0, 0.1, -0.2]).as_matrix()
     moved = replace(still, static=nodes @ (turn - np.eye(3)).T)
     laid = ModalModel(nodes @ turn.T, (still,), rotor.axis, -0.1 * rotor.outwards, cells)
-    turned, expected = (
-        floor(model, at, moved, z, x),
-        floor(laid, place(laid, turn @ at.point), still, z, turn @ x),
-    )
+    turned, expected = (floor(model, at, moved, z, x), floor(laid, place(laid, turn @ at.point), still, z, turn @ x))
     np.testing.assert_allclose(turned.normal, turn @ x, atol=1e-12)
     np.testing.assert_allclose(turned.lean, expected.lean, rtol=1e-10)
     with pytest.raises(NoMotion, match="the load does not press the ball onto a floor with this normal"):

@@ -566,10 +566,7 @@ FILES = {
     "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
     "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
-    "decimal commas": (
-        deck([each.replace(".", ",") for each in NODES]),
-        "line 3: node 2 has 4 coordinates, not 3",
-    ),
+    "decimal commas": (deck([each.replace(".", ",") for each in NODES]), "line 3: node 2 has 4 coordinates, not 3"),
     "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
     "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
     "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),

@@ -389,11 +389,7 @@ def test_damping_that_was_not_found_is_not_denied(structure: Scene) -> None:
     ("tilt", "rpm", "said"),
     [
         (6.9, (10000,), "which cancels 53 % of the balls' drive; the figures include it."),
-        (
-            6.9,
-            (10000, 20000),
-            "cancels 53 to 210 % of the balls' drive; the figures include it; above 100 % the slope",
-        ),
+        (6.9, (10000, 20000), "cancels 53 to 210 % of the balls' drive; the figures include it; above 100 % the slope"),
         (300, (10000,), "the slope drives the balls, with 2300 % of the drive by inertia."),
         (-6.9, (10000,), "the slope adds 53 % to the balls' drive"),
     ],

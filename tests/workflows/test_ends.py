@@ -34,12 +34,7 @@ def endless(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("number", "status", "after"),
-    [
-        (signal.SIGHUP, 129, 0.35),
-        (signal.SIGINT, 130, 2.0),
-        (signal.SIGTERM, 143, 2.0),
-    ],
+    ("number", "status", "after"), [(signal.SIGHUP, 129, 0.35), (signal.SIGINT, 130, 2.0), (signal.SIGTERM, 143, 2.0)]
 )
 def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
     if signal.getsignal(number) is signal.SIG_IGN:

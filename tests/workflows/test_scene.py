@@ -166,8 +166,7 @@ def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit(published: dic
 
 
 @pytest.mark.parametrize(
-    ("material", "valid"),
-    [({"name": "steel"}, True), ({}, False), ({"name": "stel"}, False), ({"density": 1}, False)],
+    ("material", "valid"), [({"name": "steel"}, True), ({}, False), ({"name": "stel"}, False), ({"density": 1}, False)]
 )
 def test_the_schema_knows_both_ways_to_give_a_material(
     material: Scene, valid: bool, paper: Scene, published: dict[str, Any]
