@@ -726,14 +726,23 @@ def test_a_verdict_ends_where_the_contact_yields() -> None:
     )
 
 
+def reduction(*levels: tuple[float, float, bool]) -> VibrationReduction:
+    """At a crossing, with forces in N, the share of the amplitude that each leaves, and whether the root endures it."""
+    own = tuple(ForceLevel(force, ratio, 1e-3, borne) for force, ratio, borne in levels)
+    return VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, own)
+
+
+def under_orders(run: Results, *orders: int, forces: tuple[float, ...] = (1.0,), **given: Any) -> Results:
+    """The same run of a scene that has these engine orders."""
+    excitation = Excitation.model_validate({"orders": orders, "force": [f"{force:g} N" for force in forces]})
+    return replace(run, scene=run.scene.changed(excitation=excitation), **given)
+
+
 def test_levels_beside_the_range_have_their_own_numbers() -> None:
     """A level outside the range of the best may still reach more than half of it."""
     rows = ((1.0, 0.57, True), (2.0, 0.3, True), (9.0, 0.9, True), (50.0, 1.0, False), (0.5, 1.0, True))
-    levels = tuple(ForceLevel(level, ratio, 1e-3, borne) for level, ratio, borne in rows)
-    found = VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, levels)
-    excitation = Excitation.model_validate({"orders": [4], "force": ["1 N"]})
-    run = at(1000)
-    run = replace(run, scene=run.scene.changed(excitation=excitation), reductions=(found,))
+    found = reduction(*rows)
+    run = under_orders(at(1000), 4, reductions=(found,))
     assert of_orders(run)[0] == (
         "At engine order 4 (5000 rpm, flap mode): up to 68 % less vibration at 3 N, at least half of that between 1.7"
         " and 7.7 N. At 50 N the root would be overstressed. At 0.5 N the load holds the balls at rest; they"
@@ -743,7 +752,7 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
         ": roughly up to 68 % less vibration at 3 N, at least half of that roughly between 1.7 and 7.7 N. At 50 N"
         " the root would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
     )
-    worse = replace(found, levels=(ForceLevel(9.0, 0.9, 1e-3, True), ForceLevel(30.0, 1.002, 1e-3, True)))
+    worse = reduction((9.0, 0.9, True), (30.0, 1.002, True))
     assert of_orders(replace(run, reductions=(worse,)))[0].endswith(
         " At 30 N the balls do not reduce the amplitude. At 9 N the reduction is less than half of 68 %."
     )
@@ -753,13 +762,10 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
 
 def test_a_rough_estimate_is_named() -> None:
     """Of two crossings one is rough, of another nothing is estimated."""
-    levels = (ForceLevel(1.0, 0.5, 1e-3, True),)
-    firm = VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, levels)
+    firm = reduction((1.0, 0.5, True))
     rough = replace(firm, order=6, rpm=3300.0, loose=True)
     idle = VibrationReduction(3, 1, "flap", 7000.0, 350.0, reason=Reason.SWINGS)
-    excitation = Excitation.model_validate({"orders": [3, 4, 6], "force": ["1 N"]})
-    run = at(1000)
-    run = replace(run, scene=run.scene.changed(excitation=excitation))
+    run = under_orders(at(1000), 3, 4, 6)
     for reductions, caution in (
         (
             (firm, rough, idle),
@@ -776,11 +782,8 @@ def test_a_rough_estimate_is_named() -> None:
 
 def test_levels_at_which_the_ball_is_of_no_use_come_first() -> None:
     """Held at rest, or more than the root endures: what it does at other levels comes after."""
-    levels = ForceLevel(0.5, 1.0, 1e-3, True), ForceLevel(50.0, 0.4, 1e-1, False), ForceLevel(0.9, 0.995, 1e-3, True)
-    found = VibrationReduction(4, 1, "flap", 5000.0, 333.0, 0.32, 3.0, (1.7, 7.7), 40.0, 0.8, levels)
-    excitation = Excitation.model_validate({"orders": [4], "force": ["0.5 N", "50 N", "0.9 N"]})
-    run = at(1000)
-    run = replace(run, scene=run.scene.changed(excitation=excitation), reductions=(found,))
+    found = reduction((0.5, 1.0, True), (50.0, 0.4, False), (0.9, 0.995, True))
+    run = under_orders(at(1000), 4, forces=(0.5, 50.0, 0.9), reductions=(found,))
     assert answer(run).verdict.startswith(
         "At engine order 4 (5000 rpm, flap mode): not useful at 0.5, 50 and 0.9 N, but up to 68 % less vibration at 3 N"
     )
@@ -797,8 +800,7 @@ def test_an_order_that_may_meet_its_mode_within_the_error_is_not_denied(error: f
         replace(point, modes=modes, rpm=rpm, omega=rpm * math.pi / 30)
         for point, rpm in zip(run.speeds, (1000.0, 3950.0), strict=True)
     )
-    excitation = Excitation.model_validate({"orders": [3], "force": ["1 N"]})
-    (sentence,) = of_orders(replace(run, scene=run.scene.changed(excitation=excitation), speeds=speeds, reductions=()))
+    (sentence,) = of_orders(under_orders(run, 3, speeds=speeds, reductions=()))
     assert sentence.startswith(
         "Engine order 3 meets no mode between 1000 and 3950 rpm; it would meet the first near 4000"
     )
