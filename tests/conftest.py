@@ -16,36 +16,17 @@ sys.dont_write_bytecode = False
 gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (
-    "workflows/test_design.py",
-    "fem/test_fem_solid.py",
-    "workflows/test_response.py",
-    "fem/test_fem_theories.py",
-    "workflows/test_costs.py",
-    "workflows/test_answer.py",
-    "fem/test_fem_choice.py",
-    "fem/test_fem_sweep.py",
-    "fem/test_fem_perturbed.py",
-    "workflows/test_sweep_survives.py",
-    "workflows/test_moving_floor.py",
-    "workflows/test_sweep.py",
-    "workflows/test_blade.py",
-    "fem/test_fem_singular.py",
-    "workflows/test_ends.py",
-    "workflows/test_notebook.py",
-    "damper/test_reference.py",
-    "survey/test_survey.py",
-    "fem/test_fem_bent.py",
-    "workflows/test_cli.py",
+    "design fem_solid response fem_theories costs answer fem_choice fem_sweep fem_perturbed "
+    "sweep_survives moving_floor sweep blade fem_singular ends notebook reference survey fem_bent cli"
 )
 """Modules that take ten seconds of a processor and more; begun first, so that no core waits for another at the end."""
 
 
 def pytest_collection_modifyitems(items):
     """The longest modules first, each kept together."""
-    places = {name: place for place, name in enumerate(LONGEST)}
+    places = {name: place for place, name in enumerate(LONGEST.split())}
 
     def place(item):
-        path = item.path.as_posix()
-        return next((places[name] for name in LONGEST if path.endswith(f"tests/{name}")), len(LONGEST))
+        return places.get(item.path.stem.removeprefix("test_"), len(LONGEST))
 
     items.sort(key=place)

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from damper.compiled import mark_of
-from tests.workflows.conftest import KNOWN, changed, write
+from tests.workflows.conftest import BALL, KNOWN, changed, write
 
 ROOT = Path(__file__).parents[2]
 
@@ -83,19 +83,14 @@ LAWLESS = Break(
     ("fem/sweep/laws.py", "    if not holds.all():\n", "    if False:\n"),
 )
 
-TILTED = changed(
-    KNOWN,
-    structure={"frequency": "200 Hz", "mass": "0.3 kg", "floor_tilt": 2.0},
-    rotor__speeds=["3000 rpm", "5000 rpm"],
-    damper__mass_ratio=0.01,
-    damper__count=12,
-    damper__radius="2 mm",
-    damper__cavity=["5 mm", "5 mm"],
-    damper__rolling_friction="0.05 mm",
-    damper__damping_ratio=0.05,
-    release={"ratio": 0.5},
-    excitation={"orders": [3], "force": ["20 N"]},
-)
+BIG = {"mass_ratio": 0.01, "count": 12, "radius": "2 mm", "cavity": ["5 mm", "5 mm"], "rolling_friction": "0.05 mm"}
+TILTED = KNOWN | {
+    "structure": {"frequency": "200 Hz", "mass": "0.3 kg", "floor_tilt": 2.0},
+    "rotor": KNOWN["rotor"] | {"speeds": ["3000 rpm", "5000 rpm"]},
+    "damper": BALL | BIG | {"damping_ratio": 0.05},
+    "release": {"ratio": 0.5},
+    "excitation": {"orders": [3], "force": ["20 N"]},
+}
 DESIGN = {"clearance": ["0.5 mm", "1 mm", "2 mm"], "mass": "20 g", "amplitude": ["1 mm", "3 mm"]}
 SCENES = {
     "scene": TILTED,

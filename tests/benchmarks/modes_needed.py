@@ -31,18 +31,9 @@ def main(count: int = 40, seed: int = 1) -> None:
     for number in range(count):
         mass, zeta = 10 ** random.uniform(-3.5, -1.5), 10 ** random.uniform(-3, -2.3)
         omega, load = 2 * np.pi * 300.0, 10 ** random.uniform(3.5, 5.0)
-        damper = ParticleDamper(
-            modal_mass=1.0,
-            stiffness=(omega**2, omega**2),
-            ball_mass=mass,
-            ball_radius=1e-3,
-            cavity=(2e-3 + 10 ** random.uniform(-4, -2.5), 2.4e-3),
-            centrifugal_acceleration=load,
-            restitution=random.uniform(0.2, 0.9),
-            rolling_friction=10 ** random.uniform(-5.5, -4),
-            damping_ratio=zeta,
-            modes=(Mode(1.0, omega**2, (1.0, 0.0)),),
-        )
+        cavity, e = (2e-3 + 10 ** random.uniform(-4, -2.5), 2.4e-3), random.uniform(0.2, 0.9)
+        lever, modes = 10 ** random.uniform(-5.5, -4), (Mode(1.0, omega**2, (1.0, 0.0)),)
+        damper = ParticleDamper(1.0, (omega**2,) * 2, mass, 1e-3, cavity, load, e, 0.0, lever, zeta, modes=modes)
         cutoff = damper.rolling_threshold / omega**2
         top = 4 * max(cutoff, 2 * damper.half_gap[0])
         release = top * np.linspace(0.9, 1.1, RELEASES)

@@ -15,7 +15,7 @@ from typing import Any
 import workflows
 from tests.soak import plates
 from tests.soak.dice import Seeded, power
-from tests.workflows.conftest import KNOWN, changed
+from tests.workflows.conftest import BALL, KNOWN
 
 SHIPPED = ("paper", "printed", "structure", "campbell")
 PLATES, RINGS = 16, 20
@@ -38,17 +38,12 @@ def _plate(number: int) -> dict[str, Any]:
 
 def _ring(number: int) -> dict[str, Any]:
     dice = Seeded((17, number))
-    return changed(
-        KNOWN,
-        structure__frequency=f"{power(dice, 1, 3)} Hz",
-        rotor__speeds=["3000 rpm", "9000 rpm"],
-        damper__count=None,
-        damper__mass_ratio=power(dice, -3.5, -1.5),
-        damper__restitution=dice.between(0.2, 0.95),
-        damper__rolling_friction=f"{power(dice, -3, -1)} mm",
-        damper__damping_ratio=dice.one_of((0.0, 0.001)),
-        release={"ratio": power(dice, -1.0, 0.0), "cycles": 5},
-    )
+    structure = {"frequency": f"{power(dice, 1, 3)} Hz", "mass": "1 kg"}
+    ball = {"mass_ratio": power(dice, -3.5, -1.5), "restitution": dice.between(0.2, 0.95)}
+    ball |= {"rolling_friction": f"{power(dice, -3, -1)} mm", "damping_ratio": dice.one_of((0.0, 0.001))}
+    release = {"ratio": power(dice, -1.0, 0.0), "cycles": 5}
+    rotor = KNOWN["rotor"] | {"speeds": ["3000 rpm", "9000 rpm"]}
+    return {"structure": structure, "rotor": rotor, "damper": BALL | ball, "release": release}
 
 
 def answers() -> dict[str, Any]:

@@ -41,18 +41,9 @@ def scene(seed: int) -> tuple[ParticleDamper, float]:
     threshold = held * gap * (1 - share)
     lever = rng.uniform(0.01, 0.2)
     load = threshold / lever if threshold > 0 else rng.choice([0.0, 10.0])
-    damper = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(1 + ball, 1 + ball),
-        ball_mass=ball,
-        ball_radius=radius,
-        cavity=(2 * (radius + gap), 2 * (radius + gap)),
-        centrifugal_acceleration=load,
-        restitution=rng.uniform(0.2, 0.9),
-        friction=0.3,
-        rolling_friction=lever * radius if threshold > 0 else 0.0,
-        damping_ratio=zeta,
-    )
+    restitution, rolls = rng.uniform(0.2, 0.9), lever * radius if threshold > 0 else 0.0
+    sides = (2 * (radius + gap),) * 2
+    damper = ParticleDamper(1.0, (1 + ball,) * 2, ball, radius, sides, load, restitution, 0.3, rolls, zeta)
     if load > 0:
         damper = replace(damper, floor_tilt=(share / load, share / load))
     reach = max(held, 0.3) * gap * 10 ** rng.uniform(0, 1.2)
@@ -73,20 +64,14 @@ def points(seed: int) -> list[Point]:
     promised = np.array([amplitude for amplitude, _ in short.answers(force, nu)])
     found = forced(damper, [Harmonic(nu, (force, 0.0))])
     gap = damper.half_gap[0]
-    return [
-        Point(
-            seed,
-            found.regime[0, k],
-            float(found.hits_per_cycle[0, k]),
-            held(damper),
-            float(found.rms[0, k]) / gap,
-            damper.ball_mass,
-            len(promised),
-            float(promised[np.argmin(np.abs(np.log(promised / found.rms[0, k])))] / found.rms[0, k] - 1),
-            float(found.rms[0, k] / abs(found.linear[0])),
-        )
-        for k in range(len(found.starts))
-    ]
+    mass, many, states = damper.ball_mass, len(promised), []
+    for regime, hits, size in zip(
+        found.regime[0], found.hits_per_cycle[0].tolist(), found.rms[0].tolist(), strict=True
+    ):
+        off = float(promised[np.argmin(np.abs(np.log(promised / size)))]) / size - 1
+        linear = size / float(abs(found.linear[0]))
+        states.append(Point(seed, regime, hits, held(damper), size / gap, mass, many, off, linear))
+    return states
 
 
 def told(name: str, some: list[Point]) -> None:

@@ -10,11 +10,17 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from damper import Harmonic, ParticleDamper, RingDown
 from workflows.studies.work_precision.integration import Event, Guard, Integration
 
 CHUNK = 64
+POWERS = np.arange(20.0)
+PARTS = np.vander(np.arange(1, CHUNK + 1) / CHUNK, 20, increasing=True)
+_PLACES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+NODES = np.vander([*(0.5 + 0.5 * _PLACES), 1.0], 40, increasing=True)
+"""Powers of the places in an interval at which Gauss samples it, and of its end."""
 KINDS = {1: "start", 2: "reversal", 3: "hit", 5: "grip"}
 
 
@@ -61,15 +67,21 @@ class Reference(Integration):
         return left, None, x
 
     def narrow(self, a: np.ndarray, guard: Guard, x: np.ndarray, dt: float) -> tuple[float, np.ndarray]:
-        """When a guard's event happens within dt of x: the interval is cut into CHUNK parts, again and again."""
-        low = 0.0
-        while dt * self.rate > 4e-16 * max(low * self.rate, 1e-3):
-            dt /= CHUNK
-            block = np.concatenate([x[None], _powers(a.tobytes(), dt) @ x])
-            happened = guard.value(block[1:]) > 0
-            k = int(np.argmax(happened)) if happened.any() else CHUNK - 1
-            low, x = low + k * dt, block[k]
-        return low + dt, block[k + 1]
+        """When a guard's event happens within dt of x, and the state then: the first of CHUNK parts, and its zero."""
+        terms = _series(a, x, dt, 20)
+        rows = terms @ guard.rows.T
+        happened = (PARTS @ rows).min(axis=1) > guard.threshold
+        k = int(np.argmax(happened)) if happened.any() else CHUNK - 1
+
+        def value(share: float) -> float:
+            return float((share**POWERS @ rows).min()) - guard.threshold
+
+        share, high, step = k / CHUNK, (k + 1) / CHUNK, 1e-19
+        if value(share) < 0 < value(high):
+            share = brentq(value, share, high, xtol=1e-19, rtol=1e-15)
+        while share < high and value(share) <= 0:  # it has happened
+            share, step = min(share + step, high), 2 * step
+        return share * dt, share**POWERS @ terms
 
     def book(self, a: np.ndarray, lag: float, new: np.ndarray) -> None:
         """Count what rolling resistance and force do on the way to a new state."""
@@ -77,12 +89,20 @@ class Reference(Integration):
             if self.regime[i] == "roll":
                 self.rolling += self.m * self.a_r * abs(new[self.s[i]] - self.x[self.s[i]])
         if self.harmonic is not None:
-            pieces = max(1, math.ceil(lag * self.rate * 1.3))
-            nodes, weights = np.polynomial.legendre.leggauss(16)
-            for n in range(pieces):
-                x = expm(a * lag * ((n + 0.5 + 0.5 * nodes) / pieces)[:, None, None]) @ self.x
-                power = x[:, self.wave] * (x[:, self.k + 2 : 2 * self.k + 4] @ self.push)
-                self.work += 0.5 * lag / pieces * float(weights @ power)
+            pieces, x = max(1, math.ceil(lag * self.rate * 1.3)), self.x
+            for _ in range(pieces):
+                states = NODES @ _series(a, x, lag / pieces, 40)
+                power = states[:-1, self.wave] * (states[:-1, self.k + 2 : 2 * self.k + 4] @ self.push)
+                self.work += 0.5 * lag / pieces * float(WEIGHTS @ power)
+                x = states[-1]
+
+
+def _series(a: np.ndarray, x: np.ndarray, span: float, count: int) -> np.ndarray:
+    """Taylor's series of exp(A t) x in powers of t / span."""
+    terms = [x]
+    for k in range(1, count):
+        terms.append(a @ terms[-1] * (span / k))
+    return np.array(terms)
 
 
 @lru_cache(maxsize=1024)

@@ -12,17 +12,8 @@ from damper import Formulation, ParticleDamper
 def paper(load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.006, **changes: Any) -> ParticleDamper:
     """The damper of the paper's Fig. 3 on a structure of 1 kg; load in g of 10 m/s², frequency in Hz."""
     stiffness = (1 + mass_ratio) * (2 * math.pi * frequency) ** 2
-    base = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(stiffness, stiffness),
-        ball_mass=mass_ratio,
-        ball_radius=1e-3,
-        cavity=(2.5e-3, 2.4e-3),
-        centrifugal_acceleration=10.0 * load,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-4,
-    )
+    sides = (2.5e-3, 2.4e-3)
+    base = ParticleDamper(1.0, (stiffness, stiffness), mass_ratio, 1e-3, sides, 10.0 * load, 0.5, 0.3, 1e-4)
     return replace(base, **changes)
 
 

@@ -92,13 +92,10 @@ def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...]]:
         along = [(1.0, 0.0), (rng.uniform(-1, 1), rng.choice([0.0, 1e-5, rng.uniform(-1, 1)])), (0.0, 1.0)]
         shapes = [*along, *((rng.normal(), 0.0) for _ in range(rng.integers(0, 2)))]
         modes = tuple(Mode(1.0, 10 ** rng.uniform(-0.2, 2.0), shape) for shape in shapes)
-    damper = ParticleDamper(
-        modal_mass=1.0,
+    damper = simple(
         stiffness=(1.0, 10 ** rng.uniform(-0.3, 2)),
         ball_mass=10 ** rng.uniform(-4, -0.5),
-        ball_radius=1.0,
         cavity=tuple(2 + 2 * 10 ** rng.uniform(-2, 0.5, 2)),
-        centrifugal_acceleration=0.0,
         restitution=rng.uniform(0.3, 0.99),
         friction=rng.choice([0.0, rng.uniform(0.0, 0.6)]),
         modes=modes,

@@ -144,18 +144,8 @@ def hinged(stagger: float = 0.0) -> ParticleDamper:
     """A rigid blade on a hinge at the axis: it flaps as a tilted orbit, and lags not at all."""
     speed, radius, mass = 300.0, 0.2, 0.05
     stiffness = (1 + mass) * speed**2
-    return ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(stiffness, 1e-3 * stiffness),
-        ball_mass=mass,
-        ball_radius=1e-3,
-        cavity=(3e-3, 3e-3),
-        centrifugal_acceleration=speed**2 * radius,
-        restitution=0.5,
-        floor_tilt=(1 / radius, 1 / radius),
-        rotation=speed,
-        stagger=stagger,
-    )
+    level = ParticleDamper(1.0, (stiffness, 1e-3 * stiffness), mass, 1e-3, (3e-3, 3e-3), speed**2 * radius, 0.5)
+    return replace(level, floor_tilt=(1 / radius, 1 / radius), rotation=speed, stagger=stagger)
 
 
 @pytest.mark.parametrize("release", [1e-6, 1e-3, 0.1, 10.0])

@@ -60,7 +60,7 @@ VIOLENT = {
 @pytest.mark.parametrize("name", VIOLENT)
 def test_sampled_energy_never_rises_in_the_shortest_flights(name: str) -> None:
     fields, release = VIOLENT[name]
-    run = ringdown(ParticleDamper(**fields), release, 1, ball_velocity=(-1e-9, 0.0), keep_events=True)
+    run = ringdown(ParticleDamper(**fields), release, 0.2, ball_velocity=(-1e-9, 0.0), keep_events=True)
     assert len(run.rows) == 3
     assert 0 < run.rows["time"][-1] < 1e-14
     start = sample(run, [0.0, 1e-25])
@@ -106,19 +106,15 @@ def test_rescaling(seed: int, scale: dict[str, float]) -> None:
     """Units do not matter: dimensionless results are those of the scaled scene."""
     damper, release = random_scene(seed)
     length, time, mass = scale.get("length", 1.0), scale.get("time", 1.0), scale.get("mass", 1.0)
-    scaled = ParticleDamper(
+    scaled = dataclasses.replace(
+        damper,
         modal_mass=damper.modal_mass * mass,
         stiffness=tuple(k * mass / time**2 for k in damper.stiffness),
         ball_mass=damper.ball_mass * mass,
         ball_radius=damper.ball_radius * length,
         cavity=tuple(c * length for c in damper.cavity),
         centrifugal_acceleration=damper.centrifugal_acceleration * length / time**2,
-        restitution=damper.restitution,
-        friction=damper.friction,
         rolling_friction=damper.rolling_friction * length,
-        damping_ratio=damper.damping_ratio,
-        sticking_ratio=damper.sticking_ratio,
-        formulation=damper.formulation,
     )
     one = ringdown(damper, release, 5, keep_events=True)
     two = ringdown(scaled, tuple(x * length for x in release), 5, keep_events=True)

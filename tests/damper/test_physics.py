@@ -40,10 +40,7 @@ def test_zeno_time(e: float, zeno: float) -> None:
     """
     omega = 3e-4
     run = ringdown(
-        heavy(omega, 1.0, restitution=e),
-        (-9.81 / omega**2, 0.0),
-        cycles=10 * omega / 2 / math.pi,
-        keep_events=True,
+        heavy(omega, 1.0, restitution=e), (-9.81 / omega**2, 0.0), cycles=10 * omega / 2 / math.pi, keep_events=True
     )
     hits = run.rows[run.rows["kind"] == HIT]
     assert hits["direction"][-1] == 0, "the sequence ends in sticking"
@@ -341,19 +338,8 @@ def test_a_sliding_ball_goes_from_wall_to_wall() -> None:
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_start_on_a_wall_with_spin_into_it(side: int, tilt: float) -> None:
     """Sliding friction presses the ball onto the wall until its spin is spent, after |spin| / (5/2 mu G)."""
-    damper = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=(1e6, 1e6),
-        ball_mass=0.01,
-        ball_radius=1e-3,
-        cavity=(4e-3, 4e-3),
-        centrifugal_acceleration=1e4,
-        restitution=0.5,
-        friction=0.3,
-        rolling_friction=1e-5,
-        floor_friction=0.1,
-        floor_tilt=(tilt, tilt),
-    )
+    rolls = ParticleDamper(1.0, (1e6, 1e6), 0.01, 1e-3, (4e-3, 4e-3), 1e4, 0.5, 0.3, 1e-5)
+    damper = dataclasses.replace(rolls, floor_friction=0.1, floor_tilt=(tilt, tilt))
     place, spin = (side * 1e-3, 0.0), (side * 0.3, 0.0)
     run = ringdown(damper, (1e-4, 0.0), 5, ball_position=place, ball_spin=spin, keep_events=True)
     grip = run.rows[run.rows["kind"] == GRIP][0]

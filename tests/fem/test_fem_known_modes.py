@@ -261,21 +261,10 @@ def test_cells_nodes_and_one_side_of_a_plate_give_one_slope(plate: ModalModel) -
 
 def test_a_neutral_file_comes_back_bit_for_bit(plate: ModalModel, tmp_path: Path) -> None:
     """Through .npz and .json, one after the other; and from a file in mm and t."""
-    full = replace(
-        plate,
-        sets={"TIP": np.array([3, 5])},
-        speeds=tuple(
-            replace(
-                m,
-                rotations=0.1 * m.shapes,
-                errors=np.full(4, 1e-3),
-                damping_ratios=np.full(4, 2e-3),
-                static=m.shapes[0] * 1e-4,
-                drawn=m.shapes[:, 7],
-            )
-            for m in plate.speeds
-        ),
-    )
+    more = {"errors": np.full(4, 1e-3), "damping_ratios": np.full(4, 2e-3)}
+    speeds = [replace(m, rotations=0.1 * m.shapes, static=m.shapes[0] * 1e-4, **more) for m in plate.speeds]
+    speeds = [replace(m, drawn=m.shapes[:, 7]) for m in speeds]
+    full = replace(plate, sets={"TIP": np.array([3, 5])}, speeds=tuple(speeds))
     write(full, tmp_path / "one.npz")
     write(read(tmp_path / "one.npz").model, tmp_path / "two.json")
     back, was = document(read(tmp_path / "two.json").model), document(full)
@@ -307,10 +296,7 @@ def test_a_floor_that_is_given_its_normal_turns_with_the_structure() -> None:
     turn = Rotation.from_rotvec([0.0, 0.1, -0.2]).as_matrix()
     moved = replace(still, static=nodes @ (turn - np.eye(3)).T)
     laid = ModalModel(nodes @ turn.T, (still,), rotor.axis, -0.1 * rotor.outwards, cells)
-    turned, expected = (
-        floor(model, at, moved, z, x),
-        floor(laid, place(laid, turn @ at.point), still, z, turn @ x),
-    )
+    turned, expected = (floor(model, at, moved, z, x), floor(laid, place(laid, turn @ at.point), still, z, turn @ x))
     np.testing.assert_allclose(turned.normal, turn @ x, atol=1e-12)
     np.testing.assert_allclose(turned.lean, expected.lean, rtol=1e-10)
     with pytest.raises(NoMotion, match="the load does not press the ball onto a floor with this normal"):

@@ -27,15 +27,6 @@ from fem.reduction.single_mode import _Family
 TIP = (0.2, 0.0)
 
 
-def test_slender_cantilever():
-    """Effective mass at the tip m/4, slope 1.37651/L, as the first mode of an Euler-Bernoulli beam has."""
-    plate = Plate(rectangle(1.0, 0.01, 20, 1), 1e-3, Material(2e11, 0.0, 7850.0))
-    found = reduce_at(assemble(plate, Rotor(), Effects()), 0.0, (1.0, 0.0), mass_ratio=0.01)
-    assert pytest.approx(7850.0 * 1e-5 / 4.0, rel=1e-4) == found.M2
-    assert found.slope == pytest.approx(1.376506, rel=1e-4)
-    assert found.f2_hz == pytest.approx(3.516015 / (2 * np.pi) * np.sqrt(2e11 / 7850.0 / 12.0) * 1e-3, rel=1e-4)
-
-
 def test_stuck_ball_at_rest_is_a_mass_on_a_spring():
     """To first order in the mass ratio K1 = K2; the second order is what the mode's shape gives."""
     operators = assemble(paper_plate(10, 4), Rotor(), Effects())

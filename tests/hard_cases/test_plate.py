@@ -37,10 +37,12 @@ def test_thinner_and_thinner(theory: str, ratio: float) -> None:
 @pytest.mark.parametrize("omega", [0.0, 500.0])
 def test_pairs_of_modes(omega: float) -> None:
     """A square section: bending modes come in pairs of nearly one frequency."""
-    plate = Plate(rectangle(0.2, 0.02, 10, 2), 0.02, Material(2e11, 0.0, 7850.0))
+    plate = Plate(rectangle(1.0, 0.02, 12, 1), 0.02, Material(2e11, 0.0, 7850.0))
     operators = assemble(plate, Rotor(), Effects(), "solid")
     dense = scipy.linalg.eigh(operators.at(omega).toarray(), operators.mass.toarray(), eigvals_only=True)[:8]
-    np.testing.assert_allclose(solve_modes(operators, omega, 8).eigenvalues, dense, rtol=1e-6)
+    found = solve_modes(operators, omega, 8).eigenvalues
+    np.testing.assert_allclose(found, dense, rtol=1e-6)  # the dense solver rounds at 1e-7 here
+    assert omega or found[[0, 2]] == pytest.approx(found[[1, 3]], rel=1e-2)
 
 
 def test_point_mass_far_heavier_than_the_plate() -> None:

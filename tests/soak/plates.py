@@ -38,13 +38,7 @@ def scene(dice: Dice) -> Scene:
     coriolis = dice.between(0.0, 1.0) < 0.25
     return {
         "title": "soak",
-        "plate": {
-            "length": length,
-            "width": width,
-            "thickness": thickness,
-            "theory": theory,
-            "tip_mass": tip_mass,
-        },
+        "plate": {"length": length, "width": width, "thickness": thickness, "theory": theory, "tip_mass": tip_mass},
         "material": {
             "youngs_modulus": modulus,
             "poissons_ratio": sometimes(dice, (0.0, 0.3), dice.between(-0.9, 0.49)),

@@ -24,19 +24,8 @@ EVENTS = 200_000
 """Cap on the events of a ring-down of given length; near e = 1 a ball makes millions of hops against a wall."""
 CYCLES = 10_000
 """Cap on the length of one that goes on until the ball rests."""
-_VARIED = (
-    "modal_mass",
-    "stiffness",
-    "ball_mass",
-    "ball_radius",
-    "cavity",
-    "centrifugal_acceleration",
-    "restitution",
-    "friction",
-    "rolling_friction",
-    "damping_ratio",
-    "sticking_ratio",
-)
+_VARIED = ("modal_mass", "stiffness", "ball_mass", "ball_radius", "cavity", "centrifugal_acceleration")
+_VARIED += ("restitution", "friction", "rolling_friction", "damping_ratio", "sticking_ratio")
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,19 @@ SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swi
 NO_GL = ("--disable-gpu", "--disable-3d-apis")
 """Flags by which it is not drawn at all."""
 
+VIEWER = """
+const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
+const form = figure.querySelector('form');
+const copy = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+const pixels = () => {
+  figure.viewer.draw();
+  [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
+  copy.drawImage(canvas, 0, 0);
+  return copy.getImageData(0, 0, canvas.width, canvas.height).data;
+};
+"""
+"""Scripts on a page's viewer begin with this."""
+
 WORDS = ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
 
 

@@ -116,16 +116,21 @@ def no_workers(monkeypatch: pytest.MonkeyPatch, here: ThreadPoolExecutor) -> Non
     monkeypatch.setattr(executor, "local", lambda *_: executor.external(here, 1))
 
 
+def shipped_scene(name: str) -> Scene:
+    """A shipped scene as plain data."""
+    return tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+
+
 @pytest.fixture
 def paper() -> Scene:
     """The paper's scene as plain data."""
-    return tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    return shipped_scene("paper")
 
 
 @pytest.fixture
 def structure() -> Scene:
     """The structure-only scene as plain data."""
-    return tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    return shipped_scene("structure")
 
 
 def changed(scene: Scene, **changes: Any) -> Scene:

@@ -24,11 +24,10 @@ import pytest
 import fem
 import spindamp
 from tests.limits import HANG
-from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, write
+from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, shipped_scene, write
 from workflows import cli, progress
 from workflows.cli.commands import COMMANDS
 from workflows.progress import Stages
-from workflows.scene.load import SHIPPED
 from workflows.solve import resources
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -127,13 +126,9 @@ def test_check_says_why(spindamp: Command) -> None:
 
 
 def test_divergence_is_no_answer(spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    changes = {
-        "rotor__speeds": ["20000 rpm", "30000 rpm"],
-        "rotor__stagger": "90 deg",
-        "effects__stress_stiffening": False,
-        "accuracy__frequency": 0.05,
-    }
-    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    rotor = paper["rotor"] | {"speeds": ["20000 rpm", "30000 rpm"], "stagger": "90 deg"}
+    soft = changed(paper, rotor=rotor, effects__stress_stiffening=False, accuracy__frequency=0.05)
+    scene = write(soft, tmp_path / "scene.toml")
     refused(spindamp("campbell", scene, "--out", "out"), "", "20000 rpm", status=3)
     assert list(tmp_path.iterdir()) == [scene]
 
@@ -395,7 +390,7 @@ def test_packages_and_light_commands_load_nothing_heavy() -> None:
 
 def test_a_design_space_that_the_load_locks_starts_nothing(tmp_path: Path) -> None:
     """A formula answers: no worker starts, no kernel is compiled, and no chart is drawn on the page."""
-    scene = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("structure")
     del scene["release"]
     scene["design"] = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm"], "amplitude": ["1 um", "2 um"]}
     scene["damper"] |= {"ball_density": "7850 kg/m^3"}

@@ -5,24 +5,22 @@ import io
 import json
 import math
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
 import spindamp
-from tests.workflows.conftest import changed, write
+from tests.workflows.conftest import changed, shipped_scene, write
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.report import remarks
 from workflows.scene import load as loading
-from workflows.scene.load import SHIPPED
 from workflows.studies import comparison as report
 
 
 @pytest.fixture(scope="module")
 def soft_and_stiff(tmp_path_factory):
-    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    structure = shipped_scene("structure")
     soft = spindamp.run(changed(structure, title="soft", damper__restitution=0.3))
     stiff = spindamp.run(changed(structure, title="stiff", damper__restitution=0.7))
     folder = tmp_path_factory.mktemp("runs") / "stiff"
@@ -77,7 +75,7 @@ def test_files(found, tmp_path: Path):
 
 def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: Path):
     """A folder's name is no title; a mark of a run's table stands in this one, with its meaning."""
-    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    structure = shipped_scene("structure")
     other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
     other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
     other["design"] = {"clearance": ["0.1 mm", "4 mm"], "amplitude": ["1 mm", "2 mm"]}
@@ -122,7 +120,7 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
 
 def test_a_material_is_no_difference_where_its_density_is_the_same():
     """Its name is kept only where its strength is known too; by it or as a number, the density is the same."""
-    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    structure = shipped_scene("structure")
     bare = changed(structure, damper__mass_ratio=None, damper__count=100, release__cycles=2, rotor__speeds=["3500 rpm"])
     named = changed(bare, damper__ball_material="steel")
     floored = changed(named, damper__floor_material="Ti-6Al-4V", effects__indentation=False)
@@ -139,7 +137,7 @@ def test_a_material_is_no_difference_where_its_density_is_the_same():
 
 def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):
     """Below 1 g there is no verdict."""
-    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    structure = shipped_scene("structure")
     slow = spindamp.run(changed(structure, rotor__speeds=["40 rpm", "3500 rpm"], release__cycles=2))
     for found, hollow in ((spindamp.compare(slow, slow), 2), (spindamp.compare(*soft_and_stiff[:2]), 0)):
         files = report.files(found)

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import workflows
-from damper import Formulation, damping_curve, ringdown, stepped_ringdown
+from damper import Formulation, ringdown, stepped_ringdown
 from fem.solid import sweep
 from meshes import make
 from tests.damper import scenes
-from tests.workflows.conftest import Command, Scene, changed, refused, write
+from tests.workflows.conftest import Command, Scene, changed, measured_quickly, refused, shipped_scene, write
 from workflows.effects.selection import EFFECTS, NAMES, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -27,7 +27,6 @@ from workflows.scene.load import SceneFile
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Mode, SpeedPoint
 from workflows.solve.structure import PlateSolution
-from workflows.studies.sweep.evaluate import QUICK
 from workflows.studies.work_precision import effects as effects_report
 from workflows.studies.work_precision import report, timing
 from workflows.studies.work_precision import study as studies
@@ -310,15 +309,9 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.mark.usefixtures("hasty")
 def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
-    changes = {
-        "rotor__speeds": ["10000 rpm"],
-        "rotor__stagger": "90 deg",
-        "rotor__modes": 2,
-        "effects__coriolis": False,
-        "plate__theory": "mindlin",
-        "accuracy__frequency": 0.02,
-    }
-    scene = write(changed(paper, **changes), tmp_path / "scene.toml")
+    rotor = paper["rotor"] | {"speeds": ["10000 rpm"], "stagger": "90 deg", "modes": 2}
+    alone = changed(paper, rotor=rotor, effects__coriolis=False, plate__theory="mindlin", accuracy__frequency=0.02)
+    scene = write(alone, tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--json")
     assert outcome.status == 0, outcome.err
     found = {row["effect"]: row for row in json.loads(outcome.out)["rows"]}
@@ -373,14 +366,17 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timin
     return timing.Timing(work(), 1.0, 0.5, 2.0), 3.0, 2.0
 
 
+def hurry(patch: pytest.MonkeyPatch) -> None:
+    """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
+    patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    patch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
+    patch.setattr(damper_stage, "figures", measured_quickly)
+
+
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
-    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    monkeypatch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
-    monkeypatch.setattr(
-        damper_stage, "figures", lambda system: damping_curve(damper_stage.in_leading_modes(system), **QUICK)
-    )
+    """The same for a test."""
+    hurry(monkeypatch)
 
 
 def point(rpm: float, *modes: tuple[str, float]) -> SpeedPoint:
@@ -507,17 +503,25 @@ def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.M
     assert max(map(abs, expected)) > 1e-3
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def tilting() -> SceneFile:
     """A known structure whose floor tilts, let go by as much as sets the ball rolling."""
     release = {"displacement": None, "cycles": 50}
     return load.load("structure").changed(structure={"floor_tilt": (8.0, 0.0)}, release=release)
 
 
+@pytest.fixture(scope="module")
+def tilted(tilting: SceneFile) -> dict[str, EffectChange]:
+    """Its effects."""
+    with pytest.MonkeyPatch.context() as patch:
+        hurry(patch)
+        return {row.effect: row for row in effect_study(tilting, QUIET).rows}
+
+
 @pytest.mark.usefixtures("hasty")
-def test_the_damping_ratio_is_that_of_a_run(tilting: SceneFile) -> None:
+def test_the_damping_ratio_is_that_of_a_run(tilting: SceneFile, tilted: dict[str, EffectChange]) -> None:
     """A verdict counts the tilt either way; without it there is a curve of falling vibration, held against its like."""
-    rows = {row.effect: row for row in effect_study(tilting, QUIET).rows}
+    rows = tilted
     on, off = (workflows.run(tilting.changed(effects={"floor_tilt": tilt})).speeds[0] for tilt in (True, False))
     assert on.damping_curve is not None
     assert off.damping_curve is not None
@@ -531,9 +535,9 @@ def test_the_damping_ratio_is_that_of_a_run(tilting: SceneFile) -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_a_release_does_not_change_with_an_effect(tilting: SceneFile) -> None:
+def test_a_release_does_not_change_with_an_effect(tilting: SceneFile, tilted: dict[str, EffectChange]) -> None:
     """An automatic release is larger the more the floor tilts: without the tilt it is kept as large."""
-    (row,) = [row for row in effect_study(tilting, QUIET).rows if row.effect == "floor_tilt"]
+    row = tilted["floor_tilt"]
     own = workflows.run(tilting).speeds[0].damper
     assert own is not None
     level = tilting.changed(effects={"floor_tilt": False})
@@ -623,7 +627,7 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
     Whatever is switched, a change is an effect's only beyond twice that; the damper's own figures do not scatter.
     """
     monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    scene: Scene = tomllib.loads((load.SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    scene: Scene = shipped_scene("structure")
     free = {"damper__rolling_friction": "0.01 mm", "damper__restitution": 0.8, "damper__ball_density": "7850 kg/m^3"}
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
     scene = changed(scene, damper__count=5, damper__mass_ratio=None, **free)

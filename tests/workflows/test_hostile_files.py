@@ -213,14 +213,6 @@ def test_entities_that_grow_without_end(spindamp: Command, tmp_path: Path, paper
     refused(spindamp("check", "bad.toml"), "bad.toml: [plate] mesh = 'it.vtu': ", "not a mesh file")
 
 
-@pytest.mark.parametrize("command", ["check", "run"])
-def test_a_damper_on_the_clamped_edge(command: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    (tmp_path / "it.msh").write_text(GOOD, encoding="utf-8")
-    scene = on_mesh(paper, "it.msh", damper__at=["0 cm", "1 cm"])
-    write(scene, tmp_path / "scene.toml")
-    refused(spindamp(command, "scene.toml"), "scene.toml: [damper] at = [0.0, 0.01]: ")
-
-
 def test_a_format_whose_reader_is_not_installed(
     spindamp: Command, tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

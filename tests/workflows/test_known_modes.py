@@ -3,6 +3,7 @@
 import gzip
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -287,108 +288,37 @@ def small() -> dict[str, Any]:
     x = np.linspace(0.0, 200.0, 9)
     shapes = np.zeros((1, 2, 9, 3))
     shapes[0, 0, :, 2], shapes[0, 1, :, 1] = 6e-5 * x**2, 4.5e-3 * x
-    return {
-        "format": "spindamp modes 1",
-        "unit": "mm",
-        "mass_unit": "kg",
-        "axis": [0, 0, 2],
-        "origin": [0, 0, 0],
-        "speeds_rpm": [3000.0],
-        "nodes": np.stack([x, 0 * x, 0 * x], axis=1).tolist(),
-        "frequencies_hz": [[200.0, 300.0]],
-        "shapes": shapes.tolist(),
-        "modal_masses": [[1.0, 1.0]],
-        "set_TIP": [8],
-    }
+    head = {"format": "spindamp modes 1", "unit": "mm", "mass_unit": "kg", "axis": [0, 0, 2], "origin": [0, 0, 0]}
+    modes = {"speeds_rpm": [3000.0], "frequencies_hz": [[200.0, 300.0]], "modal_masses": [[1.0, 1.0]]}
+    nodes = {"nodes": np.stack([x, 0 * x, 0 * x], axis=1).tolist(), "shapes": shapes.tolist(), "set_TIP": [8]}
+    return head | modes | nodes
 
 
-OF_THE_BAR = changed(
-    SCENE,
-    structure__modes="bar.json",
-    rotor={"speeds": ["3000 rpm"], "gravity": "10 m/s^2"},
-    damper__at="TIP",
-)
+OF_THE_BAR = changed(SCENE, structure__modes="bar.json", damper__at="TIP")
+OF_THE_BAR["rotor"] = {"speeds": ["3000 rpm"], "gravity": "10 m/s^2"}
 
-BAD_KEYS: list[tuple[str, dict[str, Any], str]] = [
-    ("another format", {"format": "modes 2"}, "key 'format'"),
-    ("unknown", {"frequencies": [1]}, "unknown key 'frequencies'"),
-    ("no masses", {"modal_masses": None}, "'modal_masses' is missing: 1 for each mode"),
-    ("no unit", {"unit": None}, "'unit' is missing"),
-    ("no such unit", {"unit": "furlongs"}, "unit 'furlongs'"),
-    ("masses", {"modal_masses": [[1.0, -1.0]]}, "expected masses above 0"),
-    ("nodes", {"nodes": [[0, 0], [1, 1]]}, "'nodes': expected any × 3 numbers, found 2 × 2"),
-    ("ragged", {"nodes": [[0, 0, 0], [1, 1]]}, "'nodes': expected numbers, rows of the same length"),
-    ("shapes", {"shapes": [[[[0, 0, 1]] * 9]]}, "'shapes': expected 1 × 2 × 9 × 3 numbers"),
-    ("unit shapes", {"shapes": [[[[0, 0, 1]] * 9, [[0, 1, 0]] * 9]]}, "not normalised to mass"),
-    ("descending", {"frequencies_hz": [[0.0, 300.0]]}, "mode 1 has 0 Hz"),
-    ("words", {"frequencies_hz": [["a", "b"]]}, "'frequencies_hz': expected numbers"),
-    ("speeds", {"speeds_rpm": [-1.0]}, "expected different speeds"),
-    ("no axis", {"axis": None}, "'axis' and 'origin': expected both or neither"),
-    ("axis nought", {"axis": [0, 0, 0]}, "expected a direction"),
-    ("a set", {"set_TIP": [9]}, "from 0 to 8"),
-    ("cells", {"cells_hexahedron": [[0, 1]]}, "rows of 8 whole numbers"),
-    ("no such cells", {"cells_cube": [[0, 1]]}, "cells_ and one of hexahedron"),
-    ("damping", {"damping_ratios": [[0.1]]}, "'damping_ratios': expected 1 × 2"),
-    ("labels", {"node_labels": [1, 2]}, "expected 9 whole numbers"),
-    ("labels twice", {"node_labels": [1, 2, 3, 4, 5, 6, 7, 8, 8]}, "two nodes have the same number"),
-    ("no word", {"unit": ""}, "key 'unit' is empty"),
-    ("no end", {"speeds_rpm": [float("inf")]}, "expected different speeds"),
-    ("negative damping", {"damping_ratios": [[-0.1, 0.1]]}, "'damping_ratios': expected numbers of 0 or above"),
-    ("negative errors", {"frequency_errors": [[-0.1, 0.1]]}, "'frequency_errors': expected numbers of 0 or above"),
-    ("kHz for ever", {"frequencies_hz": [[1e200, 1e201]]}, "expected frequencies in Hz"),
-    ("displaced far", {"static": [[[0.0, 0.0, 1e6]] * 9]}, "larger than the structure"),
-    ("degrees", {"rotations": [[[[0, 180 / np.pi * -0.02, 0]] * 9, [[0, 0, 0.3]] * 9]]}, "expected rotations in rad"),
-    ("too heavy", {"mass_unit": "t"}, "would have an effective mass of 174 kg"),
-    ("another speed", {"speeds_rpm": [4000.0]}, "known at 4000 rpm"),
-]
+WRONG = tomllib.loads(Path(__file__).with_name("wrong_modes.toml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize(("keys", "message"), [pytest.param(*rest, id=name) for name, *rest in BAD_KEYS])
-def test_a_spoilt_neutral_file(spindamp: Command, tmp_path: Path, keys: dict[str, Any], message: str) -> None:
-    data = {name: value for name, value in (small() | keys).items() if value is not None}
+def bent(case: dict[str, Any]) -> dict[str, Any]:
+    """Keys that a case changes, None where it leaves them out."""
+    return case.get("change", {}) | dict.fromkeys(case.get("without", ()))
+
+
+@pytest.mark.parametrize("case", WRONG["files"].values(), ids=WRONG["files"])
+def test_a_spoilt_neutral_file(spindamp: Command, tmp_path: Path, case: dict[str, Any]) -> None:
+    data = {name: value for name, value in (small() | bent(case)).items() if value is not None}
     (tmp_path / "bar.json").write_text(json.dumps(data))
     scene = write(OF_THE_BAR, tmp_path / "scene.toml")
-    refused(spindamp("check", scene), f"{scene}: ", message)
+    refused(spindamp("check", scene), f"{scene}: ", case["says"])
 
 
-ORDER: dict[str, Any] = {"orders": [2]}
-FORCE: dict[str, Any] = {**ORDER, "force": "1 N", "at": 9, "direction": [0, 0, 1]}
-
-BAD_SCENES: list[tuple[str, dict[str, Any], str]] = [
-    ("no such file", {"structure__modes": "none.json"}, "[structure] modes = 'none.json': no such file"),
-    ("a folder", {"structure__modes": "."}, "found a folder"),
-    ("another kind", {"structure__modes": "scene.toml"}, "expected a file of modes whose name ends in"),
-    ("two speeds", {"rotor__speeds": ["0 rpm", "3000 rpm"]}, "known at 3000 rpm"),
-    ("speeds of a file", {"structure__modes": {"3000rpm": "bar.json", "x": "bar.json"}}, "[structure] modes"),
-    ("another unit", {"structure__unit": "m"}, "says 'mm': leave this out"),
-    ("no place", {"damper__at": None}, "[damper] at: missing"),
-    ("no set", {"damper__at": "TOP"}, "expected a set of nodes in the file (TIP)"),
-    ("no node", {"damper__at": 12}, "no such node: expected a number from 1 to 9"),
-    ("a plate's place", {"damper__at": ["200 mm", "0 mm"]}, "expected three lengths"),
-    ("off", {"damper__at": ["400 mm", "0 mm", "0 mm"]}, "m off the structure"),
-    ("at rest", {"damper__at": 1}, "[damper] at = 1: this place is clamped: no mode moves it"),
-    ("along the load", {"damper__direction": [1, 0, 0]}, "lies across the load, but its direction is only 0° from"),
-    ("no direction", {"damper__direction": [0, 0, 0]}, "all three are 0"),
-    ("cavity", {"damper__cavity": ["7 mm", "0.5 m"]}, "[damper] cavity = [0.007, 0.5]: larger than the structure"),
-    ("pressure", {"excitation": {"orders": [2], "pressure": "1 Pa"}}, "do not describe the surface"),
-    (
-        "force at no set",
-        {"excitation": FORCE | {"at": "TOP"}},
-        "[excitation] at = 'TOP': expected a set of nodes in the file",
-    ),
-    ("force off", {"excitation": FORCE | {"at": ["400 mm", "0 mm", "0 mm"]}}, "[excitation] at"),
-    ("no direction", {"excitation": {**ORDER, "force": "1 N", "at": 9}}, "[excitation] direction: missing"),
-    ("a place for a base", {"excitation": {**ORDER, "base": "1 g", "at": 9}}, "belongs to a force"),
-    ("radius", {"rotor__radius": "200 mm"}, "knows where its nodes are"),
-    ("misspelt", {"structure__mas_unit": "kg"}, "did you mean 'mass_unit'"),
-]
-
-
-@pytest.mark.parametrize(("keys", "message"), [pytest.param(*rest, id=name) for name, *rest in BAD_SCENES])
-def test_a_wrong_scene_of_known_modes(spindamp: Command, tmp_path: Path, keys: dict[str, Any], message: str) -> None:
+@pytest.mark.parametrize("case", WRONG["scenes"].values(), ids=WRONG["scenes"])
+def test_a_wrong_scene_of_known_modes(spindamp: Command, tmp_path: Path, case: dict[str, Any]) -> None:
     (tmp_path / "bar.json").write_text(json.dumps(small()))
-    scene = write(changed(OF_THE_BAR, **keys), tmp_path / "scene.toml")
-    refused(spindamp("check", scene), f"{scene}: ", message)
+    changes = {key.replace(".", "__"): value for key, value in bent(case).items()}
+    scene = write(changed(OF_THE_BAR, **changes), tmp_path / "scene.toml")
+    refused(spindamp("check", scene), f"{scene}: ", case["says"])
 
 
 def test_a_bar_of_nine_nodes(spindamp: Command, tmp_path: Path) -> None:

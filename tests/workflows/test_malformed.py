@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from tests.workflows.conftest import Command, refused, toml
-from workflows.scene.load import SHIPPED, key_name
+from tests.workflows.conftest import Command, refused, shipped_scene, toml
+from workflows.scene.load import key_name
 from workflows.scene.quantities import Table
 from workflows.scene.scene import Effects, KnownModes, Scene, Structure
 
@@ -60,7 +60,7 @@ def _tables() -> list[tuple[str, type[Table]]]:
 
 def _right(shipped: str) -> Raw:
     """A shipped scene as raw text, to be bent."""
-    data: dict[str, Any] = tomllib.loads((SHIPPED / f"{shipped}.toml").read_text(encoding="utf-8"))
+    data: dict[str, Any] = shipped_scene(shipped)
     top = {"": {key: toml(value) for key, value in data.items() if not isinstance(value, dict)}}
     return top | {
         name: {key: toml(value) for key, value in table.items()}

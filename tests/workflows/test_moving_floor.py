@@ -11,7 +11,7 @@ import pytest
 
 import workflows
 from damper import ParticleDamper
-from tests.workflows.conftest import Scene, changed, effects_of, write
+from tests.workflows.conftest import BALL, Scene, changed, effects_of, write
 from workflows import pipeline
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -170,15 +170,8 @@ def test_the_effect_that_is_off_costs_nothing(paper: Scene, monkeypatch: pytest.
 @pytest.mark.usefixtures("quickly")
 def test_a_hollow_floor_is_a_pendulum_of_one_engine_order(paper: Scene, tmp_path: Path) -> None:
     """omega_s² = (5/7) G/rho as it bends, (5/7) (G/rho - Omega²) in the plane of rotation: one order at all speeds."""
-    scene = changed(
-        paper,
-        rotor__speeds=["4261 rpm", "9000 rpm"],
-        damper__floor_radius=["16.9 mm", "20 mm"],
-        damper__cavity=["9 mm", "9 mm"],
-        release__cycles=2,
-        effects__floor_tilt="auto",
-        **ROUGH,
-    )
+    hollow = {"damper__floor_radius": ["16.9 mm", "20 mm"], "damper__cavity": ["9 mm", "9 mm"], "release__cycles": 2}
+    scene = changed(paper, rotor__speeds=["4261 rpm", "9000 rpm"], effects__floor_tilt="auto", **hollow, **ROUGH)
     run = workflows.run(write(scene, tmp_path / "hollow.toml"))
     for point in run.speeds:
         swings = point.damping_curve.pendulum
@@ -265,15 +258,9 @@ def test_a_tilt_that_no_spring_holds_names_its_key(structure: Scene) -> None:
 
 def test_what_coriolis_forces_on_the_ball_would_add() -> None:
     """Of a blade at a stagger of 60°, by its velocity at its best over that of the tip; none on a structure."""
-    blade = thin(
-        plate__thickness="1 cm",
-        rotor={"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"},
-        damper__mass="0.26 g",
-        damper__radius="2 mm",
-        damper__cavity=["6 mm", "6 mm"],
-        damper__rolling_friction="0.01 mm",
-    )
-    found = workflows.run(blade)
+    ball = {"mass": "0.26 g", "radius": "2 mm", "cavity": ["6 mm", "6 mm"], "rolling_friction": "0.01 mm"}
+    rotor = {"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"}
+    found = workflows.run(thin(plate__thickness="1 cm", rotor=rotor, damper=BALL | ball))
     (point,) = found.speeds
     speed = 2 * math.pi * point.reduced.f1_hz * point.verdict.amplitude
     chord = 2 * speed * math.sin(math.pi / 3) / (point.omega * point.radius)
@@ -297,21 +284,11 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float, rolls: fl
     """By the acceleration in space of a place that bends outwards on its way, against what holds the ball there."""
     turn, swing, radius, shortens, ball = 700.0, 1000.0, 0.3, 5.8, 1e-3
     slope = ((1 - left) * swing**2 / turn**2 + math.sin(stagger) ** 2) / radius
-    system = ParticleDamper(
-        modal_mass=1.0,
-        stiffness=((1 + ball) * swing**2,) * 2,
-        ball_mass=ball,
-        ball_radius=1e-3,
-        cavity=(4e-3, 4e-3),
-        centrifugal_acceleration=turn**2 * radius,
-        restitution=0.5,
-        rolling_friction=rolls * 1e-3,
-        floor_tilt=(slope, slope),
-        rotation=turn,
-        stagger=stagger,
-    )
+    stiff = (1 + ball) * swing**2
+    level = ParticleDamper(1.0, (stiff,) * 2, ball, 1e-3, (4e-3, 4e-3), turn**2 * radius, 0.5, 0.0, rolls * 1e-3)
+    system = replace(level, floor_tilt=(slope, slope), rotation=turn, stagger=stagger)
     pull = ball * turn**2 * (radius * shortens - math.sin(stagger) ** 2)
-    stiff, hertz = (1 + ball) * swing**2, swing / (2 * math.pi)
+    hertz = swing / (2 * math.pi)
     reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - pull, slope)
     point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced, stagger=stagger)
     first, alone = coupling.moves_first_from(system, point), system.amplitude_of(system.rolling_threshold)
@@ -341,14 +318,15 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float, rolls: fl
     assert needs(0.995 * found) < rolls < needs(1.005 * found)
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("stagger", ["0 deg", "60 deg", "90 deg"])
 def test_the_share_of_the_drive_is_that_of_the_damper(stagger: str) -> None:
     """Of its tilt and of what it gains in the plane of rotation, as sentences and limits have it."""
     scene = thin(rotor__stagger=stagger, rotor__hub_radius="7 cm", effects__structural_modes=False)
-    system, point = built(scene)
-    assert point.tilt_share == pytest.approx(system.tilt_share[0], rel=1e-9)
     found = workflows.run(scene)
     at, amplitude, rolls = found.speeds[0], 1e-3, 0.016 / 1.2
+    system = damper.particle_damper(found.scene, found.effects, at)
+    assert at.tilt_share == pytest.approx(system.tilt_share[0], rel=1e-9)
     drive = system.stuck_frequency**2 * abs(1 - system.tilt_share[0]) * amplitude
     demand = (2 * drive / system.centrifugal_acceleration + 5 * rolls) / 7
     assert limits.friction_demand(found, at, amplitude) == pytest.approx(demand, rel=1e-6)
@@ -367,29 +345,21 @@ def test_how_the_place_of_a_damper_comes_nearer_to_the_axis() -> None:
         inside = x <= place
         exact = np.trapezoid(whole[inside], x[inside]) / (shape[inside][-1] / shape[-1]) ** 2 / 0.2
         blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0])
-        (point,) = workflows.run(blade).speeds
+        _, point = built(blade)
         assert coupling.shortening(point) == pytest.approx(exact, rel=0.01)
 
 
 def thin(**changes: Any) -> Scene:
     """A thin plate on the axis, whose floor tilts by nine tenths of the drive at 10000 rpm."""
-    return changed(
-        {
-            "plate": {"length": "20 cm", "width": "8 cm", "thickness": "4 mm"},
-            "material": {"name": "Ti-6Al-4V"},
-            "rotor": {"speeds": ["10000 rpm"]},
-            "damper": {
-                "mass": "0.05 g",
-                "radius": "1.2 mm",
-                "cavity": ["3.4 mm", "3.4 mm"],
-                "restitution": 0.5,
-                "friction": 0.3,
-                "rolling_friction": "0.016 mm",
-            },
-            "accuracy": {"frequency": 0.01},
-        },
-        **changes,
-    )
+    ball = {"mass": "0.05 g", "radius": "1.2 mm", "cavity": ["3.4 mm", "3.4 mm"], "rolling_friction": "0.016 mm"}
+    scene = {
+        "plate": {"length": "20 cm", "width": "8 cm", "thickness": "4 mm"},
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["10000 rpm"]},
+        "damper": BALL | ball,
+        "accuracy": {"frequency": 0.01},
+    }
+    return changed(scene, **changes)
 
 
 def span(found: Results, name: str) -> str:

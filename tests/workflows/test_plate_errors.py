@@ -51,23 +51,20 @@ def _on_the_mesh(scene: Scene, path: Path, **changes: object) -> Path:
     return write(changed(scene, rotor__speeds=["5000 rpm"], **mesh, **changes), path / "scene.toml")
 
 
-@pytest.mark.parametrize("tip_mass", [None, "10 g"])
+OFF = "[0.3, 0.0]: the point (0.3, 0) m does not lie on the plate"
+
+
+@pytest.mark.parametrize(
+    ("place", "tip_mass", "said"),
+    [("30 cm", None, OFF), ("30 cm", "10 g", OFF), ("0 cm", None, "[0.0, 0.0]: expected a place that moves")],
+)
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_off_the_plate(command: str, tip_mass: str | None, paper: Scene, spindamp: Command, tmp_path: Path) -> None:
+def test_where_no_damper_can_be(
+    command: str, place: str, tip_mass: str | None, said: str, paper: Scene, spindamp: Command, tmp_path: Path
+) -> None:
     """The damper's place is also that of the tip mass, which the search for a mesh meets first."""
-    _on_the_mesh(paper, tmp_path, damper__at=["30 cm", "0 cm"], plate__tip_mass=tip_mass)
-    refused(
-        spindamp(command, "scene.toml", "--json"),
-        "",
-        "scene.toml: [damper] at = [0.3, 0.0]: the point (0.3, 0) m does not lie on the plate",
-    )
-
-
-def test_where_the_mode_does_not_move(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
-    _on_the_mesh(paper, tmp_path, damper__at=["0 cm", "0 cm"])
-    refused(
-        spindamp("run", "scene.toml", "--json"), "", "scene.toml: [damper] at = [0.0, 0.0]: expected a place that moves"
-    )
+    _on_the_mesh(paper, tmp_path, damper__at=[place, "0 cm"], plate__tip_mass=tip_mass)
+    refused(spindamp(command, "scene.toml", "--json"), "", f"scene.toml: [damper] at = {said}")
 
 
 def test_no_bending_among_the_modes(quick: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:

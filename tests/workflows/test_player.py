@@ -163,9 +163,7 @@ def test_without_a_damper_that_moves_there_is_no_player(paper: Scene, spindamp: 
 
 @needs_chromium
 def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, path: BallPath) -> None:
-    script = (
-        START_JS
-        + """
+    script = """
     const ball = svg.querySelector('.ball'), frame = JSON.parse(svg.dataset.axes)[0], found = [];
     const scale = (frame.box[1] - frame.box[0]) / (frame.x[1] - frame.x[0]);
     const place = () => [(ball.getAttribute('cx') - frame.box[0]) / scale + frame.x[0],
@@ -177,8 +175,7 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
     return { radius: ball.getAttribute('r') / scale, begun, found, back,
              live: figure.classList.contains('live'), hidden: form.hidden };
     """
-    )
-    found = driven(finished / "report.html", script)
+    found = driven(finished / "report.html", START_JS + script)
     assert found["live"]
     assert not found["hidden"]
     assert found["radius"] == pytest.approx(1.0, rel=1e-3), "to scale"
@@ -197,9 +194,7 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
 
 @needs_chromium
 def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
-    script = (
-        START_JS
-        + """
+    script = """
     const at = () => figure.player.at(), press = key => box.dispatchEvent(new KeyboardEvent('keydown', { key }));
     press(' '); const playing = form.play.textContent, pressed = form.play.getAttribute('aria-pressed');
     const now = performance.now(); figure.player.frame(now + 50); figure.player.frame(now + 150); const played = at();
@@ -215,8 +210,7 @@ def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
              cursor: (cursor.getAttribute('x1') - frame.box[0]) / (frame.box[1] - frame.box[0]),
              spoken: form.time.getAttribute('aria-valuetext'), said: says.textContent };
     """
-    )
-    found = driven(finished / "report.html", script)
+    found = driven(finished / "report.html", START_JS + script)
     assert (found["playing"], found["pressed"], found["paused"]) == ("pause", "true", "play")
     assert 0 < found["played"] < found["cycle"]
     assert found["home"] == found["back"] == found["again"] == 0

@@ -1,7 +1,6 @@
 """The report: one file, for a person, that loads nothing and runs only what stands in it."""
 
 import re
-import tomllib
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -13,12 +12,12 @@ import pytest
 import spindamp
 import workflows
 from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
-from tests.workflows.conftest import Command, Scene, changed, write
+from tests.workflows.conftest import Command, Scene, changed, shipped_scene, write
 from workflows import formatting
 from workflows.io import serialise
 from workflows.report import remarks, text, verdict
 from workflows.report.page import load_results, save
-from workflows.scene.load import SHIPPED, parse
+from workflows.scene.load import parse
 from workflows.solve import engine_orders
 from workflows.solve.engine_orders import ENGINE_ORDERS
 from workflows.solve.results import Results
@@ -94,7 +93,7 @@ def test_no_table_prints_minus_nothing(coarse: Results, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("name", ["campbell", "structure", "printed"])
 def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: Path) -> None:
-    scene = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene(name)
     roughly = {"accuracy": {"frequency": 0.05}} if "plate" in scene else {}
     few = changed(scene, rotor__speeds=["3500 rpm", "10000 rpm"], **roughly)
     assert spindamp("run", write(few, tmp_path / "scene.toml"), "--out", "out").status == 0

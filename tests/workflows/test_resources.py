@@ -44,19 +44,12 @@ def test_shipped_scenes_need_little(name: str) -> None:
 
 
 MANY = {"start": "0 rpm", "stop": "9000 rpm", "count": 100_000}
+BRICKS: dict[str, Any] = {"rotor__modes": 200, "plate__theory": "solid"}
 TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
     ({"release__cycles": 1_000_000_000}, "[release] cycles = 1000000000.0: ", "ask for fewer cycles"),
     ({"rotor__speeds": MANY, "release__cycles": 1000}, "[rotor] speeds", "fewer speeds"),
     ({"rotor__speeds": MANY, "rotor__modes": 200}, "[rotor] speeds", "fewer speeds"),
-    (
-        {
-            "rotor__modes": 200,
-            "plate__theory": "solid",
-            "rotor__speeds": MANY | {"count": 60_000},
-        },
-        "",
-        "",
-    ),
+    (BRICKS | {"rotor__speeds": MANY | {"count": 60_000}}, "", ""),
 ]
 
 
@@ -253,7 +246,9 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
 def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
     alone = changed(
-        paper, effects=PLAIN, **{"rotor__speeds": ["3500 rpm", "7500 rpm"], "release__cycles": 20} | changes
+        paper,
+        effects=PLAIN,
+        **{"rotor__speeds": ["3500 rpm", "7500 rpm"], "release__cycles": 20, "accuracy__frequency": 0.01} | changes,
     )
     scene = write(alone, tmp_path / "scene.toml")
     found = json.loads(spindamp("check", "scene.toml", "--json").out)["sizes"]

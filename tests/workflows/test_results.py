@@ -10,7 +10,7 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -76,14 +76,9 @@ def test_frequencies_and_loads_of_table_two(document: dict[str, Any]) -> None:
             assert mode["error_parts"]["coriolis"] is None  # it is on
         frequencies = [mode["frequency_hz"] for mode in point["modes"]]
         assert frequencies == sorted(frequencies)
-
-
-def test_cut_off_ratio(document: dict[str, Any]) -> None:
-    for point in document["speeds"]:
-        damper = point["damper"]
-        assert damper["cutoff_ratio"] == pytest.approx(damper["cutoff_g"] / point["load_g"])
-        if point["load_g"] >= 12337:
-            assert 0.09 <= damper["cutoff_ratio"] <= 0.112
+        cutoff = point["damper"]["cutoff_ratio"]
+        assert cutoff == pytest.approx(point["damper"]["cutoff_g"] / point["load_g"])
+        assert 0.09 <= cutoff <= 0.112 or point["load_g"] < 12337
 
 
 def test_reduced_parameters_belong_together(document: dict[str, Any]) -> None:
@@ -198,19 +193,6 @@ def test_vtu_has_every_mode(finished: Path, document: dict[str, Any]) -> None:
 
 
 @pytest.mark.usefixtures("quickly")
-@pytest.mark.parametrize(
-    ("formulation", "impacts", "left"), [("consistent", 164, 0.99138562833), ("printed", 165, 1.0680097305)]
-)
-def test_a_known_ring_down(structure: Scene, formulation: str, impacts: int, left: float) -> None:
-    # 20 cycles at exactly Ω²R = 219320 m/s² without damping of the structure; figures of a dense reference.
-    speeds = [math.sqrt(219_320 / 0.2)]
-    scene = changed(structure, rotor__speeds=speeds, damper__formulation=formulation)
-    damping = workflows.run(scene).speeds[0].damper
-    assert damping.impacts == impacts
-    assert damping.energy.final / damping.energy.initial == pytest.approx(left, rel=1e-9)
-
-
-@pytest.mark.usefixtures("quickly")
 def test_nothing_spins(paper: Scene) -> None:
     results = workflows.run(changed(paper, rotor__speeds=[0], release__cycles=5))
     point = workflows.document(results)["speeds"][0]
@@ -242,16 +224,9 @@ def test_what_comes_back_is_what_was_written(finished: Path, document: dict[str,
 
 
 def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> None:
-    scene = changed(
-        paper,
-        material={"name": "Ti-6Al-4V"},
-        plate__thickness={"x": [0, 0.2], "values": [[0.01], [0.008]]},
-        rotor__speeds=["5000 rpm"],
-        damper__mass_ratio=None,
-        damper__ball_material="tungsten carbide",
-        effects=None,
-    )
-    found = spindamp.run(scene)
+    scene = changed(paper, material={"name": "Ti-6Al-4V"}, rotor__speeds=["5000 rpm"], effects=None)
+    scene = changed(scene, plate__thickness={"x": [0, 0.2], "values": [[0.01], [0.008]]}, damper__mass_ratio=None)
+    found = spindamp.run(changed(scene, damper__ball_material="tungsten carbide"))
     spindamp.save(found, tmp_path / "out")
     back = spindamp.load_results(tmp_path / "out")
     assert back.scene == found.scene
@@ -261,19 +236,12 @@ def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> No
     np.testing.assert_array_equal(back.surface.thickness, found.surface.thickness)
 
 
+WORN = (None, b"", b"[]", b"[" * 100_000, b'{"schema_version": 1}', b'{"schema_version": 99}')
+
+
 @pytest.mark.parametrize(
     ("name", "content"),
-    [
-        ("results.json", None),
-        ("results.json", b""),
-        ("results.json", b"[]"),
-        ("results.json", b"[" * 100_000),
-        ("results.json", b'{"schema_version": 1}'),
-        ("results.json", b'{"schema_version": 99}'),
-        ("results.nc", None),
-        ("results.nc", b""),
-        ("results.nc", b"no HDF5"),
-    ],
+    [*(("results.json", each) for each in WORN), *(("results.nc", each) for each in (None, b"", b"no HDF5"))],
 )
 def test_what_is_no_run_says_so(finished: Path, name: str, content: bytes | None, tmp_path: Path) -> None:
     for each in ("results.json", "results.nc"):
@@ -364,27 +332,16 @@ def _full() -> Any:
     ring |= {"outcome": "", "stopped": None, "release": (1.0, 0.0), "history": None, "path": None}
     ring |= {"amplitude_g": one, "sdc": one, "peak_velocity": one}
     damping = results.Damping(**ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": {1: 1.0}})
-    return results.SpeedPoint(
-        omega=1.0,
-        rpm=1.0,
-        radius=1.0,
-        load_g=1.0,
-        modes=(results.Mode(1.0, "flap", parts, 0.0),),
+    own: dict[str, Any] = figures | dict.fromkeys((*OTHER_WAYS, "level"), results.Figures(**figures))
+    own |= {"error": 0.0, "folds": (1.0, 2.0), "jump": (1.0, 2.0)}
+    own |= dict.fromkeys(("tilt_share", "tilted_cutoff_g", "tilted_cutoff_ratio"), 1.0)
+    point = SpeedPoint(1.0, 1.0, 1.0, 1.0, (results.Mode(1.0, "flap", parts, 0.0),))
+    return replace(
+        point,
         reduced=results.Reduced(*(1.0,) * 7),
         cavity_modes=(results.CavityMode(1, 1.0, (1.0, 0.0), (1.0, 0.0)),),
         damper=damping,
-        damping_curve=results.OwnFigures(
-            **figures,
-            **dict.fromkeys(OTHER_WAYS, results.Figures(**figures)),
-            error=0.0,
-            folds=(1.0, 2.0),
-            jump=(1.0, 2.0),
-            level=results.Figures(**figures),
-            tilt_share=1.0,
-            pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0)),
-            tilted_cutoff_g=1.0,
-            tilted_cutoff_ratio=1.0,
-        ),
+        damping_curve=results.OwnFigures(**own, pendulum=results.Pendulum((1.0, 1.0), (1.0, 1.0))),
     )
 
 

@@ -12,17 +12,8 @@ from tests.workflows.conftest import Command, Scene, changed, on_mesh, refused, 
 from workflows.scene.load import SHIPPED
 
 ROOT = Path(__file__).parents[2]
-TITLES = [
-    "../../escaped",
-    "/etc/escaped",
-    "..\\..\\escaped",
-    "`touch escaped`; $(touch escaped)",
-    "\u202eescaped",
-    "..",
-    "-rf",
-    "CON",
-    "a" * 200,
-]
+TITLES = ["../../escaped", "/etc/escaped", "..\\..\\escaped", "`touch escaped`; $(touch escaped)", "\u202eescaped"]
+TITLES += ["..", "-rf", "CON", "a" * 200]
 
 
 @pytest.mark.usefixtures("undrawn", "quickly")

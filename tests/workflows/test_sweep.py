@@ -5,6 +5,7 @@ import math
 import re
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from scipy.stats import qmc
 
 import spindamp
 from tests.workflows.browser import findings
-from tests.workflows.conftest import changed
+from tests.workflows.conftest import changed, shipped_scene
 from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.report.templates import said
@@ -25,6 +26,7 @@ from workflows.studies.sweep.plan import base, grid, of_a_point, sample, with_va
 from workflows.studies.sweep.report import HEADLINE
 
 G = 9.80665
+VARIED = tomllib.loads(Path(__file__).with_name("varied.toml").read_text(encoding="utf-8"))
 
 
 def axis(text):
@@ -32,56 +34,13 @@ def axis(text):
     return found
 
 
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("damper.radius=1 mm:2 mm:3", [1e-3, 1.5e-3, 2e-3]),
-        ("damper.mass_ratio=log:0.001:0.1:3", [1e-3, 1e-2, 1e-1]),
-        ("damper.friction=0.1, 0.4", [0.1, 0.4]),
-        ("rotor.speeds=3000 rpm", [100 * math.pi]),
-        ("release.acceleration[0]=1 g,2 g", [G, 2 * G]),
-        ("damper.count=1:4:4", [1, 2, 3, 4]),
-        ("damper.ball_material=steel,lead", ["steel", "lead"]),
-        ("effects.ball_slip=true,auto", [True, "auto"]),
-        ("damper.clearance=0.1 mm:0.3 mm:2", [1e-4, 3e-4]),
-        ("plate.thickness=5 mm,8 mm", [5e-3, 8e-3]),
-        ("plate.root.stiffness=1e9 N/m/m", [1e9]),
-    ],
-)
+@pytest.mark.parametrize(("text", "values"), VARIED["read"])
 def test_values_are_read_in_si(text, values):
     found = axis(text).values
     assert found == tuple(values) if isinstance(values[0], str | bool) else np.allclose(found, values, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("damper.mas_ratio=1:2:3", "--vary damper.mas_ratio: unknown key: did you mean 'damper.mass_ratio'?"),
-        ("mass_ratio=1:2:3", "did you mean 'damper.mass_ratio'?"),
-        ("plate.radius=1:2:3", "did you mean"),
-        ("rotor.speed=1:2:3", "expected [rotor] speeds"),
-        ("damper.diameter=2 mm,3 mm", "did you mean 'damper.radius'?"),
-        ("damper.radius=1 kg:2 kg:3", "--vary damper.radius = '1 kg:2 kg:3': expected a length such as '20 cm'"),
-        ("damper.radius=1:2 mm:3", "give both the unit, or none"),
-        ("damper.radius=2 mm:1 mm:3", "expected a STOP above START"),
-        ("damper.friction=log:0:1:3", "expected a START above 0"),
-        ("damper.restitution=0.5:1.5:3", "expected at most 1"),
-        ("damper.friction=0.1:0.5:x", "COUNT, not 'x'"),
-        ("damper.restitution=0.5:0.7:1", "--vary damper.restitution = '0.5:0.7:1': a single value leaves STOP out"),
-        ("damper.clearance=-1 mm:4 mm:3", "--vary damper.clearance = '-1 mm:4 mm:3': expected more than 0"),
-        ("damper.clearance[1]=0 mm", "--vary damper.clearance[1] = '0 mm': expected more than 0"),
-        ("damper.friction=0.1:0.5:0", "COUNT"),
-        ("damper.friction=0.1,0.1", "every value once"),
-        ("damper.friction=", "expected START:STOP:COUNT"),
-        ("damper.friction", "expected START:STOP:COUNT"),
-        ("damper.count=1:4:3", "whole numbers"),
-        ("damper.ball_material=steal", "did you mean 'steel'?"),
-        ("damper.ball_material=steel:lead:2", "has no numbers to range over"),
-        ("damper.radius[0]=1 mm", "has no elements"),
-        ("damper.cavity[2]=1 mm", "expected an element [0] or [1]"),
-        ("release.cycles=auto,3", "numbers or words, not both"),
-    ],
-)
+@pytest.mark.parametrize(("text", "says"), VARIED["wrong"])
 def test_errors_name_key_and_value(text, says):
     with pytest.raises(BadInput) as found:
         axes.read([text], G)
@@ -234,7 +193,7 @@ def test_speeds_without_a_picture_are_named(here):
     """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
     varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
-    scene = changed(tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8")), accuracy__frequency=0.02)
+    scene = changed(shipped_scene("paper"), accuracy__frequency=0.02)
     found = spindamp.sweep(scene, varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.map_caption(found, report.HEADLINE, "damper.restitution", "damper.friction")
     assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
@@ -242,7 +201,7 @@ def test_speeds_without_a_picture_are_named(here):
 
 def test_divergence_is_a_reason(here):
     """Spin softening takes the stiffness of a plate that spins across its thickness, beyond its first frequency."""
-    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("paper")
     scene["rotor"] |= {"stagger": "90 deg", "speeds": ["3000 rpm"]}
     scene["effects"] = {"stress_stiffening": False, "large_deflection": False, "coriolis": False}
     scene["accuracy"] = {"frequency": 0.02}
@@ -371,7 +330,7 @@ def test_confidence_is_resampled_alike():
 
 def test_what_is_uncertain_has_a_verdict(here):
     """Balls denser than osmium, and amplitudes that the plate does not endure, have no part in what is said."""
-    dense = changed(tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")), damper__count=1)
+    dense = changed(shipped_scene("structure"), damper__count=1)
     for scene, says in ((dense, "no verdict"), (at_full_speed(), "No point adds damping at an amplitude that the")):
         found = spindamp.sweep(
             scene, {"damper.friction": "0.2:0.4"}, uncertain=True, sample=8, quick=True, executor=here
@@ -410,13 +369,8 @@ def test_the_text_has_a_line_for_each_statement():
 
 def test_few_points_with_a_verdict(here):
     """The ball's weight is more than the load at 50 rpm; above 0.095 g the ball is denser than osmium."""
-    scene = changed(
-        tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8")),
-        damper__count=1,
-        damper__mass_ratio=None,
-        damper__mass="0.05 g",
-        rotor__speeds=["50 rpm", "9000 rpm"],
-    )
+    scene = changed(shipped_scene("structure"), damper__count=1, damper__mass_ratio=None, damper__mass="0.05 g")
+    scene = changed(scene, rotor__speeds=["50 rpm", "9000 rpm"])
     found = spindamp.sweep(scene, {"damper.mass": "0.05 g:0.4 g"}, uncertain=True, sample=8, quick=True, executor=here)
     shares = found.percentiles.sel(quantity="best_damping_ratio").values
     assert np.isnan(shares[:, 0]).all()
@@ -427,7 +381,7 @@ def test_few_points_with_a_verdict(here):
 
 
 def at_full_speed():
-    scene = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("paper")
     scene["effects"] = {"structural_modes": False}
     return changed(scene, rotor__speeds=["17500 rpm"], accuracy__frequency=0.02)
 
@@ -443,7 +397,7 @@ def test_what_is_uncertain_unless_it_is_said():
 
 def test_what_follows_from_materials_is_uncertain_too():
     """A 4 mm steel ball on titanium keeps 0.77 of 10 m/s and all of 0.1 m/s; rolling takes more than hysteresis."""
-    scene = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    scene = shipped_scene("structure")
     auto = {"restitution": "auto", "rolling_friction": "auto", "radius": "2 mm", "cavity": ["4.8 mm", "4.8 mm"]}
     scene["damper"] = {"ball_material": "hardened steel", "floor_material": "Ti-6Al-4V", "friction": 0.2, **auto}
     found = {axis.name: axis.spread for axis in sensitivity.defaults(parse(scene))}

@@ -104,6 +104,15 @@ def undisturbed(whole):
     return contents(whole)
 
 
+@pytest.fixture(scope="module")
+def in_parts(tmp_path_factory):
+    """The contents of a study of one region in parts of one point."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "LEAST", 256)
+        patch.setattr(study, "PARTS", 64)
+        return complete(study.of_scene("structure", VARY, quick=True), tmp_path_factory.mktemp("parts") / "out")
+
+
 @pytest.fixture
 def out(whole, tmp_path):
     """A copy of it."""
@@ -162,14 +171,13 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
 
 
 @pytest.mark.parametrize(("seldom", "calls"), [(1e9, 0), (0.0, 0), (0.0, 70), (0.0, 120)])
-def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path, monkeypatch, seldom, calls):
+def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(in_parts, tmp_path, monkeypatch, seldom, calls):
     """Eight points are one region, in parts of one. It ends as the fourth is handed out, or while one is written."""
     for name, value in (("LEAST", 256), ("PARTS", 64)):
         monkeypatch.setattr(study, name, value)
     monkeypatch.setattr(store, "SELDOM", seldom)
     asked = study.of_scene("structure", VARY, quick=True)
     assert [len(asked.parts(region)) for region in asked.regions()] == [8]
-    undisturbed = complete(asked, tmp_path / "undisturbed")
     out = tmp_path / "out"
     with stopping(monkeypatch, calls or 10**9):
         complete(asked, out, Here(stops=4), size=1)
@@ -177,7 +185,7 @@ def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(asked, tmp_path
     coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
     assert points == ((calls - coordinates) // arrays if calls else 2)
     second = Here()
-    assert complete(asked, out, second) == undisturbed
+    assert complete(asked, out, second) == in_parts
     assert second.count == 8 - points
 
 

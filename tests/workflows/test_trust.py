@@ -32,6 +32,7 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     assert "would achieve it" not in str(remarks.sentence(mended))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_accuracy_is_said_once(paper: Scene) -> None:
     """In the answer, and not among the remarks again; what else the remark says stays."""
     scene = changed(paper, rotor__speeds=["3500 rpm"], accuracy__frequency=2e-3)
@@ -44,6 +45,7 @@ def test_the_accuracy_is_said_once(paper: Scene) -> None:
         assert "The mesh: " in shown
 
 
+@pytest.mark.usefixtures("quickly")
 def test_a_table_says_where_the_damping_is_known_roughly(paper: Scene) -> None:
     """As the headline does; beside other runs under the name of the run."""
     found = workflows.run(changed(paper, rotor__speeds=["3500 rpm"], accuracy__frequency=5e-2))

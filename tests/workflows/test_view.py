@@ -14,12 +14,11 @@ import pytest
 
 from fem import modal_model
 from fem.meshes.cells import cell, edges_of
-from tests.workflows.browser import driven, findings, needs_chromium
-from tests.workflows.conftest import Command, Scene, changed, refused, write
+from tests.workflows.browser import VIEWER, driven, findings, needs_chromium
+from tests.workflows.conftest import Command, Scene, changed, refused, shipped_scene, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
-from workflows.scene.load import SHIPPED
 from workflows.solve.results import Surface
 
 MESHES = Path(__file__).parents[2] / "meshes"
@@ -233,7 +232,7 @@ def test_results_without_a_plate(spindamp: Command) -> None:
 @pytest.fixture(scope="module")
 def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run whose modes are complex: a plate whose bending is in the plane of rotation."""
-    paper = tomllib.loads((SHIPPED / "paper.toml").read_text(encoding="utf-8"))
+    paper = shipped_scene("paper")
     scene = changed(
         paper,
         rotor={"speeds": ["9000 rpm"], "modes": 3, "stagger": "45 deg"},
@@ -277,20 +276,15 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
     path = tmp_path / "page.html"
     viewer.write(viewer.of(str(MESHES / "plate_with_hole.msh")), path)
     script = """
-    const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
-    const copy = document.createElement('canvas').getContext('2d');
     Object.assign(figure.viewer.view, { yaw: 0, rise: Math.PI / 2, near: 1 });
-    figure.querySelector('form').cells.checked = false;
-    figure.viewer.draw();
-    [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
-    copy.drawImage(canvas, 0, 0);
-    const seen = copy.getImageData(0, 0, canvas.width, canvas.height).data, rows = [];
+    form.cells.checked = false;
+    const seen = pixels();
     let left = canvas.width, right = 0, drawn = 0;
     for (let y = 0; y < canvas.height; y++) for (let x = 0; x < canvas.width; x++)
       if (seen[4 * (y * canvas.width + x) + 3] > 127) { drawn++; left = Math.min(left, x); right = Math.max(right, x); }
     return { drawn, length: right - left + 1 };
     """
-    found = driven(path, script)
+    found = driven(path, VIEWER + script)
     mesh = meshio.read(MESHES / "plate_with_hole.msh")
     triangles = mesh.points[mesh.cells_dict["triangle"]][..., :2]
     (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
@@ -306,13 +300,9 @@ def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
     meshio.write(tmp_path / "flat.vtu", meshio.Mesh(corners, [("tetra", np.arange(4)[None])]))
     viewer.write(viewer.of(str(tmp_path / "flat.vtu")), tmp_path / "page.html")
     script = """
-    const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
-    const copy = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
     const contrast = rise => {
       Object.assign(figure.viewer.view, { yaw: 0, rise, near: 1 });
-      figure.viewer.draw();
-      [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
-      copy.drawImage(canvas, 0, 0);
+      pixels();
       const place = [canvas.width / 2 - 30, canvas.height / 2 - 30, 60, 60];
       const reds = [...copy.getImageData(...place).data].filter((_, i) => i % 4 === 0);
       return Math.max(...reds) - Math.min(...reds);
@@ -320,7 +310,7 @@ def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
     const axes = figure.querySelector('.triad').textContent;
     return { above: contrast(Math.PI / 2), below: contrast(-Math.PI / 2), axes };
     """
-    found = driven(tmp_path / "page.html", script)
+    found = driven(tmp_path / "page.html", VIEWER + script)
     assert found["above"] > 50
     assert found["below"] < 20
     assert found["axes"] == "xyz"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.workflows.browser import NO_GL, driven, needs_chromium, printed
+from tests.workflows.browser import NO_GL, VIEWER, driven, needs_chromium, printed
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
 from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
@@ -21,11 +21,7 @@ SCRIPT = Path(mode_viewer.__file__).parents[1] / "templates" / "viewer.js"
 
 COUNT_COLOURS = """
 const count = () => {
-  figure.viewer.draw();
-  const copy = document.createElement('canvas').getContext('2d');
-  [copy.canvas.width, copy.canvas.height] = [canvas.width, canvas.height];
-  copy.drawImage(canvas, 0, 0);
-  const seen = copy.getImageData(0, 0, canvas.width, canvas.height).data, found = new Set();
+  const seen = pixels(), found = new Set();
   let drawn = 0, sum = 0;
   for (let i = 0; i < seen.length; i += 4) if (seen[i + 3]) {
     drawn++; sum = (31 * sum + i + seen[i] + seen[i + 1] * 7 + seen[i + 2] * 13) % 1000003;
@@ -34,8 +30,6 @@ const count = () => {
   return { share: drawn / (seen.length / 4), colours: found.size, sum };
 };
 """
-START = "const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');"
-START += "const form = figure.querySelector('form');"
 
 
 def plate(cells: int, kind: str = "triangle", hole: bool = False) -> Surface:
@@ -211,10 +205,7 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
 
 @needs_chromium
 def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) -> None:
-    script = (
-        START
-        + COUNT_COLOURS
-        + """
+    script = """
     figure.viewer.play(true);  // frames by hand: a page that is only written out has none
     const now = performance.now(); figure.viewer.frame(now + 60); const before = count();
     figure.viewer.frame(now + 160); const after = count();
@@ -230,8 +221,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) 
              home, plays,
              remark: figure.querySelector('.viewer-remark').textContent };
     """
-    )
-    found = driven(finished / "report.html", script)
+    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script)
     assert found["live"]
     assert found["moves"]
     assert found["remark"] == ""
@@ -244,10 +234,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) 
 
 @needs_chromium
 def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, Any]) -> None:
-    script = (
-        START
-        + COUNT_COLOURS
-        + """
+    script = """
     figure.viewer.play(false);
     const found = [];
     for (let at = 0; at < form.speed.options.length; at++) {
@@ -261,8 +248,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
     form.speed.selectedIndex = form.speed.options.length - 1; form.speed.dispatchEvent(new Event('change'));
     return { found, family, then: figure.querySelector('output').textContent.split(' ')[0] };
     """
-    )
-    found = driven(finished / "report.html", script)
+    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script)
     rpm = [f"{speed['rpm']:,.0f}".replace(",", "\u2009") for speed in document["speeds"]]
     said = [
         f"{mode['family']} mode at {at} rpm: {mode['frequency_hz']:.2f} Hz"
@@ -276,7 +262,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
 
 @needs_chromium
 def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path) -> None:
-    script = START + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
+    script = VIEWER + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
     said, hidden, still, moving = driven(finished / "report.html", script, gl=NO_GL)
     assert "no WebGL2" in said
