@@ -102,7 +102,7 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
 
 def test_every_engine_order_of_a_run_is_said():
     """The best order does not hide that the ball is of no use at another."""
-    structure = tomllib.loads((SHIPPED / "structure.toml").read_text(encoding="utf-8"))
+    structure = shipped_scene("structure")
     orders = {"orders": [2, 3, 50], "force": ["1 N", "2 N"]}
     excited = changed(structure, damper__damping_ratio=1e-3, rotor__speeds=["5000 rpm", "10000 rpm"], excitation=orders)
     said = report.text(spindamp.compare(excited, structure)).replace("\n", " ")
