@@ -139,7 +139,7 @@ def damping_curve(
     above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    rolls, meets = rolling(bare, low, threads)
+    rolls, meets, grazes = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
     last = _AROUND[1] * meets
     last = high if last > high or differs(above, begun, last) else last
@@ -149,8 +149,8 @@ def damping_curve(
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
     ramps = up[up[:, 2] < _CLIMBS * len(paces)]
-    samples = np.vstack([samples, up, rolls, begun])
-    growing, region = grown(above, up, rolls, meets)
+    samples = np.vstack([samples, up, rolls, grazes, begun])
+    growing, region = grown(above, up, rolls, meets, grazes)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
@@ -343,7 +343,7 @@ def settled(damper: ParticleDamper, amplitude: float) -> float:
     return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
-def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float]:
+def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float, Floats]:
     """A ball that rolls to and fro about the middle of a level floor, on which nothing holds or pulls it.
 
     Args:
@@ -353,12 +353,12 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Fl
 
     Returns:
         Its samples, as `samples_of` has them, at amplitudes at which it meets no wall; the amplitude from which on it
-        does, inf on a floor that is not level [m].
+        does, inf on a floor that is not level [m]; its samples there.
     """
     gap, share = damper.half_gap[0], abs(1 - damper.tilt_share[0])
     flat = damper.floor_radius is None or math.isinf(damper.floor_radius[0])
     if not flat or damper.lateral_pull[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
-        return np.zeros((0, 3)), math.inf
+        return np.zeros((0, 3)), math.inf, np.zeros((0, 3))
     free = gap / (damper.inertia_ratio * share)
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
@@ -369,7 +369,8 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Fl
         pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
         swing = energy[:, SETTLING:, 3].mean(axis=1) / pull
     meets = float(np.exp(np.interp(1.0, swing, np.log(amplitude))))
-    return _rows(damper, energy[amplitude < meets]), meets
+    there = _ramped(wide, sweeps_from(np.array([meets]), SETTLING + _ROLLED), threads, alike=damper)
+    return _rows(damper, energy[amplitude < meets]), meets, _rows(damper, there)
 
 
 def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:

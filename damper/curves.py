@@ -36,7 +36,7 @@ _STEP = 1e-6
 """Relative width of the step from one motion to another."""
 
 _NEAR = 2.5
-"""Bins between the end of a stretch and the amplitude that ends it, at most."""
+"""Bins between the end of a stretch and the amplitude that ends it, at most, or between ends of one stretch."""
 
 _PARTED = 0.1
 """Relative difference from which on a point of the way up is another motion's than that of the way down."""
@@ -107,7 +107,9 @@ def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
-def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple[DampingCurve, tuple[int, int] | None]:
+def grown(
+    above: DampingCurve, up: Floats, rolls: Floats, meets: float, grazes: Floats
+) -> tuple[DampingCurve, tuple[int, int] | None]:
     """What every vibration that grows slowly is given at least, and the bins between which that is another motion's.
 
     Where the sweeps up agree with those down both show one motion, and the many sweeps down give its figures; where
@@ -119,6 +121,7 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
         up: samples of the sweeps up.
         rolls: samples of a ball that rolls about the middle.
         meets: amplitude from which on it meets the walls; inf where there is none [m].
+        grazes: its samples there.
     """
     climbs = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
     rolling = _binned(rolls, above.cutoff)
@@ -142,13 +145,17 @@ def grown(above: DampingCurve, up: Floats, rolls: Floats, meets: float) -> tuple
         if k in known:
             parted[k] = known[k][1] - least
     points = [merged[k] for k in sorted(merged)]
-    if math.isfinite(meets) and (last := _bins(np.array([meets]))[0]) in parted:
-        beyond = merged[last + 1][1] if last + 1 in parted else math.inf
-        begun = min(float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio)), beyond)
-        below = [merged[k] for k in sorted(merged) if merged[k][0] < (1 - _STEP) * meets]
-        step = [((1 - _STEP) * meets, merged[last][1]), (meets, begun)]
-        points = [*below, *step, *(merged[k] for k in sorted(merged) if k > last)]
-        spreads[last] = spreads.get(last + 1, 0.0)
+    if grazes.size:
+        last, rolled = _bins(np.array([meets]))[0], float((grazes[:, 0] - grazes[:, 1]).mean()) / (2 * math.pi)
+        begun = float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio))
+        if last in parted or (last - 1 in parted and rolled < (1 - _PARTED) * begun):
+            begun = min(begun, merged[last + 1][1]) if last + 1 in parted else begun
+            foot = min(rolled, merged[last][1]) if last in parted else rolled
+            first = last + 1 if last in parted else last  # a bin that both motions share shows neither
+            step = [((1 - _STEP) * meets, foot), (meets, begun)]
+            below = [point for point in points if point[0] < step[0][0]]
+            points = [*below, *step, *(merged[k] for k in sorted(merged) if k >= first and merged[k][0] > meets)]
+            spreads[last], nexts[last] = spreads.get(last + 1, 0.0), 0.0
     amplitude, ratio = np.array(points).T
     best, numbers = int(np.argmax(ratio)), _bins(amplitude)
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
@@ -172,7 +179,9 @@ def differs(curve: DampingCurve, samples: Floats, amplitude: float) -> bool:
 
 
 def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> DampingCurve:
-    """The same with its folds; on the way down a ball bounces no further than to where one of the sweeps falls off.
+    """The same with its folds; on the way down a ball bounces no further than to where a sweep falls off.
+
+    Not one that falls off far above most of the others: a fold is where the median does.
 
     Args:
         curve: figures of the way up, with those of the way down.
@@ -186,12 +195,14 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
         [_turn(curve, each[each[:, 2] == number], region) for number in np.unique(each[:, 2])] for each in (down, up)
     )
     place = np.log(above.amplitude)
-    fallen = (place >= region[0] * _WIDTH) & (above.amplitude < max(leaves))
+    stops = float(np.median(leaves))
+    first = max(each for each in leaves if each <= stops * 2 ** (_NEAR / BINS))
+    fallen = (place >= region[0] * _WIDTH) & (above.amplitude < first)
     below = np.interp(place, np.log(curve.amplitude), curve.damping_ratio)
     ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
     above = at_bin(replace(above, damping_ratio=ratio), int(np.argmax(ratio)))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
-    folds = min(float(np.median(leaves)), last), last
+    folds = min(stops, last), last
     return replace(curve, from_above=above, folds=folds, jump=(min(joins), max(joins)))
 
 
@@ -209,7 +220,7 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     means = np.array([below[below[:, 2] == number, :2].mean(axis=0) for number in np.unique(below[:, 2])])
     place, ratio = np.exp(means.mean(axis=1)), (means[:, 0] - means[:, 1]) / (2 * math.pi)
     shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
-    if abs(ratio[-1] - shown) > _PARTED * shown:
+    if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
         return curve
     beyond = curve.amplitude > last
     amplitude, ratio = (

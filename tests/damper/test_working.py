@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from damper import DampingCurve, Mode, ParticleDamper, damping_curve, ringdown, work_bound
 from damper.curve_measurement import STAY, swinging
+from damper.curves import at_bin, folded
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
 from tests.damper.scenes import paper
@@ -158,6 +159,81 @@ def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> N
     if found.peak_amplitude > last / 2:
         assert found.range[0] == pytest.approx(found.folds[1], rel=1e-5)
         assert found.error < 0.1
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.7])
+def test_a_rolling_ball_counts_up_to_where_it_meets_the_walls(share: float) -> None:
+    """Wherever in a bin of amplitudes that is: there its way is twice the clearance, and it loses 2 m a d in a cycle.
+
+    It swings 5/7 (A² - (pi/2 a/w²)²)½, on a structure much heavier than itself. Where that is half the clearance is
+    read off a line between amplitudes that are 1/48 of an octave apart, which leaves the square of that, 2e-4.
+    """
+    damper = paper(2687, 208.9, mass_ratio=1e-3, rolling_friction=1e-5, restitution=0.7)
+    reach = 2 ** ((math.floor(12 * math.log2(2e-3)) + share) / 12)
+    gap = 5 / 7 * math.sqrt(reach**2 - (math.pi / 2 * damper.rolling_threshold / damper.stuck_frequency**2) ** 2)
+    damper = replace(damper, cavity=(2 * (damper.ball_radius + gap),) * 2)
+    found = damping_curve(damper, threads=1)
+    last = found.folds[1]
+    assert last == pytest.approx(reach, rel=1e-3)
+    lost = 4 * damper.ball_mass * damper.rolling_threshold * gap
+    least = -math.log1p(-lost / (0.5 * damper.stiffness[0] * last**2)) / (4 * math.pi)
+    assert at(found, (1 - 1e-5) * last) == pytest.approx(least, rel=1e-3)
+    assert at(found, 0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.01)
+    assert at(found, (1 + 1e-5) * last) == pytest.approx(at(found.descending, last), rel=0.1)
+    assert least < 0.2 * at(found.descending, last)
+
+
+def test_a_falling_ball_bounces_on_where_few_sweeps_fall_off_early() -> None:
+    """Of a ball that hits take nothing from, by the median of ramps in closed forms: these differ by 1 % at most.
+
+    Which sweeps fall off far above the fold is chance: some do in three of ten dampers whose balls differ by 1e-12.
+    """
+    damper = ParticleDamper(0.4, (9.92e5, 9.92e5), 2.055e-3, 2.5e-3, (6e-3, 6e-3), 3.86e4, 1.0, 0.25, 1e-5)
+    ramps = []
+    for first in np.linspace(0.8e-3, 0.81e-3, 5):
+        amplitudes = np.geomspace(first, 0.105e-3, 1000)
+        lost = led(damper, amplitudes, 0.5)
+        ramps.append((np.log2(amplitudes) - 0.5 * lost / math.log(2), lost / (2 * math.pi)))
+    alike = [replace(damper, ball_mass=damper.ball_mass * (1 + k * 1e-12)) for k in range(6)]
+    every = [damping_curve(each, threads=1) for each in alike]
+    for amplitude in (0.112e-3, 0.141e-3, 0.2e-3, 0.282e-3):
+        near = [lost[np.abs(place - math.log2(amplitude)) < 1 / 24].mean() for place, lost in ramps]
+        for found in every:
+            assert at(found.descending, amplitude) == pytest.approx(float(np.median(near)), rel=0.05)
+    assert all(0.09e-3 < found.folds[0] < 0.105e-3 for found in every)
+
+
+@pytest.mark.parametrize(("leaves", "first"), [((1.0, 1.0, 1.02, 1.1, 1.1), 1.1), ((1.0, 1.0, 1.02, 2.0, 3.0), 1.02)])
+def test_a_curve_on_the_way_down_ends_where_most_sweeps_fall_off(leaves: tuple[float, ...], first: float) -> None:
+    """At the first of those that are together, as amplitudes [mm]; the fold is the median."""
+    amplitude = 1e-3 * 2 ** (np.arange(-6, 31) / 12 + 1 / 24)
+    above = at_bin(DampingCurve(amplitude, np.full(37, 1e-2), 1e-4, 0.0, 0.0, (0.0, 0.0), 0.0), 0)
+    growing = at_bin(replace(above, damping_ratio=np.full(37, 1e-4), from_above=above), 0)
+    place = np.log(np.geomspace(8e-3, 0.6e-3, 2000))
+
+    def sweep(number: int, leaves: float) -> np.ndarray:
+        lost = 2 * math.pi * np.where(place > math.log(1e-3 * leaves), 1e-2, 1e-4)
+        return np.column_stack([place + 0.5 * lost, place - 0.5 * lost, np.full(2000, number)])
+
+    down, up = (np.vstack([sweep(n, x) for n, x in enumerate(each)]) for each in (leaves, (4.0, 4.0)))
+    region = [math.floor(12 * math.log2(each)) for each in (0.9e-3, 5e-3)]
+    found = folded(growing, (region[0], region[1]), down, up, 5e-3)
+    assert found.folds[0] == pytest.approx(1e-3 * np.median(leaves), rel=5e-3)
+    bounces = found.descending.damping_ratio == 1e-2
+    assert bounces[amplitude > 1.005e-3 * first].all()
+    assert not bounces[(amplitude > 0.95e-3) & (amplitude < 0.995e-3 * first)].any()
+
+
+def test_a_falling_curve_has_no_points_that_it_does_not_show() -> None:
+    """In a wide cavity sweeps down end far above the cut-off: by chance with as much as a ball has just beyond it."""
+    damper = ParticleDamper(1.0, (1.587e6, 1.587e6), 5e-3, 3e-3, (26e-3, 26e-3), 10966.0, 0.5, 0.3, 3e-5)
+    found = curve(damper)
+    assert found.cutoff < 0.07e-3
+    assert found.descending.amplitude[-1] > 20e-3
+    for amplitude in (0.2e-3, 0.3e-3, 0.7e-3, 1.2e-3, 1.6e-3):
+        expected = pytest.approx(rolling(damper, amplitude), rel=0.02)
+        assert at(found, amplitude) == expected
+        assert amplitude < found.descending.amplitude[0] or at(found.descending, amplitude) == expected
 
 
 def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:

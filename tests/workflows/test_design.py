@@ -122,6 +122,14 @@ def test_the_least_damping_of_a_known_curve():
     assert objectives.least(found, 5e-3, 2e-2)[0] == pytest.approx(9e-4 / 4, rel=0.02)
 
 
+def test_the_least_damping_is_that_at_a_step_of_the_curve():
+    """Up to 3 mm a rolling ball gives c / A, beyond a bouncing one more: least between any two amplitudes looked at."""
+    rolls = np.array([1e-3, 2e-3, 3e-3 * (1 - 1e-6)])
+    found = curve([*rolls, 3e-3, 1e-2], [*(1e-7 / rolls), 1e-3, 5e-4])
+    for high in np.linspace(3.1e-3, 9e-3, 12):
+        assert objectives.least(found, 1.5e-3, high) == pytest.approx((1e-7 / 3e-3, 3e-3), rel=1e-5)
+
+
 def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     """The heavy balls of a fan blade whose damping near 1 mm is another in each run.
 

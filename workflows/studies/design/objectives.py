@@ -187,9 +187,10 @@ def least(figures: DampingCurve, low: float, high: float) -> tuple[float, float]
     Beyond the curve's upper end it goes on as of a ball that loses the same energy in each cycle, which is less than
     the ball does.
     """
-    grid = np.geomspace(low, high, _POINTS)
     if not figures.amplitude.size:
         return 0.0, low
+    inside = figures.amplitude[(figures.amplitude > low) & (figures.amplitude < high)]
+    grid = np.union1d(np.geomspace(low, high, _POINTS), inside)  # the curve steps up where a rolling ball meets a wall
     at, ratio = np.log(figures.amplitude), figures.damping_ratio
     ratios = np.interp(np.log(grid), at, ratio)
     beyond = grid > figures.amplitude[-1]
