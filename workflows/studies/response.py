@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from decimal import ROUND_DOWN, ROUND_UP, Context, Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -348,11 +349,21 @@ NEAR_BEST = 0.9
 """Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
 
 
+_ROUNDED = 0.01
+"""By how much the best level may be rounded, relative: the ratio there grows by no more."""
+
+
 def best_level(reduction: VibrationReduction) -> float:
-    """Where the ball does most by free vibration, to as few digits as leave it in the range of levels that help."""
-    low, high = reduction.range
-    rounded = (float(f"{reduction.level:.{digits}g}") for digits in (2, 3, 4))
-    return next((level for level in rounded if low <= level <= high), reduction.level)
+    """Where the ball does most by free vibration, rounded to as few digits as leave it the best.
+
+    Downwards, since the amplitude may jump beyond the best level, where another motion begins; below it the amplitude
+    is no larger, and the ratio hardly so. Upwards only where no such level is in the range of those that help.
+    """
+    (low, high), exact = reduction.range, Decimal(repr(reduction.level))
+    near = max(low, (1 - _ROUNDED) * reduction.level)
+    ways = (*((digits, ROUND_DOWN) for digits in (2, 3, 4)), (4, ROUND_UP))
+    rounded = (float(Context(prec=digits, rounding=way).create_decimal(exact)) for digits, way in ways)
+    return next((level for level in rounded if near <= level <= high), reduction.level)
 
 
 def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
