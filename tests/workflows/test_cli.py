@@ -189,6 +189,23 @@ def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsy
     ]
 
 
+def test_the_time_remaining_does_not_count_what_is_done_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As compilation in the first step: no time after it; then that of the others, which may come several at once."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: now[0])
+    with Stages(visible=False, lines=True) as stages, stages("damper", 600, done=100) as step:
+        for seconds, steps in ((70.0, 2), (60.0, 6), (66.0, 15)):
+            now[0] += seconds
+            step.advance("order 3", steps)
+    assert capsys.readouterr().err.splitlines() == [
+        "spindamp: damper: order 3; 102 of 600 steps",
+        "spindamp: damper: order 3; 108 of 600 steps, 4920 s remaining",
+        "spindamp: damper: order 3; 123 of 600 steps, 2862 s remaining",
+    ]
+
+
 def test_progress_only_on_a_terminal() -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()

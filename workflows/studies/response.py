@@ -517,8 +517,8 @@ def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[
 
         def progress(number: int) -> None:
             nonlocal done
-            for _ in range(number - done):
-                step.advance(crossing.place)
+            if number > done:
+                step.advance(crossing.place, number - done)
             done = number
 
         states = damper.forced(
