@@ -151,7 +151,11 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     name, spread = axes[k].name, axes[k].spread
     assert spread is not None
     shares[k] = round(shares[k])
-    end = f"{formatted(name, space.values(optimum.shares)[name])} is the {'greatest' if shares[k] else 'least'} allowed"
+    here, last = (formatted(name, space.values(each)[name]) for each in (optimum.shares, shares))
+    end = f"the {'greatest' if shares[k] else 'least'} allowed"
+    if here != last:
+        end = f"close to {end}, {last.removeprefix(NAMES[name].replace('_', ' ')).strip()}"
+    end = f"{here} is {end}"
     if not evaluation.works:
         return [ActiveConstraint(NAMES[name], end)]
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
