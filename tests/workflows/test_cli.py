@@ -257,6 +257,15 @@ def test_check_takes_what_it_prints(spindamp: Command, tmp_path: Path, structure
     assert tomllib.loads(again.out) == tomllib.loads(first.out)
 
 
+def test_an_option_given_twice_is_refused(spindamp: Command) -> None:
+    """Of which one value would be ignored; flags may be repeated, and so may what takes several values."""
+    refused(spindamp("ringdown", "structure", "--rpm", 5000, "--rpm", 6000), "--rpm: given 2 times: expected once")
+    refused(spindamp("sweep", "structure", "--out", "a", "--out=b"), "--out: given 2 times: expected once")
+    assert spindamp("check", "structure", "--json", "--json").status == 0
+    outcome = spindamp("sweep", "structure", "--vary", "damper.friction=a", "--vary", "damper.restitution=0.5")
+    assert "given 2 times" not in outcome.err
+
+
 def test_shells_complete_commands(tmp_path: Path) -> None:
     """What bash asks for when the tab key is pressed behind `spindamp re`."""
     asked = {"_SPINDAMP_COMPLETE": "complete_bash", "COMP_WORDS": "spindamp re", "COMP_CWORD": "1"}

@@ -84,6 +84,21 @@ def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
     assert ends == [1e-3, 3e-3]
 
 
+def test_a_contact_that_cannot_be_checked_says_why(slow):
+    """Of a material whose hardness nobody knows: another has to be known. Without a name: it has to be given."""
+    optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3), 1)
+
+    def said(floor, **damper):
+        free = {"ball_material": None, "ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "1 mm"]}
+        space = space_of(changed(slow, damper__floor_material=floor, damper__mass_ratio=None, **damper), **free)
+        return " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
+
+    assert ": the hardness of tungsten and steel is not known." in said("steel", damper__ball_material="tungsten")
+    assert ": this requires ball_material and [damper] floor_material." in said(
+        "steel", damper__ball_density="7850 kg/m^3"
+    )
+
+
 def test_something_is_free(slow):
     with pytest.raises(BadInput, match="nothing is free"):
         parse(changed(slow, design__ball_material=None, design__ball_diameter=None, design__clearance=None))

@@ -221,8 +221,9 @@ class SpaceStructure:
         root = outline[still[outline].all(axis=1)] if used.size else outline
         mark = None if self.seat is None else self.seat.place.point
         cells, frame = ("triangle", triangles), self._drawing()
+        axis, origin = self.model.axis, self.model.origin
         return Surface(
-            points, cells, outline, root, shapes, shown, lines=lines, frame=frame, mark=mark, axis=self.model.axis
+            points, cells, outline, root, shapes, shown, lines=lines, frame=frame, mark=mark, axis=axis, origin=origin
         )
 
     def _drawing(self) -> Floats:
