@@ -129,7 +129,7 @@ def ringdown(scene: SceneLike = DEFAULT, rpm: float | None = None) -> Results:
     """The damper at one speed [rev/min], by default the scene's middle one. Takes and raises what :func:`run` does."""
     from workflows import pipeline
 
-    return workflows.run(pipeline.at_one_speed(as_scene_file(scene), None if rpm is None else omega_of(rpm)))
+    return workflows.run(pipeline.at_one_speed(as_scene_file(scene), None if rpm is None else omega_of(rpm, "rpm")))
 
 
 @lawful()

@@ -92,10 +92,10 @@ class Stages:
             if self._progress is not None and task is not None:
                 self._progress.remove_task(task)
 
-    def report(self, name: str, line: str, task: TaskID | None = None, detail: str = "") -> None:
+    def report(self, name: str, line: str, task: TaskID | None = None, detail: str = "", steps: int = 1) -> None:
         """Advance the bar of a task, if there is one; without a terminal print the line, where one is due."""
         if self._progress is not None and task is not None:
-            self._progress.update(task, advance=1, detail=detail)
+            self._progress.update(task, advance=steps, detail=detail)
         now = time.perf_counter()
         stage, before = self._last
         if not self._lines or now - self._began < SILENT or now - before < (_SELDOM if name == stage else _OTHER):
@@ -110,21 +110,28 @@ class Stages:
 
 
 class Step:
-    """Handle on a running stage: how far it has come, and the time that remains."""
+    """Handle on a running stage: how far it has come, and the time that remains.
+
+    The time up to the first advance is not counted: it includes what is done once, such as compilation.
+    """
 
     def __init__(self, stages: Stages, name: str, steps: int | None, done: int, task: TaskID | None) -> None:
         self._stages, self._name, self._steps, self._task = stages, name, steps, task
-        self._done = self._first = done
-        self._began = time.perf_counter()
+        self._done = done
+        self._first: tuple[int, float] | None = None
 
-    def advance(self, detail: str = "") -> None:
-        """One step is done."""
+    def advance(self, detail: str = "", steps: int = 1) -> None:
+        """Some steps are done."""
         if detail:
             LOG.debug("%s", detail)
-        self._done += 1
-        line = detail
+        self._done += steps
+        now, line = time.perf_counter(), detail
         if self._steps is not None:
-            each = (time.perf_counter() - self._began) / (self._done - self._first)
-            left = f"{self._done} of {self._steps} steps, {math.ceil(each * (self._steps - self._done))} s remaining"
+            left = f"{self._done} of {self._steps} steps"
+            if self._first is not None:
+                first, then = self._first
+                each = (now - then) / (self._done - first)
+                left += f", {math.ceil(each * (self._steps - self._done))} s remaining"
             line = f"{detail}; {left}" if detail else left
-        self._stages.report(self._name, line, self._task, detail)
+        self._first = self._first or (self._done, now)
+        self._stages.report(self._name, line, self._task, detail, steps)

@@ -184,6 +184,23 @@ def test_lines_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch, capsy
     ]
 
 
+def test_the_time_remaining_does_not_count_what_is_done_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As compilation in the first step: no time after it; then that of the others, which may come several at once."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: now[0])
+    with Stages(visible=False, lines=True) as stages, stages("damper", 600, done=100) as step:
+        for seconds, steps in ((70.0, 2), (60.0, 6), (66.0, 15)):
+            now[0] += seconds
+            step.advance("order 3", steps)
+    assert capsys.readouterr().err.splitlines() == [
+        "spindamp: damper: order 3; 102 of 600 steps",
+        "spindamp: damper: order 3; 108 of 600 steps, 4920 s remaining",
+        "spindamp: damper: order 3; 123 of 600 steps, 2862 s remaining",
+    ]
+
+
 def test_progress_only_on_a_terminal() -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()
@@ -233,6 +250,15 @@ def test_check_takes_what_it_prints(spindamp: Command, tmp_path: Path, structure
     assert (first.status, again.status) == (0, 0), again.err
     assert "frequency = [269.5, 1400.0]" in first.out
     assert tomllib.loads(again.out) == tomllib.loads(first.out)
+
+
+def test_an_option_given_twice_is_refused(spindamp: Command) -> None:
+    """Of which one value would be ignored; flags may be repeated, and so may what takes several values."""
+    refused(spindamp("ringdown", "structure", "--rpm", 5000, "--rpm", 6000), "--rpm: given 2 times: expected once")
+    refused(spindamp("sweep", "structure", "--out", "a", "--out=b"), "--out: given 2 times: expected once")
+    assert spindamp("check", "structure", "--json", "--json").status == 0
+    outcome = spindamp("sweep", "structure", "--vary", "damper.friction=a", "--vary", "damper.restitution=0.5")
+    assert "given 2 times" not in outcome.err
 
 
 def test_shells_complete_commands(tmp_path: Path) -> None:

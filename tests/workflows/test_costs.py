@@ -395,6 +395,27 @@ def test_modes_are_compared_with_their_like() -> None:
     assert changes(own, other, own_has_it=False, judged={}).relative["frequency_2"] == pytest.approx(-1 / 3)
 
 
+def test_a_ratio_to_rounding_is_none() -> None:
+    """A ball that loses nothing at one of two speeds: the change is that of the other."""
+    first = workflows.run("structure").speeds[0]
+    damping = first.damper
+    assert damping is not None
+
+    def both(*sdc: float) -> tuple[SpeedPoint, ...]:
+        speeds = (first, replace(first, omega=2 * first.omega, rpm=2 * first.rpm))
+        return tuple(
+            replace(each, damper=replace(damping, peak_sdc=one)) for each, one in zip(speeds, sdc, strict=True)
+        )
+
+    found = changes(both(0.12, 3e-3), both(0.15, 2e-16), own_has_it=True, judged={})
+    assert found.relative["peak_sdc"] == pytest.approx(-0.2)
+    assert found.rpm["peak_sdc"] == first.rpm
+    assert found.one_sided == {"peak_sdc": "only with it"}
+    assert found.remarks == (f"no peak_sdc without it, at {2 * first.rpm:.0f} rpm",)
+    gone = changes(both(3e-17, 2e-16), both(-4e-16, 1e-16), own_has_it=True, judged={})
+    assert (gone.relative["peak_sdc"], gone.remarks) == (0.0, ())
+
+
 def test_speeds_are_compared_with_their_like() -> None:
     """The plate diverges at the first speed of one run: the others keep their partners."""
     slow, fast = point(1000, ("flap", 100.0)), point(12000, ("flap", 500.0))
@@ -680,7 +701,8 @@ def test_a_change_within_the_error_of_its_sides_is_none() -> None:
         ({"changes": {"frequency_1": 0.0, "frequency_2": -2e-12 / 3}}, "none"),
         ({"changes": {"peak_sdc": 0.1, "impacts": 0.0}, "scatter": {"peak_sdc": 0.06}}, "within scatter"),
         ({"changes": {"ball_damping_ratio": 0.1}, "error": {"ball_damping_ratio": 0.4}}, "within error"),
-        ({"changes": {"cutoff_g": None, "impacts": 0.0}}, "on one side"),
+        ({"changes": {"cutoff_g": None, "impacts": 0.0}}, "none"),
+        ({"changes": {"cutoff_g": None, "impacts": 0.0}, "one_sided": {"cutoff_g": "only with it"}}, "only with it"),
     ],
 )
 def test_a_row_without_a_largest_change_says_why(found: dict[str, Any], words: str) -> None:

@@ -81,6 +81,21 @@ def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
     assert ends == [1e-3, 3e-3]
 
 
+def test_a_contact_that_cannot_be_checked_says_why(slow):
+    """Of a material whose hardness nobody knows: another has to be known. Without a name: it has to be given."""
+    optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3), 1)
+
+    def said(floor, **damper):
+        free = {"ball_material": None, "ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "1 mm"]}
+        space = space_of(changed(slow, damper__floor_material=floor, damper__mass_ratio=None, **damper), **free)
+        return " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
+
+    assert ": the hardness of tungsten and steel is not known." in said("steel", damper__ball_material="tungsten")
+    assert ": this requires ball_material and [damper] floor_material." in said(
+        "steel", damper__ball_density="7850 kg/m^3"
+    )
+
+
 def test_something_is_free(slow):
     with pytest.raises(BadInput, match="nothing is free"):
         parse(changed(slow, design__ball_material=None, design__ball_diameter=None, design__clearance=None))
@@ -443,10 +458,23 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     assert limits(worse) == ()
     (limit,) = limits(better)
     assert (limit.name, limit.gain) == ("ball_diameter", pytest.approx(better - 1))
+    assert limit.said == "ball diameter 4 mm is the greatest allowed"
     assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
     for each, active in ((optimum, True), (replace(optimum, search_value=9e-4), False)):
         said = " ".join(report._said("sentences", space, each, constraints=(), has_thickness=bool))
         assert ("No limit is active: beyond the ends of the ranges nothing is gained" in said) is active
+
+
+def test_a_value_close_to_the_end_of_its_range_is_not_said_to_be_the_end(slow):
+    space = space_of(slow, ball_material=None, ball_diameter=["2 mm", "5 mm"], clearance=["0.5 mm", "1 mm"])
+    better = Evaluation(2e-3, 2e-3)
+    for share, said in (
+        (0.99, "4.97 mm is close to the greatest allowed, 5 mm"),
+        (1.0, "5 mm is the greatest allowed"),
+    ):
+        optimum = Optimum(np.array([share, 0.5]), Evaluation(1e-3, 1e-3), 1)
+        (limit,) = report.active_constraints(space, optimum, lambda *_: [better])
+        assert limit.said == f"ball diameter {said}"
 
 
 def test_progress_names_the_best_so_far(slow):

@@ -141,6 +141,8 @@ def test_what_is_not_there_is_said(results: workflows.Results) -> None:
         results.plot.mode(4)
     with pytest.raises(workflows.BadInput, match="expected a speed with shapes"):
         results.plot.mode(1, rpm=12345)
+    with pytest.raises(workflows.BadInput, match=r"^rpm = 10: expected a speed with shapes"):
+        results.plot.mode(1, rpm=10)
     structure = workflows.run("structure")
     for name in ("campbell", "mesh", "mode"):
         with pytest.raises(workflows.BadInput, match="nothing to draw"):

@@ -132,6 +132,13 @@ def test_a_ball_that_took_as_much_as_the_paper_says_would_be_called_effective(fo
         assert next(claim for claim in claims if claim.id == "A-effective").verdict is verdict
 
 
+def test_what_is_not_the_best_is_not_called_so(claims: dict[str, Claim]) -> None:
+    """A-effective has the ring-down from the release; the largest damping at any amplitude is that of T2-tilt."""
+    why = claims["A-effective"].why
+    assert "in the ring-down from the release" in why
+    assert "at best" not in why
+
+
 def test_what_no_computation_judges_says_so(claims: dict[str, Claim]) -> None:
     for claim in claims.values():
         if claim.verdict is Verdict.UNTESTABLE:

@@ -279,7 +279,8 @@ def test_files(known, written):
         assert list(data["start"].values) == ["up", "down", "random"]
         (passage,) = known.passages
         np.testing.assert_array_equal(data["mean"].values[0], passage.shaped(passage.states.mean))
-        assert dict(data.sizes) == {"crossing": 1, "speed": 40 + 4 * 3, "force": 3, "start": 3}
+        set_off = 2 * sum(force > passage.least_force for force in passage.forces)
+        assert dict(data.sizes) == {"crossing": 1, "speed": 40 + 4 * 3 + set_off, "force": 3, "start": 3}
         assert set(data["regime"].values.flat) <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
     text = (written / "report.html").read_text(encoding="utf-8")
     assert text.count("<figure>") == 2, "damping over amplitude, amplitude over speed"
@@ -407,6 +408,53 @@ def test_further_speeds_lie_beside_the_peaks(peak):
     assert (omega[0], omega[-1]) == (94.0, 100.0)
     if 94.0 < peak < 100.0:
         assert amplitude(omega)[:, 0].max() > 0.99 / width
+
+
+def test_where_a_force_sets_off_the_ball_at_rest():
+    """On either flank of a resonance, in closed form and next to it at rest; of a force that never does, nowhere."""
+    omega, width, levels = np.linspace(96.0, 104.0, 9), 0.5, (0.4, 1.0, 1.2)
+
+    def threshold(speed):
+        return np.hypot(width, speed - 100.0)
+
+    for _ in range(2):
+        more = study.set_off_speeds(omega, threshold(omega), levels)
+        omega = np.sort([*omega, *more])
+    assert study.set_off_speeds(omega, threshold(omega), levels).size == 0
+    for level in levels[1:]:
+        off = math.sqrt((level * (1 + study.SET_OFF / 2)) ** 2 - width**2)
+        for flank in (100.0 - off, 100.0 + off):
+            assert np.abs(omega - flank).min() < 1e-6
+    assert len(omega) == 9 + 4
+
+
+def test_the_ball_at_rest_moves_farthest_where_it_is_set_off(known):
+    """Up to the last speeds below and above the resonance at which a force leaves it at rest."""
+    (passage,) = known.passages
+    factor = passage.shaped(passage.states.moves_from)
+    up = passage.states.starts.index("up")
+    for k, force in enumerate(passage.forces):
+        moves = np.flatnonzero(factor[:, k] < 1)
+        assert (moves.size > 0) == (force > passage.least_force)
+        if moves.size == 0:
+            continue
+        for rests in (moves[0] - 1, moves[-1] + 1):
+            assert 1 <= factor[rests, k] <= 1 + study.SET_OFF
+            assert passage.shaped(passage.states.regime)[rests, k, up] == "locked"
+
+
+def test_a_row_with_the_ball_at_rest_says_how_much_farther_it_goes(known):
+    """Where the next speed sets it off: by as much as the force may still grow."""
+    (passage,) = known.passages
+    states = passage.states
+    first = np.flatnonzero(passage.shaped(states.moves_from)[:, -1] < 1)[0] - 1
+    mean, factor = states.mean.copy(), states.moves_from.copy()
+    passage.shaped(mean)[first, -1, 0] = 2 * np.nanmax(mean)
+    passage.shaped(factor)[first, -1] = 1.03
+    changed_states = dataclasses.replace(states, mean=mean, moves_from=factor)
+    (*_, row) = study.rows(known, dataclasses.replace(passage, states=changed_states))
+    assert row.regime == "locked"
+    assert row.error == pytest.approx(0.03 * row.mean)
 
 
 @pytest.mark.usefixtures("few_speeds")
@@ -539,10 +587,21 @@ def test_motion_that_rolls_says_nothing_without_friction(known):
     assert "additional damping ratio" not in report.text(slides)
 
 
-def test_the_best_level_is_rounded_within_those_that_help():
-    """To two digits where that may be; a level beyond what the structure endures would show nothing."""
-    near = [VibrationReduction(2, 1, "flap", 5000.0, 333.0, 0.98, 2.79, ends) for ends in ((2.3, 2.9), (2.3, 2.793))]
-    assert [study.best_level(each) for each in near] == [2.8, 2.79]
+@pytest.mark.parametrize(
+    ("level", "ends", "rounded"),
+    [
+        (2.803, (2.3, 2.9), 2.8),
+        (2.79, (2.3, 2.9), 2.79),
+        (1.6967, (1.3, 2.2), 1.69),  # 1.7 lies beyond a fold, at which the range does not end
+        (2.3, (1.0, 3.0), 2.3),
+        (2.7934, (2.793, 2.9), 2.793),
+        (2.79343, (2.79343, 2.9), 2.794),
+        (2.79343, (2.79343, 2.79343), 2.79343),
+    ],
+)
+def test_the_best_level_is_rounded_to_where_it_is_still_the_best(level, ends, rounded):
+    """Downwards by a percent at most, in the range of those that help: beyond the best the amplitude may jump."""
+    assert study.best_level(VibrationReduction(2, 1, "flap", 5000.0, 333.0, 0.98, level, ends)) == rounded
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -17,6 +17,7 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import changed, shipped_scene
 from workflows.errors import BadInput
 from workflows.io import serialise
+from workflows.report import plots
 from workflows.report.templates import said
 from workflows.scene.load import SHIPPED, load, parse
 from workflows.solve.results import Damping
@@ -476,6 +477,16 @@ def test_what_takes_nothing_is_hatched_and_named(data):
     data[HEADLINE] = data[HEADLINE].where(data[HEADLINE] > 0, 1e-5)
     (full,) = report.draw(data)
     assert "no damping, or no verdict" not in full.svg
+
+
+def test_what_is_hatched_begins_where_the_colours_end():
+    """Between a point that damps and one that does not nothing is left white."""
+    _, (axes,) = plots.canvas(2.0)
+    report.hatch(axes, np.arange(3.0), np.arange(2.0), np.array([[False, False, True]] * 2))
+    (hatched,) = axes.collections
+    covered = [any(path.contains_point((x, 0.5)) for path in hatched.get_paths()) for x in (0.9, 1.1, 1.9)]
+    assert covered == [False, True, True]
+    assert hatched.get_zorder() < axes.contourf(np.ones((2, 2))).get_zorder()
 
 
 def test_a_cut_off_that_varies_has_a_map(data):

@@ -287,6 +287,9 @@ def test_another_study_is_refused(asked, out):
     ):
         with pytest.raises(BadInput, match=what):
             complete(other, out)
+    keys = study.of_scene("structure", {"damper.friction": [0.1, 0.2, 0.3]}, quick=True)
+    with pytest.raises(BadInput, match="differs in its points and keys: expected another folder"):
+        complete(keys, out)
     assert contents(out) == before
 
 

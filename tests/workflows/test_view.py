@@ -327,6 +327,23 @@ def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
     assert seen[lines].all(axis=1).sum() == 8
 
 
+@pytest.mark.parametrize(("origin", "least"), [(None, -1.0), ([7.0, 0.0, -2.0], 1.0)])
+def test_the_still_picture_measures_outwards_from_the_spin_axis(origin: list[float] | None, least: float) -> None:
+    """Not from the origin of the file: a cube of 2 m about it with its damper, and an axis 2 m away."""
+    nodes, none = cell("hexahedron20").nodes, np.zeros((0, 0, 20, 3))
+    cells = (("hexahedron20", np.arange(20)[None]),)
+    lines, triangles = edges_of(cells), modal_model.faces(cells)
+    frame, turns = np.array([[0.0, 0, 1], [0, -1, 0], [1, 0, 0]]), None if origin is None else np.array(origin)
+    surface = Surface(nodes, ("triangle", triangles), lines, lines[:0], none, (), frame=frame, origin=turns)
+    (axes,) = figures.mesh_of(surface, (0.5, -0.5), "clamped root").axes
+    assert axes.get_xlabel().startswith("outwards, ")
+    scale = 1e3 if axes.get_xlabel().endswith("mm") else 1.0
+    drawn = np.concatenate([np.asarray(patch.get_path().vertices)[:, 0] for patch in axes.patches])
+    assert (drawn.min() / scale, drawn.max() / scale) == pytest.approx((least, least + 2.0))
+    (mark,) = [line for line in axes.lines if line.get_marker() == "o"]
+    assert np.asarray(mark.get_xdata())[0] / scale == pytest.approx(least + 1.5)
+
+
 @needs_chromium
 def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
     for number, view_data in enumerate((viewer.of(str(turning)), viewer.of(str(MESHES / "plate_with_hole.msh")))):

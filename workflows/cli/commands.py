@@ -1,19 +1,21 @@
 """The commands of `spindamp`: a function each that reads options, calls what Python can call too, and prints.
 
-A new command is such a function under `@_commands.command()`. What a command needs is imported inside it, so that
+A new command is such a function under `@_command()`. What a command needs is imported inside it, so that
 light commands start fast.
 """
 
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
+from typer.core import TyperCommand, TyperOption
 
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import plain
@@ -50,12 +52,27 @@ Quick = Annotated[bool, typer.Option("--quick", help="Measure by fewer and faste
 _DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices."
 Uncertain = Annotated[bool, typer.Option("--uncertain", help=_DISTRIBUTIONS)]
 
+
+class _Command(TyperCommand):
+    """A command that refuses an option given twice, of which typer would take the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse as typer does, once no option that takes one value is repeated."""
+        if not ctx.resilient_parsing:
+            _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+            for option, times in Counter(each for each in order if isinstance(each, TyperOption)).items():
+                if times > 1 and not option.multiple and not option.is_flag:
+                    raise BadInput(f"given {times} times: expected once", key=option.opts[0])
+        return super().parse_args(ctx, args)
+
+
 _commands = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode=None)
+_command = partial(_commands.command, cls=_Command)
 
 Result = TypeVar("Result", bound="StudyResult")
 
 
-@_commands.command()
+@_command()
 def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Solve plate and damper at every speed; write a report.
 
@@ -65,7 +82,7 @@ def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     _simulate(source, _folder(out, json, "spindamp", source), json)
 
 
-@_commands.command()
+@_command()
 def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Solve the plate alone: frequencies over speed.
 
@@ -76,7 +93,7 @@ def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _simulate(pipeline.plate_only(_load(scene)), out, json)
 
 
-@_commands.command()
+@_command()
 def ringdown(
     scene: Scene = "paper",
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the scene's middle one.")] = None,
@@ -93,7 +110,7 @@ def ringdown(
     _simulate(pipeline.at_one_speed(_load(scene), None if rpm is None else omega_of(rpm)), out, json)
 
 
-@_commands.command()
+@_command()
 def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Compute the forced response where engine orders cross modes.
 
@@ -105,7 +122,7 @@ def response(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _study(respond, out, json, _load(scene))
 
 
-@_commands.command()
+@_command()
 def reproduce(out: Out = None, json: Json = False) -> None:
     """Compare every claim of the paper with this code.
 
@@ -116,7 +133,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
     _study(reproduce, out, json)
 
 
-@_commands.command()
+@_command()
 def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Measure the cost of accuracy in time.
 
@@ -129,7 +146,7 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
     _study(study, out, json, _load(scene))
 
 
-@_commands.command()
+@_command()
 def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
     """Measure what each effect changes, and its cost in time.
 
@@ -140,7 +157,7 @@ def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None
     _study(effect_study, out, json, _load(scene))
 
 
-@_commands.command()
+@_command()
 def sweep(
     scene: Scene = "paper",
     vary: Vary = None,
@@ -183,7 +200,7 @@ def sweep(
         raise NoAnswer(f"{plan.source.name}: {problem}")
 
 
-@_commands.command()
+@_command()
 def design(
     scene: Scene = "design",
     out: Out = None,
@@ -216,7 +233,7 @@ def design(
         raise NoAnswer(f"{source.name}: {report.in_short(best) if json else 'no design works'}")
 
 
-@_commands.command()
+@_command()
 def compare(
     runs: Annotated[list[str], typer.Argument(metavar="DIR|SCENE...", help="Two or more folders of runs, or scenes.")],
     out: Out = None,
@@ -233,7 +250,7 @@ def compare(
     _study(lambda stages: comparison.compare(loaded, stages), out, json)
 
 
-@_commands.command()
+@_command()
 def modes(
     scene: Scene = "paper",
     out: Annotated[
@@ -258,7 +275,7 @@ def modes(
     typer.echo(files.dump_modes(model) if json else text.of_modes(model, out))
 
 
-@_commands.command()
+@_command()
 def view(
     what: Annotated[
         str, typer.Argument(metavar="DIR|SCENE|MESH", help="A folder of results, a scene, or a mesh file.")
@@ -320,7 +337,7 @@ def view(
     typer.echo(f"\nopen {path}")
 
 
-@_commands.command()
+@_command()
 def check(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or the name of a shipped scene.")],
     json: Json = False,

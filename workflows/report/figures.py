@@ -86,9 +86,6 @@ _LABELS = 0.9
 _SWING = 0.14
 """Largest displacement drawn, in lengths of the plate."""
 
-_SAME = 1e-3
-"""Relative difference up to which two speeds are one."""
-
 SHOWN = {
     "campbell": "Campbell diagram: natural frequencies over rotation speed",
     "mesh": "Mesh of the plate from above: cells and root",
@@ -464,8 +461,16 @@ def mesh(results: Results, target: Target = PAGE) -> Figure | None:
 
 
 def mesh_of(surface: Surface, mark: tuple[float, ...] | None, root: str, target: Target = PAGE) -> Figure:
-    """A surface from above, as it is drawn, with its damper at (x, y, …) [m], if any; `root` says what its root is."""
-    surface = replace(surface, points=surface.drawn(surface.points))
+    """A surface from above, as it is drawn, with its damper (x, y, …) [m], if any; `root` says what its root is.
+
+    Outwards is measured from the spin axis of a structure in space.
+    """
+    names = ("x, radial", "y, across") if surface.frame is None else _named_axes(surface.frame)
+    axis = 0.0
+    if surface.origin is not None and names[0] == _OUTWARDS:
+        axis = float(surface.drawn(surface.origin)[0])
+    surface = replace(surface, points=surface.drawn(surface.points) - np.array([axis, 0.0, 0.0]))
+    mark = None if mark is None else (mark[0] - axis, *mark[1:])
     metres, unit = (1e3, "mm") if np.ptp(surface.points, axis=0).max() <= _LONGEST_IN_MM else (1.0, "m")
     points = metres * surface.points[:, :2]
     length, width = np.ptp(points, axis=0)
@@ -484,7 +489,6 @@ def mesh_of(surface: Surface, mark: tuple[float, ...] | None, root: str, target:
         x, y = (metres * value for value in mark[:2])
         axes.plot(x, y, "o", ms=7, mfc="none", mec=plots.CATEGORIES[1], mew=1.6, label="damper", zorder=5)
     axes.set_aspect("equal", adjustable="datalim")
-    names = ("x, radial", "y, across") if surface.frame is None else _named_axes(surface.frame)
     axes.set(xlabel=f"{names[0]}, {unit}", ylabel=f"{names[1]}, {unit}")
     axes.grid(visible=False)
     plots.legend(figure, axes, target, loc="outside upper left", ncols=2)
@@ -507,7 +511,11 @@ _CLOSED = 1e-6
 
 def _named_axes(frame: Floats) -> tuple[str, str]:
     """What the axes to the right and upwards are, of a surface in space drawn by this frame."""
-    return ("x", "y") if np.array_equal(frame, np.eye(3)) else ("outwards", "across")
+    return ("x", "y") if np.array_equal(frame, np.eye(3)) else (_OUTWARDS, "across")
+
+
+_OUTWARDS = "outwards"
+"""Along the load, from the spin axis on."""
 
 
 def held(scene: Scene) -> str:
@@ -696,13 +704,15 @@ def chosen(
 ) -> int:
     """Which of the speeds kept is meant [rad/s], the middle one where none is named; `number`: of a mode, from 1.
 
+    A speed is meant that reads the same: 4274 rpm for 4273.6.
+
     Raises:
         BadInput: no shape was kept at that speed, or there is no such mode; with these keys.
     """
     row, kept = surface.row(middle_speed(speeds)), [speeds[at] for at in surface.at]
     if omega is not None:
         row = min(range(len(kept)), key=lambda k: abs(kept[k].omega - omega))
-        if abs(kept[row].omega - omega) > _SAME * max(omega, from_rpm(1.0)):
+        if amount(kept[row].rpm) != amount(rounded_rpm(omega)):
             problem = f"expected a speed with shapes: {', '.join(amount(point.rpm) for point in kept)} rpm"
             raise BadInput(problem, key=keys[0], value=as_typed(rounded_rpm(omega)))
     if not 1 <= number <= surface.shapes.shape[1]:

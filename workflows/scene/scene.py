@@ -28,19 +28,19 @@ SLOWEST = 1e-4
 """Least rotation speed above rest that is taken [rad/s]: a turn in most of a day is rest."""
 
 
-def omega_of(rpm: float) -> float:
-    """The speed [rad/s] of the option --rpm.
+def omega_of(rpm: float, key: str = "--rpm") -> float:
+    """The speed [rad/s] of an option, or of a key.
 
     Raises:
         BadInput: it is no number, or nothing turns so fast, or so slowly.
     """
     if isinstance(rpm, bool) or not isinstance(rpm, int | float):
-        raise BadInput("expected a number of revolutions per minute", key="--rpm", value=rpm)
+        raise BadInput("expected a number of revolutions per minute", key=key, value=rpm)
     omega = from_rpm(rpm)
     if not (omega == 0 or SLOWEST <= omega <= FASTEST):
         low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
         problem = f"expected a rotation speed between 0 and {high} rpm, and no less than {low} rpm unless at rest"
-        raise BadInput(problem, key="--rpm", value=as_typed(rpm))
+        raise BadInput(problem, key=key, value=as_typed(rpm))
     return omega
 
 

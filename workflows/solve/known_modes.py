@@ -184,7 +184,8 @@ class SpaceStructure:
             points, shapes = (self.model.points[:, None] + marks).reshape(-1, 3), np.repeat(shapes, 4, axis=2)
             surface = replace(surface, points=points, cells=("triangle", triangles))
         mark = None if self.seat is None else self.seat.place.point
-        return replace(surface, shapes=shapes, at=shown, frame=self._drawing(), mark=mark, axis=self.model.axis)
+        axis, origin = self.model.axis, self.model.origin
+        return replace(surface, shapes=shapes, at=shown, frame=self._drawing(), mark=mark, axis=axis, origin=origin)
 
     def _drawing(self) -> Floats:
         """Axes (3, 3) of pictures: along the load, across it, and along axis 1 of the cavity or the spin axis."""

@@ -790,7 +790,7 @@ class Surface:
         frame: of a surface in space the axes by which it is drawn, (3, 3): outwards, across, along the damper's axis 1;
             None of a plate, which is drawn by its own.
         mark: the damper's place in space, (3,) [m].
-        axis: direction of the spin axis, (3,); None of a mesh alone.
+        axis: direction of the spin axis, (3,); origin: a point on it, (3,) [m]; None of a mesh alone, and of a plate.
     """
 
     points: Floats = field(repr=False)
@@ -806,6 +806,7 @@ class Surface:
     frame: Floats | None = field(default=None, repr=False)
     mark: Floats | None = field(default=None, repr=False)
     axis: Floats | None = field(default=None, repr=False)
+    origin: Floats | None = field(default=None, repr=False)
 
     def row(self, number: int) -> int:
         """Which of the speeds with shapes is nearest to number `number` of the run."""

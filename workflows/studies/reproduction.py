@@ -251,7 +251,7 @@ def _cutoffs(study: PaperRun, loads: list[float]) -> Iterator[Claim]:
     yield _claim("T2-ratio", high, judge(all(map(_near_a_tenth, high[0] + high[1]))))
     rises = judge(sorted(consistent) == consistent and sorted(printed) == printed)
     yield _claim("T2-cutoff-rises", (printed[-1] / printed[0], consistent[-1] / consistent[0]), rises)
-    # Most that a cycle loses beyond what the structure's own damping takes.
+    # Most that a cycle of the ring-down loses beyond what the structure's own damping takes.
     most = [0.0 if d.peak_sdc is None else d.peak_sdc - d.intrinsic_sdc for d in dampings[1]]
     moves = all(map(_near_a_tenth, ratios[1]))
     verdict = judge(moves and min(most) >= SDC_RANGE[0], partly=moves)

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from decimal import ROUND_DOWN, ROUND_UP, Context, Decimal
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -94,7 +95,8 @@ class Row:
 
     Attributes:
         without: largest amplitude without the ball, whatever the speed [m]; the same in each of the others.
-        least, mean, rms, greatest: of the cycles' amplitudes; error: of the mean [m].
+        least, mean, rms, greatest: of the cycles' amplitudes [m].
+        error: of the mean; with the ball at rest, by how much farther it goes until it is set off [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
         stress_without, stress_with: at the root [Pa], None where it is not known.
         estimate: by free vibration, of a run; None where that does not apply.
@@ -141,7 +143,7 @@ def rows(result: Response, only: Passage | None = None) -> list[Row]:
     return [_row(result, passage, k) for passage in passages for k in range(len(passage.forces))]
 
 
-_OF_A_ROW = ("least", "mean", "rms", "greatest", "error", "hits_per_cycle", "power_in", "power_lost")
+_OF_A_ROW = ("least", "mean", "rms", "greatest", "hits_per_cycle", "power_in", "power_lost")
 """Fields of a row that steady states have by the same names."""
 
 
@@ -153,6 +155,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         return float(passage.shaped(getattr(states, name))[speed, force, start])
 
     without = float(np.abs(passage.shaped(states.without))[:, force].max())
+    regime, short = passage.shaped(states.regime)[speed, force, start], _short_of_set_off(passage, speed, force)
     estimates = {each.level: each for each in passage.reduction.levels}
     stress = excitation.root_stress(result.results, passage.crossing)
     return Row(
@@ -162,12 +165,20 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         frequency=passage.crossing.order * float(passage.omega[speed]) / (2 * np.pi),
         without=without,
         **{name: at(name) for name in _OF_A_ROW},
+        error=at("error") + (short if regime == damper.Regime.LOCKED else 0.0) * at("mean"),
         smallest=float(passage.shaped(states.mean)[speed, force].min()),
-        regime=str(passage.shaped(states.regime)[speed, force, start]),
+        regime=str(regime),
         estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
         stress_with=None if stress is None else stress * at("greatest"),
     )
+
+
+def _short_of_set_off(passage: Passage, speed: int, force: int) -> float:
+    """Relative growth of the amplitude until the ball, at rest there, is set off, where it is at a speed beside."""
+    factor = passage.shaped(passage.states.moves_from)[:, force]
+    beside = factor[max(speed - 1, 0) : speed + 2]
+    return float(factor[speed]) - 1 if factor[speed] >= 1 > beside.min() else 0.0
 
 
 def is_beyond(result: Response, row: Row) -> bool:
@@ -208,6 +219,47 @@ def resonance_speeds(resonances: Sequence[float], width: float, ends: tuple[floa
     for each in resonances:
         omega[np.argmin(np.abs(omega - each))] = min(max(each, ends[0]), ends[1])
     return omega
+
+
+SET_OFF = 1e-4
+"""By how much a force may grow, relative, until it sets off the ball at rest, at a speed that counts as the last."""
+
+_TRIES = 8
+"""How often a further speed is tried for each of these."""
+
+
+def set_off_speeds(omega: Floats, threshold: Floats, levels: Sequence[float]) -> Floats:
+    """Further speeds at which forces just do not set off the ball at rest, as far as they are not known [rad/s].
+
+    Beside a linear resonance the square of the threshold is a parabola.
+
+    Args:
+        omega: ascending (s,) [rad/s].
+        threshold: least force that sets the ball off, (s,).
+        levels: of the forces.
+    """
+    more = []
+    for level in levels:
+        aim = (1 + 0.5 * SET_OFF) * level
+        for k, rests in _last_at_rest(threshold, level):
+            if threshold[rests] <= (1 + SET_OFF) * level:
+                continue
+            low, high = omega[k : k + 2]
+            begin = min(max(k - 1, 0), max(len(omega) - 3, 0))
+            known, square = omega[begin : begin + 3] - low, threshold[begin : begin + 3] ** 2
+            roots: npt.NDArray[Any] = np.empty(0)
+            if len(known) == 3 and np.isfinite(square).all():
+                roots = np.polynomial.Polynomial.fit(known, square - aim**2, 2).roots()
+            real = low + roots[np.isreal(roots)].real
+            inside = real[(low < real) & (real < high)]
+            more.append(float(inside[0]) if len(inside) == 1 else 0.5 * (low + high))
+    return np.unique(more)
+
+
+def _last_at_rest(threshold: Floats, level: float) -> list[tuple[int, int]]:
+    """Steps between speeds in which a force sets off the ball at rest, each with its end at which the ball stays."""
+    rests = threshold >= level
+    return [(int(k), int(k if rests[k] else k + 1)) for k in np.flatnonzero(rests[:-1] != rests[1:])]
 
 
 def beside_peaks(omega: Floats, amplitude: Floats) -> Floats:
@@ -297,11 +349,21 @@ NEAR_BEST = 0.9
 """Share of the largest reduction that a level asked for has to show, or else the best is followed besides."""
 
 
+_ROUNDED = 0.01
+"""By how much the best level may be rounded, relative: the ratio there grows by no more."""
+
+
 def best_level(reduction: VibrationReduction) -> float:
-    """Where the ball does most by free vibration, to as few digits as leave it in the range of levels that help."""
-    low, high = reduction.range
-    rounded = (float(f"{reduction.level:.{digits}g}") for digits in (2, 3, 4))
-    return next((level for level in rounded if low <= level <= high), reduction.level)
+    """Where the ball does most by free vibration, rounded to as few digits as leave it the best.
+
+    Downwards, since the amplitude may jump beyond the best level, where another motion begins; below it the amplitude
+    is no larger, and the ratio hardly so. Upwards only where no such level is in the range of those that help.
+    """
+    (low, high), exact = reduction.range, Decimal(repr(reduction.level))
+    near = max(low, (1 - _ROUNDED) * reduction.level)
+    ways = (*((digits, ROUND_DOWN) for digits in (2, 3, 4)), (4, ROUND_UP))
+    rounded = (float(Context(prec=digits, rounding=way).create_decimal(exact)) for digits, way in ways)
+    return next((level for level in rounded if near <= level <= high), reduction.level)
 
 
 def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
@@ -326,12 +388,15 @@ def _passage(
     share = coupling.resting_share(system, at) if axis == 0 else 1.0
     figures = damper_stage.figures(system)
     omega = _speeds(solver, met)
-    states = _steady_states(solver, crossing, forcing, omega, axis)
+    states = _steady_states(solver, crossing, _cases(solver, crossing, forcing, omega, axis), axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
         more = beside_peaks(omega, largest)
-        states = _merged(omega, states, more, _steady_states(solver, crossing, forcing, more, axis))
-        omega = np.sort([*omega, *more])
+        others = _steady_states(solver, crossing, _cases(solver, crossing, forcing, more, axis), axis)
+        omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
+    if last := _just_at_rest(solver, crossing, forcing, omega, states, axis):
+        more, others = np.array(list(last)), _steady_states(solver, crossing, list(last.values()), axis)
+        omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
         least_force = share * float((levels * states.moves_from).min())
@@ -384,18 +449,21 @@ def without_pull(
     )
 
 
-def _steady_states(
-    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int
-) -> damper.Forced:
-    """The steady states at some speeds, each with all forces, with progress for a person who waits.
+class _Case(NamedTuple):
+    """What is driven at a speed: by all forces; `alone`: amplitudes without the ball and its pull on the structure."""
 
-    Those without the ball are of the structure without its pull.
-    """
+    system: damper.ParticleDamper
+    harmonics: list[damper.Harmonic]
+    alone: list[complex]
+
+
+def _cases(solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int) -> list[_Case]:
+    """The damper on the structure at some speeds, each with all forces."""
     from damper.equations import structures_by
     from damper.starts import without_ball
 
-    dampers, harmonics, alone, points = [], [], list[npt.NDArray[np.complex128]](), solver.at(omega).points
-    branch, source, starts = excitation.branch_of(points, crossing), solver.source, tuple(damper.Start)
+    cases, points = [], solver.at(omega).points
+    branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
         only = excitation.modes_followed(point, excitation.modes_of(point, branch))
         with read_from(source.name):
@@ -404,19 +472,48 @@ def _steady_states(
         bare = without_pull(system, source.scene, point, only)
         shape = np.eye(2)[axis] if bare.modes is None else np.array([mode.shape[axis] for mode in bare.modes])
         structures = structures_by(bare, bare.parameters)
-        alone += [without_ball(structures, [harmonic])[0] @ shape for harmonic in driven]
-        dampers += [system] * len(driven)
-        harmonics += driven
+        cases.append(_Case(system, driven, [without_ball(structures, [each])[0] @ shape for each in driven]))
+    return cases
+
+
+def _just_at_rest(
+    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, states: damper.Forced, axis: int
+) -> dict[float, _Case]:
+    """What is driven at the speeds beside which forces set off the ball at rest [rad/s]: there it moves farthest."""
+    threshold = np.tile(forcing.levels, len(omega)) * states.moves_from
+    threshold, tried = threshold[:: len(forcing.levels)], dict[float, _Case]()
+    for _ in range(_TRIES):
+        more = set_off_speeds(omega, threshold, forcing.levels)
+        if not more.size:
+            break
+        new = _cases(solver, crossing, forcing, more, axis)
+        level = forcing.levels[0]
+        least = [level * float(damper.moves_from(each.system, each.harmonics[:1])[0]) for each in new]
+        tried |= dict(zip(more.tolist(), new, strict=True))
+        order = np.argsort([*omega, *more])
+        omega, threshold = np.array([*omega, *more])[order], np.array([*threshold, *least])[order]
+    last = {float(omega[rests]) for level in forcing.levels for _, rests in _last_at_rest(threshold, level)}
+    return {speed: tried[speed] for speed in sorted(last & tried.keys())}
+
+
+def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[_Case], axis: int) -> damper.Forced:
+    """The steady states of what is driven, with progress for a person who waits.
+
+    Those without the ball are of the structure without its pull.
+    """
+    starts = tuple(damper.Start)
+    dampers = [each.system for each in cases for _ in each.harmonics]
+    harmonics = [harmonic for each in cases for harmonic in each.harmonics]
     with solver.stages("damper", len(dampers) * len(starts)) as step:
         done = 0
 
         def progress(number: int) -> None:
             nonlocal done
-            for _ in range(number - done):
-                step.advance(crossing.place)
+            if number > done:
+                step.advance(crossing.place, number - done)
             done = number
 
         states = damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-    return replace(states, without=np.array(alone, complex))
+    return replace(states, without=np.array([alone for each in cases for alone in each.alone], complex))

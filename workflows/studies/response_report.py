@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from damper import Regime
 from fem.rotor import in_rpm
@@ -59,6 +60,13 @@ def dataset(result: Response) -> xr.Dataset:
 
     dims = ("crossing", "speed", "force", "start")
     passages, data = result.passages, xr.Dataset(attrs=global_attributes(result.results))
+    most = max(len(passage.omega) for passage in passages)
+
+    def padded(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Values over speed, nan (texts: empty) beyond those of a crossing with fewer than others."""
+        beyond = (most - len(values), *values.shape[1:])
+        return np.concatenate([values, np.full(beyond, "" if values.dtype == object else np.nan)])
+
     heights = {
         "units": result.excitation.unit.replace("²", "2"),
         "long_name": f"height of the {result.excitation.kind}",
@@ -68,15 +76,15 @@ def dataset(result: Response) -> xr.Dataset:
         mode=("crossing", [passage.crossing.branch + 1 for passage in passages]),
         force=("force", list(result.excitation.levels), heights),
         start=("start", [str(start) for start in passages[0].states.starts]),
-        rpm=(dims[:2], in_rpm(np.array([t.omega for t in passages])), {"units": "rpm"}),
+        rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
     )
     for name, (unit, description) in _OF_STATES.items():
-        values = np.array([passage.shaped(getattr(passage.states, name)) for passage in passages], dtype=float)
+        values = np.array([padded(t.shaped(getattr(t.states, name))) for t in passages], dtype=float)
         data[name] = (dims, values, {"units": unit, "long_name": description})
-    regimes = np.array([[str(r) for r in t.states.regime.ravel()] for t in passages], dtype=object)
-    data["regime"] = (dims, regimes.reshape(data["mean"].shape), {"long_name": "what the steady state is"})
+    regimes = np.array([padded(t.shaped(t.states.regime)).astype(str).astype(object) for t in passages])
+    data["regime"] = (dims, regimes, {"long_name": "what the steady state is"})
     for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
-        values = np.abs([passage.shaped(getattr(passage.states, name)) for passage in passages])
+        values = np.abs([padded(passage.shaped(getattr(passage.states, name))) for passage in passages])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
     every = ([row.estimate for row in rows(result, passage)] for passage in passages)
     estimates = [[np.nan if each is None else each.amplitude for each in one] for one in every]

@@ -13,6 +13,7 @@ from workflows.formatting import fixed, significant, turning
 from workflows.io.files import StudyResult, finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
+from workflows.scene.materials import KNOWN
 from workflows.solve import excitation
 from workflows.solve.limits import AIR
 from workflows.solve.results import Floats
@@ -151,7 +152,11 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     name, spread = axes[k].name, axes[k].spread
     assert spread is not None
     shares[k] = round(shares[k])
-    end = f"{formatted(name, space.values(optimum.shares)[name])} is the {'greatest' if shares[k] else 'least'} allowed"
+    here, last = (formatted(name, space.values(each)[name]) for each in (optimum.shares, shares))
+    end = f"the {'greatest' if shares[k] else 'least'} allowed"
+    if here != last:
+        end = f"close to {end}, {last.removeprefix(NAMES[name].replace('_', ' ')).strip()}"
+    end = f"{here} is {end}"
     if not evaluation.works:
         return [ActiveConstraint(NAMES[name], end)]
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
@@ -279,8 +284,19 @@ def infeasible(limit: str, share: float, nearest: Evaluation) -> str:
 
 def _said(text: str, space: Space, optimum: Optimum, **values: Any) -> list[str]:
     """Sentences of a text on a space and its best design."""
-    known = {"space": space, "goal": space.goal, "optimum": optimum, "best": optimum.evaluation, "worst": optimum.worst}
+    known: dict[str, Any] = {"space": space, "goal": space.goal, "optimum": optimum, "best": optimum.evaluation}
+    known |= {"worst": optimum.worst, "of_unknown_hardness": _of_unknown_hardness(space, optimum)}
     return templates.said(f"design/{text}", space.count(optimum.shares), **known, **values)
+
+
+def _of_unknown_hardness(space: Space, optimum: Optimum) -> list[str]:
+    """Materials of ball and floor, where the hardness of neither is known, by which the contact is checked."""
+    ball, floor = space.source.scene.contact_materials
+    ball = str(space.values(optimum.shares).get("damper.ball_material", ball or "")) or None
+    if ball is None or floor is None:
+        return []
+    names = list(dict.fromkeys((ball, floor)))
+    return names if all(KNOWN[name].hardness is None for name in names) else []
 
 
 def draw(result: DesignResult) -> list[Picture]:

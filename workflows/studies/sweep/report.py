@@ -117,8 +117,8 @@ def map_spread(count: int) -> list[str]:
 
 
 def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
-    """Hatch the part of a map that has no figures."""
-    axes.contourf(xs, ys, where.astype(float), [0.5, 1.5], colors="none", hatches=[_HATCH])
+    """Hatch the part of a map that has no figures, up to the colours, which lie above."""
+    axes.contourf(xs, ys, where.astype(float), [1e-9, 1.5], colors="none", hatches=[_HATCH], zorder=0.9)
 
 
 def mark(axes: Any, x: float, y: float) -> None:

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from workflows.errors import BadInput
-from workflows.formatting import rounded_rpm
+from workflows.formatting import listed, rounded_rpm
 from workflows.io import folder
 from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows, empty
 from workflows.studies.sweep.plan import SPEEDS, Plan
@@ -252,7 +252,7 @@ def check_target(path: Path) -> Path:
     return target
 
 
-_CALLED = {"code": "code and versions", "plan": "points"}
+_CALLED = {"code": "code and versions", "mesh_sha256": "mesh", "plan": "points", "block": "points"}
 
 
 def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
@@ -272,7 +272,7 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
         raise BadInput(problem, key="--out", value=str(path)) from error
     if before.get("study") != identity["study"]:
         names = [name for name in identity if name != "study" and identity[name] != before.get(name)]
-        what = " and ".join(_CALLED.get(name, name) for name in names) or "key"
+        what = listed(list(dict.fromkeys(_CALLED.get(name, name) for name in names)) or ["key"])
         problem = f"holds a study that differs in its {what}: expected another folder, or the old one removed"
         raise BadInput(problem, key="--out", value=str(path))
 

@@ -29,15 +29,18 @@ class Changes:
     """Relative changes (with - without) / without, the largest over the speeds, and what no number can say.
 
     Attributes:
-        relative: by quantity; None where no speed has a value on both sides.
+        relative: by quantity; None where no speed has a value on both sides. A value that is rounding beside the
+            quantity's largest is none.
         rpm, error: the speed of each that is known, and by how much its two values may err, as far as they say.
         remarks: quantities that are there on one side only, speeds at which the plate diverges on one side only.
+        one_sided: of the former, on which side, in words.
     """
 
     relative: dict[str, float | None]
     rpm: dict[str, float]
     error: dict[str, float]
     remarks: tuple[str, ...]
+    one_sided: dict[str, str]
 
 
 def changes(
@@ -56,6 +59,7 @@ def changes(
         for name, values in _values(mine[rpm], others[rpm]).items():
             if name != "ball_damping_ratio" or judged.get(rpm) != 0 or not any(judged.values()):
                 pairs[name].append((rpm, *(values if own_has_it else values[::-1])))
+    pairs = {name: _without_rounding(both) for name, both in pairs.items()}
     relative: dict[str, float | None] = dict.fromkeys(pairs)
     at, error = {}, {}
     for name, both in pairs.items():
@@ -66,16 +70,32 @@ def changes(
             relative[name], at[name], error[name] = most
     diverging = {"with": set(without) - set(with_it), "without": set(with_it) - set(without)}
     remarks = [f"{side} it the plate diverges {_at(speeds)}" for side, speeds in diverging.items() if speeds]
-    remarks += [remark for name, both in pairs.items() for remark in _one_sided(name, both)]
+    odd = {name: _one_sided(name, both) for name, both in pairs.items()}
+    remarks += [remark for each in odd.values() for remark in each.values()]
     if _FALLING in pairs:
         remarks.append(
             f"ball_damping_ratio is the verdict's, with the tilt either way; {_FALLING} is with the tilt and without it"
         )
-    return Changes(relative, at, error, tuple(remarks))
+    one_sided = {name: next(iter(each)) for name, each in odd.items() if each}
+    return Changes(relative, at, error, tuple(remarks), one_sided)
 
 
 _Pair: TypeAlias = tuple[float, float | None, float | None]
 """A speed [rev/min], and a quantity there with an effect and without it."""
+
+
+_ROUNDING, _NOTHING = 1e-12, 1e-9
+"""Changes below this are none at all; and values of a quantity are, below this part of its largest at any speed."""
+
+
+def _without_rounding(pairs: list[_Pair]) -> list[_Pair]:
+    """The values of a quantity, 0 where they are rounding: the cycles of a ball that loses nothing scatter about 0."""
+    least = max(_ROUNDING, _NOTHING * max((abs(value) for _, *both in pairs for value in both if value), default=0.0))
+
+    def seen(value: float | None) -> float | None:
+        return 0.0 if value is not None and abs(value) < least else value
+
+    return [(rpm, seen(with_it), seen(without)) for rpm, with_it, without in pairs]
 
 
 def _change(with_it: float | None, without: float | None) -> float | None:
@@ -127,16 +147,17 @@ def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | Non
     return [next(waiting.get(mode.family, iter(())), None) for mode in own]
 
 
-def _one_sided(name: str, pairs: list[_Pair]) -> list[str]:
-    """Where a quantity is there on one side only, so that its change has no number."""
+def _one_sided(name: str, pairs: list[_Pair]) -> dict[str, str]:
+    """Where a quantity is there on one side only, so that its change has no number: by side, with the speeds."""
     odd = [pair for pair in pairs if _change(*pair[1:]) is None and pair[1:] != (None, None)]
     if name.startswith("frequency"):
-        return [f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"] if odd else []
+        return {"no partner": f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"} if odd else {}
     sides = {
         "without": [rpm for rpm, _, without in odd if not without],
         "with": [rpm for rpm, _, without in odd if without],
     }
-    return [f"no {name} {side} it, {_at(speeds)}" for side, speeds in sides.items() if speeds]
+    others = {"without": "with", "with": "without"}
+    return {f"only {others[side]} it": f"no {name} {side} it, {_at(rpm)}" for side, rpm in sides.items() if rpm}
 
 
 def _at(speeds: Iterable[float]) -> str:
@@ -156,6 +177,7 @@ class EffectChange:
         scatter: by how much each of these quantities changes as the clearance changes by a billionth, with or without
             the effect, where motion is chaotic; a change that is no larger is none of the effect's.
         remarks: what the changes do not say: divergence, quantities that appear or vanish, effects switched together.
+        one_sided: quantities that appear or vanish, with the side on which they are.
         time_s: what it adds to a run [s], median; time_spread_s: least and most; time_share: over the run with it.
         failed: why there is no change to show.
     """
@@ -169,6 +191,7 @@ class EffectChange:
     error: dict[str, float] = field(default_factory=dict)
     scatter: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    one_sided: dict[str, str] = field(default_factory=dict)
     time_s: float | None = None
     time_spread_s: tuple[float, float] | None = None
     time_share: float | None = None
@@ -272,7 +295,8 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
             row = replace(row, scatter=both)
         share, remarks = extra / medians[on], together + changed.remarks
-        return replace(row, remarks=remarks, time_s=extra, time_spread_s=ends, time_share=share)
+        one_sided = changed.one_sided
+        return replace(row, remarks=remarks, one_sided=one_sided, time_s=extra, time_spread_s=ends, time_share=share)
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:
@@ -323,10 +347,6 @@ def _switches(name: str, effects: dict[str, bool]) -> tuple[dict[str, bool], tup
             switches[parent] = True
             together.append(f"together with {parent}, which it needs")
     return switches, tuple(together)
-
-
-_ROUNDING = 1e-12
-"""Changes below this are none at all."""
 
 
 _UNSEEN = 1e-2
@@ -421,11 +441,11 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
 
 def text(switches: EffectStudy) -> str:
     """The effects as a table; what has no place in it is below its row."""
-    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>14}  {'of':<38} {'time, ms':>24}  why"]
+    lines = [f"{'effect':<20} {'on':<4} {'called for':<11} {'largest change':>15}  {'of':<38} {'time, ms':>24}  why"]
     for row in switches.rows:
         size, quantity = _largest(row)
         on, called = ("yes" if flag else "no" for flag in (row.on, row.called_for))
-        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>14}  {quantity:<38} {_spent(row):>24}  {row.why}")
+        lines.append(f"{row.effect:<20} {on:<4} {called:<11} {size:>15}  {quantity:<38} {_spent(row):>24}  {row.why}")
         lines += [f"{'':<20} {remark}" for remark in (*row.remarks, *_scattered(row))]
         if row.failed is not None and row.failed != row.why:
             lines.append(f"{'':<20} no numbers: {row.failed}")
@@ -441,7 +461,7 @@ def _largest(row: EffectChange) -> tuple[str, str]:
         return "no numbers", ""
     if lost := _scattered(row):
         return "within scatter" if "scatter" in lost[0] else "within error", ""
-    return ("on one side" if None in row.changes.values() else "none"), ""
+    return next(((side, name) for name, side in row.one_sided.items()), ("none", ""))
 
 
 _MANIFOLD = 10.0
