@@ -256,6 +256,7 @@ def test_an_option_given_twice_is_refused(spindamp: Command) -> None:
     """Of which one value would be ignored; flags may be repeated, and so may what takes several values."""
     refused(spindamp("ringdown", "structure", "--rpm", 5000, "--rpm", 6000), "--rpm: given 2 times: expected once")
     refused(spindamp("sweep", "structure", "--out", "a", "--out=b"), "--out: given 2 times: expected once")
+    refused(spindamp("--log", "a", "--log", "b", "check", "structure"), "--log: given 2 times: expected once")
     assert spindamp("check", "structure", "--json", "--json").status == 0
     outcome = spindamp("sweep", "structure", "--vary", "damper.friction=a", "--vary", "damper.restitution=0.5")
     assert "given 2 times" not in outcome.err

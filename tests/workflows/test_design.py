@@ -82,7 +82,7 @@ def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
 
 
 def test_a_contact_that_cannot_be_checked_says_why(slow):
-    """Of a material whose hardness nobody knows: another has to be known. Without a name: it has to be given."""
+    """Of materials by which it cannot be: what is not known. Without a name of one: that it has to be given."""
     optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3), 1)
 
     def said(floor, **damper):
@@ -90,7 +90,11 @@ def test_a_contact_that_cannot_be_checked_says_why(slow):
         space = space_of(changed(slow, damper__floor_material=floor, damper__mass_ratio=None, **damper), **free)
         return " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
 
-    assert ": the hardness of tungsten and steel is not known." in said("steel", damper__ball_material="tungsten")
+    for ball, floor, what in (
+        ("tungsten", "Inconel 718", "elastic constants are known of tungsten"),
+        ("steel", "aluminium", "hardness is known of steel and aluminium"),
+    ):
+        assert f"The contact of ball and floor is not checked: no {what}." in said(floor, damper__ball_material=ball)
     assert ": this requires ball_material and [damper] floor_material." in said(
         "steel", damper__ball_density="7850 kg/m^3"
     )

@@ -230,12 +230,16 @@ def test_closing_lines_are_of_what_the_headline_calls_useful(known, monkeypatch)
     """A ball at rest whose mass makes the amplitude smaller damps nothing; nor is 0.5 % of use."""
     *others, best = study.rows(known)
     assert report.text(known).splitlines()[-1].startswith("At engine order 3 (4020 rpm, flap mode) and ")
-    still = dataclasses.replace(best, regime="locked")
+    locked = dataclasses.replace(best, regime="locked")
+    never = dataclasses.replace(best.passage, least_force=2 * best.force)
+    still = dataclasses.replace(locked, passage=never)
     little = dataclasses.replace(best, mean=0.995 * best.without)
     for every in ([*others, still], [dataclasses.replace(row, mean=row.without) for row in others] + [little]):
         monkeypatch.setattr(report, "rows", lambda *_, every=every: every)
         assert report.best_rows(known) == []
         assert "additional damping ratio" not in report.text(known)
+    monkeypatch.setattr(report, "rows", lambda *_: [*others, locked])
+    assert report.best_rows(known) == [locked], "set off nearer to the resonance, where the amplitude is less"
 
 
 def test_document(known):

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
-from typer.core import TyperCommand, TyperOption
+from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import plain
@@ -53,16 +53,25 @@ _DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; give
 Uncertain = Annotated[bool, typer.Option("--uncertain", help=_DISTRIBUTIONS)]
 
 
-class _Command(TyperCommand):
-    """A command that refuses an option given twice, of which typer would take the last."""
+def _refuse_repeated(command: TyperCommand | TyperGroup, ctx: Any, args: list[str]) -> None:
+    """Refuse an option of one value that is given twice: typer would take the last."""
+    if ctx.resilient_parsing:
+        return
+    _, _, order = command.make_parser(ctx).parse_args(args=list(args))
+    for option, times in Counter(each for each in order if isinstance(each, TyperOption)).items():
+        if times > 1 and not option.multiple and not option.is_flag:
+            raise BadInput(f"given {times} times: expected once", key=option.opts[0])
 
+
+class _Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse as typer does, once no option that takes one value is repeated."""
-        if not ctx.resilient_parsing:
-            _, _, order = self.make_parser(ctx).parse_args(args=list(args))
-            for option, times in Counter(each for each in order if isinstance(each, TyperOption)).items():
-                if times > 1 and not option.multiple and not option.is_flag:
-                    raise BadInput(f"given {times} times: expected once", key=option.opts[0])
+        _refuse_repeated(self, ctx, args)
+        return super().parse_args(ctx, args)
+
+
+class _Commands(TyperGroup):
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        _refuse_repeated(self, ctx, args)
         return super().parse_args(ctx, args)
 
 
@@ -523,7 +532,7 @@ def _spindamp(
         raise BadInput(f"missing command: expected one of {names}; spindamp --help says what they do")
 
 
-_commands.callback(invoke_without_command=True)(_spindamp)
+_commands.callback(cls=_Commands, invoke_without_command=True)(_spindamp)
 
 app = typer.main.get_command(_commands)
 """Built once: a Typer that is called reads the signatures of all commands anew."""

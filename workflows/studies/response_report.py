@@ -268,12 +268,16 @@ def rough(result: Response) -> list[str]:
 
 
 def best_rows(result: Response) -> list[Row]:
-    """Of each crossing at which the headline calls the ball useful, the row it names, unless its ball is at rest."""
+    """Of each crossing at which the headline calls the ball useful, the row it names, unless its ball stays at rest.
+
+    A ball that is set off nearer to the resonance reduces the peak, though the largest amplitude left is one at rest.
+    """
     best = []
     for passage in result.passages:
         answer = confirmed(result, passage)
         if not answer.reason and math.isfinite(answer.range[0]):
-            best += [row for row in rows(result, passage) if row.force == answer.level and row.regime != Regime.LOCKED]
+            named = [row for row in rows(result, passage) if row.force == answer.level]
+            best += [row for row in named if row.regime != Regime.LOCKED or row.force >= row.passage.least_force]
     return best
 
 

@@ -285,18 +285,20 @@ def infeasible(limit: str, share: float, nearest: Evaluation) -> str:
 def _said(text: str, space: Space, optimum: Optimum, **values: Any) -> list[str]:
     """Sentences of a text on a space and its best design."""
     known: dict[str, Any] = {"space": space, "goal": space.goal, "optimum": optimum, "best": optimum.evaluation}
-    known |= {"worst": optimum.worst, "of_unknown_hardness": _of_unknown_hardness(space, optimum)}
+    known |= {"worst": optimum.worst, "unknown": _unknown_contact(space, optimum)}
     return templates.said(f"design/{text}", space.count(optimum.shares), **known, **values)
 
 
-def _of_unknown_hardness(space: Space, optimum: Optimum) -> list[str]:
-    """Materials of ball and floor, where the hardness of neither is known, by which the contact is checked."""
+def _unknown_contact(space: Space, optimum: Optimum) -> tuple[str, list[str]] | None:
+    """What of the materials of ball and floor is not known by which their contact is checked, and of which of them."""
     ball, floor = space.source.scene.contact_materials
     ball = str(space.values(optimum.shares).get("damper.ball_material", ball or "")) or None
     if ball is None or floor is None:
-        return []
+        return None
     names = list(dict.fromkeys((ball, floor)))
-    return names if all(KNOWN[name].hardness is None for name in names) else []
+    if rigid := [name for name in names if KNOWN[name].youngs_modulus is None]:
+        return "elastic constants are", rigid
+    return ("hardness is", names) if all(KNOWN[name].hardness is None for name in names) else None
 
 
 def draw(result: DesignResult) -> list[Picture]:
