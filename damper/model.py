@@ -563,10 +563,10 @@ class ParticleDamper:
             drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
         """
         swing, square = self._swing(0)
-        driven = square * swing - self.pull @ swing
-        free = self.modes is not None and not any(self.lateral_pull)
-        left = float(np.hypot(*driven) if free else abs(driven[0]))
-        return math.inf if left == 0 else drive / left
+        left = abs(1 - self.tilt_share[0])
+        if self.modes is not None and not any(self.lateral_pull):  # nothing else holds it, and either axis drives it
+            left = math.hypot(left, swing[1] - self.pull[1] @ swing / square)
+        return math.inf if left == 0 else drive / square / left
 
     @property
     def inertia_ratio(self) -> float:

@@ -599,7 +599,7 @@ class Reduced:
     """stiffness without the ball"""
     floor_tilt: Annotated[float, quantity("1/m")]
     """slope of the cavity's floor over its displacement"""
-    whole_motion: Annotated[float, KEPT] = 1.0
+    whole_motion: Annotated[float, KEPT] = field(default=1.0, repr=False)
 
 
 @dataclass(frozen=True)
