@@ -476,6 +476,11 @@ class ParticleDamper:
         return float(stuck_frequency(self.parameters)[0])
 
     @property
+    def swing_frequency(self) -> float:
+        """The same of the mode that leads along x, which may move the cavity along y too [rad/s]."""
+        return math.sqrt(self._swing(0)[1])
+
+    @property
     def half_gap(self) -> tuple[float, float]:
         """How far the ball's centre can go from the cavity's centre along x and y [m]."""
         x, y = half_gap(self.parameters)[0]
@@ -488,16 +493,24 @@ class ParticleDamper:
         The load accelerates a ball in the middle of its cavity by -E u; where u swings with the frequency omega of an
         axis, its drive is u'' + E u = (1 - tau) u'', tau = E / omega**2. On a floor that tilts E = Omega**2 R kappa.
         """
-        (along, first), (across, second) = map(self._swing, range(2))
-        return float(self.pull[0] @ along / first), float(self.pull[1] @ across / second)
+        (_, square, pull), (_, other, across) = map(self._swing, range(2))
+        return float(pull[0] / square), float(across[1] / other)
 
-    def _swing(self, axis: int) -> tuple[Floats, float]:
-        """Displacement, over its part along an axis, where that swings, and omega**2 with the ball stuck [1/s^2]."""
+    def _swing(self, axis: int) -> tuple[Floats, float, Floats]:
+        """The swing that leads along an axis, the ball stuck, over its part along it.
+
+        Returns:
+            Displacement (2,); omega**2 [1/s^2]; what the load takes of the drive along x and y, (2,) [1/s^2].
+        """
         mode = None if self.modes is None else self.modes[self.leading(axis)]
         if mode is None or mode.shape[axis] == 0:
-            return np.eye(2)[axis], self.stiffness[axis] / self.stuck_mass
+            along = np.eye(2)[axis]
+            return along, self.stiffness[axis] / self.stuck_mass, self.pull @ along
         shape = np.array(mode.shape)
-        return shape / shape[axis], mode.stiffness / (mode.mass + self.ball_mass * float(shape @ shape))
+        square = mode.stiffness / (mode.mass + self.ball_mass * float(shape @ shape))
+        load = float(self.parameters["centrifugal_acceleration"][0])
+        drawn = in_plane(self.parameters)[0] @ shape
+        return shape / shape[axis], square, (load * np.array(mode.slope) - drawn) / shape[axis]
 
     @property
     def pull(self) -> Floats:
@@ -562,11 +575,10 @@ class ParticleDamper:
         Args:
             drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
         """
-        swing, square = self._swing(0)
-        left = abs(1 - self.tilt_share[0])
-        if self.modes is not None and not any(self.lateral_pull):  # nothing else holds it, and either axis drives it
-            left = math.hypot(left, swing[1] - self.pull[1] @ swing / square)
-        return math.inf if left == 0 else drive / square / left
+        swing, square, pull = self._swing(0)
+        left = np.abs(swing * (1 - self.tilt_share[0]) if self.modes is None else swing - pull / square)
+        most = float(left[0] if any(self.lateral_pull) else left.max())  # a ball at rest is held along each axis
+        return math.inf if most == 0 else drive / square / most
 
     @property
     def inertia_ratio(self) -> float:

@@ -158,7 +158,7 @@ def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
 def shortening(point: SpeedPoint) -> float:
     """By how much the damper's place comes nearer to the axis, over half the square of its displacement [1/m].
 
-    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - sin²(stagger)). The ball's
+    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - outwards²). The ball's
     inertia in its whole motion lowers the frequency, not only that along axis 1.
     """
     reduced = point.reduced
@@ -167,7 +167,7 @@ def shortening(point: SpeedPoint) -> float:
     ball = reduced.M1 - reduced.M2
     stiffness = reduced.K1 + (reduced.whole_motion - 1.0) * ball * reduced.K1 / reduced.M1
     stiffer = (stiffness - reduced.K2) / ball / point.omega**2
-    return (stiffer + math.sin(point.stagger or 0.0) ** 2) / point.radius
+    return (stiffer + point.outwards**2) / point.radius
 
 
 def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
@@ -183,7 +183,7 @@ def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
     twice what holds it. A ball at a wall is held by that as well: there none of it counts.
     """
     alone = system.amplitude_of(system.break_away_threshold)
-    turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
+    turn, omega, load = system.rotation, system.swing_frequency, system.centrifugal_acceleration
     hold, nearer = system.rolling_threshold + system.break_away * load, shortening(point)
     most = math.sqrt(2 * hold / (turn * omega * abs(nearer))) if turn * nearer != 0 else math.inf
     most = min(alone, most)
@@ -210,14 +210,13 @@ def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.
     acceleration, c (u'² + u u''), and by the Coriolis acceleration 2 Omega (s e) u'; a floor that tilts turns each of
     the two a little into the other.
     """
-    turn, omega, load = system.rotation, system.stuck_frequency, system.centrifugal_acceleration
+    turn, omega, load = system.rotation, system.swing_frequency, system.centrifugal_acceleration
     nearer = shortening(point)
     outwards = np.array([math.sin(system.stagger), -math.cos(system.stagger)])
     shape, slope = np.array([1.0, 0.0]), np.array([system.floor_tilt[0], 0.0])
     if system.modes is not None:
         mode = system.modes[system.leading(0)]
         shape, slope = np.array(mode.shape) / mode.shape[0], np.array(mode.slope) / mode.shape[0]
-        omega = math.sqrt(mode.stiffness / (mode.mass + system.ball_mass * math.hypot(*mode.shape) ** 2))
     chord, phase = float(shape @ outwards), np.linspace(-math.pi / 2, math.pi / 2, 101)[:, None]
     u, velocity = amplitude * np.cos(phase), -omega * amplitude * np.sin(phase)
     pressed = load + 2 * turn * chord * velocity + nearer * (velocity**2 - (omega**2 + turn**2 / 2) * u**2)

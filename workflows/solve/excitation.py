@@ -380,7 +380,7 @@ class _Balance:
         )
         branch = branch_of((at,), crossing)
         crossed = next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0)
-        free, frequency = free_vibration(system), system.stuck_frequency
+        free, frequency = free_vibration(system), system.swing_frequency
         moves = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
         moves *= coupling.resting_share(system, there) if modes_at_crossing(there, crossing)[1] == 0 else 1.0
         twice_zeta = free.dashpot / math.sqrt(system.stiffness[0] * system.modal_mass)

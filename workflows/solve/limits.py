@@ -252,7 +252,7 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
     damper = results.scene.damper
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
-    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * abs(1 - point.tilt_share) * amplitude
+    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.drive_left * amplitude
     resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 

@@ -753,19 +753,41 @@ class SpeedPoint:
         return math.sqrt(self.radius**2 - self.lean[0] ** 2 - self.lean[1] ** 2) if any(self.lean) else self.radius
 
     @property
-    def tilt_share(self) -> float:
-        """Share of the ball's drive that the tilt of the floor takes, less what it gains in the plane of rotation [-].
+    def _leading(self) -> CavityMode | None:
+        leading = max(self.cavity_modes, key=lambda mode: mode.shape[0] ** 2 / mode.stiffness, default=None)
+        return None if leading is None or leading.shape[0] == 0 else leading
 
-        Ω²(R slope - sin²(stagger) + sin(stagger) cos(stagger) across) / ω1²: a place that moves in that plane takes the
-        ball farther from the axis; `across` is its motion along axis 2, over that along axis 1, in the leading mode.
+    @property
+    def across(self) -> float:
+        """Motion of the place along axis 2, over that along axis 1, in the mode that leads there."""
+        return 0.0 if self._leading is None else self._leading.shape[1] / self._leading.shape[0]
+
+    @property
+    def outwards(self) -> float:
+        """Motion of the place in the plane of rotation, over that along axis 1."""
+        stagger = self.stagger or 0.0
+        return math.sin(stagger) - math.cos(stagger) * self.across
+
+    @property
+    def tilt_share(self) -> float:
+        """Share of the ball's drive along axis 1 that the tilt of the floor takes, less what it gains in the plane.
+
+        Ω²(R slope - sin(stagger) outwards) / ω1²: a place that moves in the plane of rotation takes the ball farther
+        from the axis.
         """
         if self.reduced is None:
             return 0.0
-        leading = max(self.cavity_modes, key=lambda mode: mode.shape[0] ** 2 / mode.stiffness, default=None)
-        across = 0.0 if leading is None or leading.shape[0] == 0 else leading.shape[1] / leading.shape[0]
-        sine, cosine = math.sin(self.stagger or 0.0), math.cos(self.stagger or 0.0)
-        pull = self.pressing * self.reduced.floor_tilt - sine * (sine - cosine * across)
+        pull = self.pressing * self.reduced.floor_tilt - math.sin(self.stagger or 0.0) * self.outwards
         return self.omega**2 * pull / (2 * math.pi * self.reduced.f1_hz) ** 2
+
+    @property
+    def drive_left(self) -> float:
+        """What tilt and load leave of a ball's drive along the floor, both axes together, over the one along axis 1."""
+        left, mode = 1 - self.tilt_share, self._leading
+        if self.reduced is None or mode is None or self.across == 0:
+            return abs(left)
+        pull = self.pressing * mode.slope[1] / mode.shape[0] + math.cos(self.stagger or 0.0) * self.outwards
+        return math.hypot(left, self.across - self.omega**2 * pull / (2 * math.pi * self.reduced.f1_hz) ** 2)
 
     @property
     def level(self) -> Figures | None:
