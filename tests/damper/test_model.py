@@ -9,6 +9,8 @@ import pytest
 
 from damper import (
     Formulation,
+    Mode,
+    ParticleDamper,
     ball_density,
     capacity,
     ringdown,
@@ -220,3 +222,26 @@ def test_a_hollow_floor_holds_a_ball_off_the_wall() -> None:
         hollow = dataclasses.replace(BASE, floor_radius=(0.05, 0.05), lateral_acceleration=(pull, 0.0))
         held = max(share - 1.0, 0.0) * load * gap / path
         assert hollow.leaving_threshold == pytest.approx(hollow.rolling_threshold + held, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("shape", "slope"),
+    [
+        ((2.0, 2.0), (0.0, 0.0)),
+        ((1.0, 0.5), (6.0, -3.0)),
+        ((1.0, -0.7), (80.0, 1.0)),
+        ((1.0, 1.7), (30.0, 1.0)),
+        ((1.0, 0.3), (195.0, 1.0)),
+    ],
+)
+def test_a_mode_along_both_axes_moves_a_ball_where_one_of_them_does(shape, slope):
+    """A percent below that amplitude the ball rests in the ring-down, a percent above it rolls."""
+    stiffness = (4e6 / shape[0] ** 2,) * 2
+    ball = ParticleDamper(shape[0] ** -2, stiffness, 0.01, 1e-3, (3e-3, 3e-3), 2e4, 0.5, 0.3, 1e-5)
+    damper = dataclasses.replace(ball, modes=(Mode(1.0, 4e6, shape, slope),))
+    amplitude = damper.amplitude_of(damper.break_away_threshold)
+    below, above = (
+        ringdown(damper, (share * amplitude, 0.0), 0.6, amplitudes=(share * amplitude / shape[0],))
+        for share in (0.99, 1.01)
+    )
+    assert below.energy.rolling == 0.0 < above.energy.rolling
