@@ -410,7 +410,7 @@ def test_what_first_moves_a_ball_does_not_depend_on_how_its_cavity_is_turned(bri
         system = verdict_damper(state.source.scene, state.effects, point)
         first = min(system.amplitude_of(system.break_away_threshold), coupling.moves_first_from(system, point))
         shortening = coupling.shortening(point) * np.cos(angle) ** 2
-        found.append([first / np.cos(angle), system.stuck_frequency, shortening, point.tilt_share])
+        found.append([first / np.cos(angle), system.swing_frequency, shortening, point.tilt_share])
     np.testing.assert_allclose(found, np.broadcast_to(found[0], (4, 4)), rtol=2e-3)
     assert found[0][3] > 0.1
 
