@@ -493,8 +493,8 @@ class ParticleDamper:
         The load accelerates a ball in the middle of its cavity by -E u; where u swings with the frequency omega of an
         axis, its drive is u'' + E u = (1 - tau) u'', tau = E / omega**2. On a floor that tilts E = Omega**2 R kappa.
         """
-        (_, square, pull), (_, other, across) = map(self._swing, range(2))
-        return float(pull[0] / square), float(across[1] / other)
+        x, y = (float(pull[axis] / square) for axis, (_, square, pull) in enumerate(map(self._swing, range(2))))
+        return x, y
 
     def _swing(self, axis: int) -> tuple[Floats, float, Floats]:
         """The swing that leads along an axis, the ball stuck, over its part along it.
@@ -575,10 +575,10 @@ class ParticleDamper:
         Args:
             drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
         """
-        swing, square, pull = self._swing(0)
-        left = np.abs(swing * (1 - self.tilt_share[0]) if self.modes is None else swing - pull / square)
-        most = float(left[0] if any(self.lateral_pull) else left.max())  # a ball at rest is held along each axis
-        return math.inf if most == 0 else drive / square / most
+        (swing, square, pull), left = self._swing(0), abs(1 - self.tilt_share[0])
+        if self.modes is not None and not any(self.lateral_pull):  # a ball at rest is held along each axis
+            left = max(left, abs(float(swing[1] - pull[1] / square)))
+        return math.inf if left == 0 else drive / square / left
 
     @property
     def inertia_ratio(self) -> float:

@@ -100,7 +100,7 @@ def _fitted(operators: SolidOperators, share: Array) -> Array:
 
 
 CARRIED = {"tetra10": 0.28, "wedge15": 0.14}
-"""Factor on the energy of what free faces carry, over that of the mode, fitted at rest on 14 bars and blades with
+"""Factor on the energy of what free faces carry, over that of the mode, fitted at rest on 18 bars and blades with
 thicknesses of 2 to 100 % of the chord, of 1 x 1 to 6 x 2 cells in the section; 0.12 for other cells."""
 
 

@@ -18,7 +18,7 @@ from workflows.progress import Stages
 from workflows.report import verdict
 from workflows.scene.load import as_scene_file
 from workflows.solve import coupling, damper, limits
-from workflows.solve.results import Reduced, Results, SpeedPoint
+from workflows.solve.results import Reduced, Results, SpeedPoint, leading_mode
 
 QUIET = Stages(visible=False)
 ROUGH = {"accuracy__frequency": 0.05}
@@ -116,7 +116,7 @@ def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     """As the paper's plate at rest: in-plane bending of a beam with shear, about 1400 Hz; and its own slope."""
     scene = changed(paper, effects=None, rotor__speeds=["0 rpm", "10000 rpm"])
     system, point = built(scene)
-    lag = coupling.leading_mode(point.cavity_modes, 1)
+    lag = leading_mode(point.cavity_modes, 1)
     assert math.sqrt(lag.stiffness) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
     shear = 3 * 0.08**2 / 12 * 2.6 / (5 / 6 * 0.2**2)  # of a Timoshenko beam's deflection, over that by bending
     assert lag.slope[1] / lag.shape[1] == pytest.approx(1.3765 / 0.2 / (1 + shear), rel=0.03)
@@ -133,7 +133,7 @@ def test_as_few_modes_as_the_damping_needs(paper: Scene) -> None:
     """The leading ones always; others by the ball's mass over theirs."""
     light = changed(paper, effects=None, rotor__speeds=["5000 rpm"], damper__mass_ratio=1e-5, **ROUGH)
     system, point = built(light)
-    leaders = {coupling.leading_mode(point.cavity_modes, axis).number for axis in range(2)}
+    leaders = {leading_mode(point.cavity_modes, axis).number for axis in range(2)}
     assert {m.number for m in coupling.damper_modes(as_scene_file(light).scene, point)} == leaders
     assert len(system.modes) == 2
     heavy, _ = built(changed(light, damper__mass_ratio=0.01))

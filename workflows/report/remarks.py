@@ -24,7 +24,7 @@ from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
-from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint
+from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint, leading_mode
 
 Values: TypeAlias = dict[str, Any] | None
 """What a sentence says, by name; None where there is nothing to say."""
@@ -168,12 +168,17 @@ _NOTABLE_TILT = 0.01
 """Share of the drive from which on the tilt of the floor is worth a sentence."""
 
 
+_ALONG_BOTH = 0.02
+"""Share of the drive that is left along axis 2 beside axis 1 from which on it is said that the tilt's is of axis 1."""
+
+
 def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with the answer."""
     shares = [p.tilt_share for p in points]
     if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
-    return phrase("remarks/tilt", results, begin=as_it_moves(results), shares=shares)
+    both = any(point.drive_left > abs(1 - point.tilt_share) + _ALONG_BOTH for point in points)
+    return phrase("remarks/tilt", results, begin=as_it_moves(results), shares=shares, both=both)
 
 
 def as_it_moves(results: Results) -> str:
@@ -511,7 +516,7 @@ def long_hits(results: Results) -> Values:
 def still_across(results: Results) -> Values:
     """No mode that was looked for moves the cavity across."""
     rung = [p for p, _, _ in ring_downs(results) if p.cavity_modes]
-    if not rung or any(coupling.leading_mode(p.cavity_modes, 1) is not None for p in rung):
+    if not rung or any(leading_mode(p.cavity_modes, 1) is not None for p in rung):
         return None
     return {"modes": len(rung[0].cavity_modes), "known": results.scene.known is not None}
 

@@ -17,7 +17,7 @@ from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve.results import CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields
+from workflows.solve.results import STILL, CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields, leading_mode
 
 if TYPE_CHECKING:
     import damper
@@ -99,18 +99,6 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     }
 
 
-def leading_mode(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
-    """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
-    leader = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
-    if leader is None or abs(leader.shape[axis]) <= _STILL * max(math.hypot(*mode.shape) for mode in modes):
-        return None
-    return leader
-
-
-_STILL = 1e-6
-"""Relative displacement of a cavity that counts as none: a mesh's rounding, by symmetry zero."""
-
-
 def damper_modes(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
@@ -132,7 +120,7 @@ def damper_modes(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
 
 def _on_axis(mode: CavityMode) -> CavityMode:
     """The mode without the displacements and slopes that symmetry forbids and rounding leaves."""
-    still = [abs(part) <= _STILL * math.hypot(*mode.shape) for part in mode.shape]
+    still = [abs(part) <= STILL * math.hypot(*mode.shape) for part in mode.shape]
     x, y = (0.0 if none else part for none, part in zip(still, mode.shape, strict=True))
     a, b = (0.0 if none else part for none, part in zip(still, mode.slope, strict=True))
     return replace(mode, shape=(x, y), slope=(a, b))

@@ -32,6 +32,7 @@ from workflows.solve.results import (
     SpeedPoint,
     VibrationReduction,
     copy_fields,
+    leading_mode,
 )
 from workflows.solve.structure import StructureSolver, StructureState
 
@@ -64,14 +65,14 @@ def modes_at_crossing(point: SpeedPoint, crossing: Crossing) -> tuple[list[Cavit
     if modes is None:
         return None, 0, True
     axis = int(abs(modes[0].shape[1]) > abs(modes[0].shape[0]))
-    return modes, axis, axis == 0 and coupling.leading_mode(point.cavity_modes, 0) is modes[0]
+    return modes, axis, axis == 0 and leading_mode(point.cavity_modes, 0) is modes[0]
 
 
 def modes_followed(point: SpeedPoint, modes: list[CavityMode] | None) -> list[CavityMode] | None:
     """The mode crossed and those that yield most along either axis, ascending; None where the structure is given."""
     if modes is None:
         return None
-    leaders = [coupling.leading_mode(point.cavity_modes, axis) for axis in range(2)]
+    leaders = [leading_mode(point.cavity_modes, axis) for axis in range(2)]
     numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
     return [mode for mode in point.cavity_modes if mode.number in numbers]
 
@@ -257,7 +258,7 @@ def _nearest(order: int, ends: Sequence[tuple[SpeedPoint, int]], point: SpeedPoi
 
 def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
     """Frequency with the ball at rest of the mode that moves the cavity most along x [Hz]."""
-    leader = coupling.leading_mode(point.cavity_modes, 0)
+    leader = leading_mode(point.cavity_modes, 0)
     assert point.reduced is not None
     if leader is None:
         return point.reduced.f1_hz

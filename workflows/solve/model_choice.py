@@ -47,8 +47,8 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
         if source.scene.blade is not None:
             loose = "in double precision the blade is all but loose: rounding leaves nothing of its lowest frequency"
             better = "expected a root that holds it, thicker cells, and more than a single row of them"
-            better += ": hexahedra of 20 nodes in a row deform without stress"
-            raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}") from error
+            row = "hexahedra of 20 nodes in a row deform without stress"
+            raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}: {row}") from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (fem.SingularMatrix, fem.NotConverged) as error:

@@ -208,7 +208,7 @@ class OwnFigures(Figures):
     level: Annotated[Figures | None, part("level_floor", prefix="level_", headline=False)]
     """figures for falling vibration on a level floor, where the scene keeps the floor level; else null"""
     tilt_share: Annotated[float, quantity("1", "floor_tilt_share", headline=True)]
-    """share of the ball's drive that the tilt of the floor takes: at 1 nothing drives it"""
+    """share of the ball's drive along axis 1 that the tilt of the floor takes: at 1 nothing drives it that way"""
     pendulum: Annotated[Pendulum | None, part(prefix="pendulum_")] = None
     """the ball in a hollow floor along the damper's axes: frequency, and that over the rotation's"""
     tilted_cutoff_g: Annotated[MaybeUnknown, quantity("g")] = None
@@ -625,6 +625,18 @@ class CavityMode:
     pushed: Annotated[float, KEPT] = 0.0
 
 
+def leading_mode(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
+    """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
+    leader = max(modes, key=lambda mode: mode.shape[axis] ** 2 / mode.stiffness, default=None)
+    if leader is None or abs(leader.shape[axis]) <= STILL * max(math.hypot(*mode.shape) for mode in modes):
+        return None
+    return leader
+
+
+STILL = 1e-6
+"""Relative displacement of a cavity that counts as none: a mesh's rounding, by symmetry zero."""
+
+
 @dataclass(frozen=True)
 class ModeAtSeat:
     """What a mode does at the damper's place; pairs are along the axes of the cavity.
@@ -753,14 +765,10 @@ class SpeedPoint:
         return math.sqrt(self.radius**2 - self.lean[0] ** 2 - self.lean[1] ** 2) if any(self.lean) else self.radius
 
     @property
-    def _leading(self) -> CavityMode | None:
-        leading = max(self.cavity_modes, key=lambda mode: mode.shape[0] ** 2 / mode.stiffness, default=None)
-        return None if leading is None or leading.shape[0] == 0 else leading
-
-    @property
     def across(self) -> float:
         """Motion of the place along axis 2, over that along axis 1, in the mode that leads there."""
-        return 0.0 if self._leading is None else self._leading.shape[1] / self._leading.shape[0]
+        leading = leading_mode(self.cavity_modes, 0)
+        return 0.0 if leading is None else leading.shape[1] / leading.shape[0]
 
     @property
     def outwards(self) -> float:
@@ -783,7 +791,7 @@ class SpeedPoint:
     @property
     def drive_left(self) -> float:
         """What tilt and load leave of a ball's drive along the floor, both axes together, over the one along axis 1."""
-        left, mode = 1 - self.tilt_share, self._leading
+        left, mode = 1 - self.tilt_share, leading_mode(self.cavity_modes, 0)
         if self.reduced is None or mode is None or self.across == 0:
             return abs(left)
         pull = self.pressing * mode.slope[1] / mode.shape[0] + math.cos(self.stagger or 0.0) * self.outwards
