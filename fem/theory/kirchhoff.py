@@ -162,12 +162,13 @@ def together(kind: Any) -> Any:
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
             if not self._first.size:
                 self._combine(mapping.mesh)
-            shapes, cells, spread = self._alike if tind is None else self._alike[tind], tind, None
-            if X.ndim == 2:  # the same places in every cell
-                shapes, spread = np.unique(shapes, return_inverse=True)
-                cells = self._first[shapes]
-            combinations = np.swapaxes(self.V[shapes], 1, 2)
-            at = mapping.F(X, tind=cells)
+            shapes = self._alike if tind is None else self._alike[tind]
+            if same_places := X.ndim == 2:
+                present, spread = np.unique(shapes, return_inverse=True)
+                combinations, at = self.V[present], mapping.F(X, tind=self._first[present])
+            else:
+                combinations, at = self.V[shapes], mapping.F(X, tind=tind)
+            combinations = np.swapaxes(combinations, 1, 2)
             tables = []
             for order in range(self.derivatives + 1):
                 parts = {}
@@ -175,7 +176,7 @@ def together(kind: Any) -> Any:
                     monomials = np.stack([monomial(*at) for monomial in self._pbasis[along]], axis=1)
                     parts[along] = combinations @ monomials
                 table = np.stack(list(parts.values())).reshape((self.dim,) * order + parts[along].shape)
-                tables.append(np.moveaxis(table if spread is None else table[..., spread, :, :], -2, 0))
+                tables.append(np.moveaxis(table[..., spread, :, :] if same_places else table, -2, 0))
             return tuple(DiscreteField(value=u, grad=du, hess=ddu) for u, du, ddu in zip(*tables, strict=True))
 
     return Together()
