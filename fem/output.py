@@ -119,19 +119,19 @@ def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -
     from scipy.sparse import coo_array
 
     padded = np.concatenate([shapes, np.zeros((1, shapes.shape[1]))])
-    cells = np.arange(len(numbers))
+    columns = padded.view(np.float64)  # of complex shapes real and imaginary parts
     count = int(numbers.max()) + 1
-    moved = np.zeros((count, 3, shapes.shape[1]), dtype=padded.dtype)
+    moved = np.zeros((count, 3, columns.shape[1]))
     for k, space in enumerate(operators.model.spaces):
-        many = np.repeat(cells, len(grid.points)), np.tile(grid.points.T, cells.size)
-        weights, dofs = (each.reshape(*numbers.shape, -1) for each in space.probe(*many))  # (cells, places, functions)
-        rows = np.broadcast_to(numbers[:, :, None], dofs.shape)
+        weights = space.everywhere(grid.points.T)[: len(numbers)]  # (cells, places, functions); of bricks the first
+        dofs = space.dofs[: len(numbers), None]
+        rows, dofs = (np.broadcast_to(each, weights.shape) for each in (numbers[:, :, None], dofs))
         total = coo_array(
             (weights.ravel(), (rows.ravel(), dofs.ravel() % len(padded))), shape=(count, len(padded))
         ).tocsr()
-        moved[:, k] = total @ padded
+        moved[:, k] = np.asarray(total @ columns)
     times = np.bincount(numbers.ravel(), minlength=count)
-    return np.moveaxis(moved / times[:, None, None], -1, 0)
+    return np.moveaxis((moved / times[:, None, None]).view(padded.dtype), -1, 0)
 
 
 def displacement(operators: Operators, shapes: Array) -> Array:

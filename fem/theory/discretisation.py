@@ -25,27 +25,30 @@ class Space:
     Attributes:
         dofs: (ncell, ndof).
         height: for bricks, the reference height of the mid-surface in the first bricks.
-        scale: length in m of the basis's own unit.
-        signs: (ncell, ndof), -1 where a cell's shape function counts an unknown backwards, as normal slopes are on one
-            of two neighbours.
+        units: (2, ncell), lengths in m of the basis's own units of x and y in every cell; None: m.
+        counted: (ncell, ndof), by what a cell's shape function counts an unknown: -1 where backwards, as normal slopes
+            are on one of two neighbours.
         combined: (nbasis, ndof), what each unknown moves of the basis's own functions, where that is more than one.
     """
 
     basis: Any
     dofs: NDArray[np.int64]
     height: float | None = None
-    scale: float = 1.0
-    signs: Array | None = None
+    units: Array | None = None
+    counted: Array | None = None
     combined: Array | None = None
 
     def table(self, derivatives: tuple[tuple[int, ...], ...]) -> Array:
         """Tabulate derivatives as the fields of a block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
         functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
-        table = np.stack([np.stack([self._component(f, d) for d in derivatives], axis=-1) for f in functions], axis=-1)
+        table = np.stack([np.stack([_component(f, d) for f in functions], axis=-1) for d in derivatives], axis=2)
+        if self.units is not None:
+            per = np.stack([self.units[list(d)].prod(axis=0) for d in derivatives], axis=1)
+            table = table / per[:, None, :, None]
         if self.combined is not None:
             table = table @ self.combined
-        if self.signs is not None:
-            table = table * self.signs[:, None, None, :]
+        if self.counted is not None:
+            table = table * self.counted[:, None, None, :]
         return np.ascontiguousarray(table)
 
     def values(self, reference: Array) -> Array:
@@ -64,18 +67,27 @@ class Space:
             reference: planar reference coordinates, shape (2, npoint).
             derivative: numbers of the coordinates to differentiate by; none: the value.
         """
-        if self.height is not None:
-            reference = np.vstack([reference, np.full(reference.shape[1], self.height)])
-        at, mapping = reference[:, :, None], self.basis.mapping
-        functions = [self.basis.elem.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
-        weights = np.stack([self._component(f, derivative)[:, 0] for f in functions], axis=-1)
-        weights = weights if self.combined is None else weights @ self.combined
-        return weights if self.signs is None else weights * self.signs[cells], self.dofs[cells]
+        return self._weights(reference[:, :, None], derivative, cells)[:, 0], self.dofs[cells]
 
-    def _component(self, field: Any, derivative: tuple[int, ...]) -> Array:
-        source = (np.asarray(field), field.grad, field.hess)[len(derivative)]
-        component = source[derivative] if derivative else source
-        return np.asarray(component) / self.scale ** len(derivative)
+    def everywhere(self, reference: Array) -> Array:
+        """Weights (ncell, npoint, ndof) of the values at the same planar reference points (2, npoint) of all cells."""
+        return self._weights(reference, (), None)
+
+    def _weights(self, at: Array, derivative: tuple[int, ...], cells: NDArray[np.int64] | None) -> Array:
+        if self.height is not None:
+            at = np.concatenate([at, np.full((1, *at.shape[1:]), self.height)])
+        every, element, mapping = slice(None) if cells is None else cells, self.basis.elem, self.basis.mapping
+        functions = [element.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
+        weights = np.stack([_component(f, derivative) for f in functions], axis=-1)
+        if self.units is not None:
+            weights = weights / self.units[list(derivative)].prod(axis=0)[every, None, None]
+        weights = weights if self.combined is None else weights @ self.combined
+        return weights if self.counted is None else weights * self.counted[every][:, None]
+
+
+def _component(field: Any, derivative: tuple[int, ...]) -> Array:
+    source = (np.asarray(field), field.grad, field.hess)[len(derivative)]
+    return np.asarray(source[derivative] if derivative else source)
 
 
 def blocks(spaces: tuple[Space, ...], derivatives: tuple[tuple[int, ...], ...]) -> list[Block]:

@@ -100,8 +100,9 @@ def is_rectangles(mesh: Any) -> bool:
 def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any, NDArray[np.int64], Space]:
     """The unknowns of w, those that are clamped, and a space over them that still lacks its numbers.
 
-    The shape functions are computed cell by cell in coordinates centred on the cell and measured in cell
-    sizes, where the monomials they are made of are far better conditioned than in global ones.
+    The shape functions are computed cell by cell in coordinates centred on the cell and measured in its sides, or in
+    cell sizes, where the monomials they are made of are far better conditioned than in global ones. Rectangles are all
+    the same square there. Slopes are unknowns per cell size.
     """
     from skfem import Basis, Dofs, ElementQuadBFS, ElementTriArgyris, ElementTriMorley
 
@@ -109,18 +110,22 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
     dofs = Dofs(mesh, kind())
     fixed = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
     corners = mesh.p[:, mesh.t]
-    local = (corners - corners.mean(axis=1, keepdims=True)) / size
     count, ncell = mesh.t.shape
+    units = np.ptp(corners, axis=1) if element == "bfs" else np.full((2, ncell), size)
+    local = (corners - corners.mean(axis=1, keepdims=True)) / units[:, None]
     numbers = np.arange(count * ncell).reshape(ncell, count).T
     apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
     basis = Basis(apart, together(kind), quadrature=quadrature)
-    signs = np.ones((ncell, basis.Nbfun))
-    if element != "bfs":
+    counted = np.ones((ncell, basis.Nbfun))
+    if element == "bfs":
+        x, y = units / size
+        counted = np.tile(np.stack([np.ones(ncell), x, y, x * y], axis=1), count)
+    else:
         # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.
         second = mesh.f2t[1, mesh.t2f] == np.arange(ncell)
-        signs[:, -3:] = np.where(second, -1.0, 1.0).T
+        counted[:, -3:] = np.where(second, -1.0, 1.0).T
     unnumbered = np.empty((0, 0), dtype=np.int64)
-    return dofs, fixed, Space(basis, unnumbered, scale=size, signs=signs)
+    return dofs, fixed, Space(basis, unnumbered, units=units, counted=counted)
 
 
 @cache
@@ -129,6 +134,10 @@ def _monomials(kind: Any) -> Any:
     element = kind()
     element._pbasis_init(element.maxdeg, element.dim, element.derivatives, element.tensorial_basis)
     return element._pbasis
+
+
+_known: dict[tuple[Any, bytes], Any] = {}
+"""Combinations of monomials in meshes whose cells are all alike, by element and corners: rectangles are."""
 
 
 def together(kind: Any) -> Any:
@@ -153,11 +162,17 @@ def together(kind: Any) -> Any:
         def _combine(self, mesh: Any) -> None:
             """Find the combinations V (shapes, n, n) of monomials in cells of every shape."""
             corners = mesh.p[:, mesh.t]
-            local = (corners - corners.mean(axis=1, keepdims=True)).reshape(-1, mesh.t.shape[1])
-            _, self._first, self._alike = np.unique(local.round(12), axis=1, return_index=True, return_inverse=True)
+            local = (corners - corners.mean(axis=1, keepdims=True)).reshape(-1, mesh.t.shape[1]).round(12)
+            _, self._first, self._alike = np.unique(local, axis=1, return_index=True, return_inverse=True)
             self._pbasis = _monomials(kind)
+            shape = kind, local[:, self._first].tobytes()
+            if shape in _known:
+                self.V = _known[shape]
+                return
             pieces = np.split(self._first, range(PIECE, self._first.size, PIECE))
             self.V = np.linalg.inv(np.concatenate([self._eval_dofs(mesh.restrict(piece)) for piece in pieces]))
+            if self._first.size == 1:
+                _known[shape] = self.V
 
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
             if not self._first.size:
