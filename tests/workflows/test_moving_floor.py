@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import workflows
-from damper import ParticleDamper
+from damper import ParticleDamper, ringdown, sample
+from damper.curve_measurement import undamped
 from tests.workflows.conftest import BALL, Scene, changed, effects_of, write
 from workflows import pipeline
 from workflows.errors import BadInput
@@ -396,3 +397,33 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     within = replace(own, driven_from=0.99 * limit, damping_ratio=0.0 * own.damping_ratio)
     reasons = [limits.verdict(held, replace(point, damping_curve=each)).reason for each in (own, within)]
     assert reasons == ["sideways", "not_found"], "what is counted begins within the limit, and takes nothing there"
+
+
+def test_falling_vibration_feeds_the_other_modes() -> None:
+    """As ring-downs in all modes have it: a ball that hits keeps in step with two modes, and not with a third."""
+    plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm", "theory": "kirchhoff"}
+    ball = {"count": 2, "ball_material": "steel", "radius": "2 mm", "cavity": ["4.6 mm", "5 mm"], "restitution": 0.6}
+    scene = {
+        "title": "three modes",
+        "plate": plate,
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["1500 rpm"], "modes": 4, "hub_radius": "150 mm"},
+        "damper": ball | {"friction": 0.2, "rolling_friction": "0.02 mm"},
+        "accuracy": {"frequency": 0.01},
+    }
+    system, _ = built(scene)
+    assert len(system.modes) == 3
+    found = damper.figures(system)
+    middle, bare = found.from_above.peak_amplitude, undamped(system)
+    ratios = []
+    for part in (0.97, 0.98, 0.99, 1.01, 1.02, 1.03):
+        run = ringdown(bare, (4 * part * middle, 0.0), 200, keep_events=True)
+        times = np.linspace(0.0, 0.99 * run.duration, 200 * 40)
+        peaks = np.abs(sample(run, times).displacement[:, 0]).reshape(200, 40).max(axis=1)
+        first, last = (int(np.argmax(peaks < level * middle)) for level in (1.4, 0.7))
+        turns = 0.99 * run.duration / 200 * (last - first) * bare.swing_frequency
+        ratios.append(math.log(peaks[first] / peaks[last]) / turns)
+    assert np.mean(ratios) == pytest.approx(found.from_above.peak, rel=0.4)
+    assert damper.figures(damper.in_leading_modes(system)).from_above.peak > 2 * found.from_above.peak
+    assert (found.from_above.damping_ratio >= np.interp(found.from_above.amplitude, found.amplitude,
+                                                         found.damping_ratio) - 1e-15).all()  # fmt: skip

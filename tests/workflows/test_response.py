@@ -11,7 +11,18 @@ import pytest
 import xarray as xr
 
 import spindamp
-from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle
+from fem import (
+    Effects,
+    Material,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    modes_at,
+    rectangle,
+    solve_modes,
+    with_point_mass,
+)
 from fem.rotor import in_rpm
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import BALL, KNOWN, changed, shipped_scene
@@ -566,7 +577,7 @@ def test_both_halves_of_a_peak_that_a_ball_splits_are_looked_at(monkeypatch):
     scene = as_scene_file(changed(STRUCTURE, damper__rolling_friction="1e-4 mm", **tuned))
     (row,) = study.rows(respond(scene))
     monkeypatch.setattr(study, "SPEEDS", 80)
-    monkeypatch.setattr(study, "band", lambda crossing, *_: (0.8 * crossing.omega, 1.2 * crossing.omega))
+    monkeypatch.setattr(study, "band", lambda both, *_: (0.8 * both[1], 1.2 * both[1]))
     (fine,) = study.rows(respond(scene))
     assert fine.ratio == pytest.approx(0.33, rel=0.02)
     assert row.ratio == pytest.approx(fine.ratio, rel=0.01)
@@ -789,6 +800,58 @@ def test_a_crossing_is_bracketed(end):
         assert at is not resting
         assert at.modes[0].frequency_hz == pytest.approx(crossing.rpm / 60, rel=1e-5)
         assert resting.rpm == pytest.approx(crossing.rpm, rel=1e-5)
+
+
+@pytest.mark.usefixtures("few_speeds")
+@pytest.mark.parametrize(
+    ("at", "hub", "count", "order", "number"), [(0.15, 0.48, 20, 2, 0), (0.2, 0.1, 2, 6, 2), (0.2, 0.1, 8, 6, 2)]
+)
+def test_the_peak_with_the_ball_at_rest_is_followed(at, hub, count, order, number):
+    """Where its pull raises the frequency, and in a mode that is not the one that moves the cavity most.
+
+    There the order meets the frequency of the plate with the balls' mass stuck to it, and the dashpot alone limits the
+    amplitude: at rest a ball reduces nothing.
+    """
+    ball = {"at": [at, 0.0], "ball_density": 15600.0, "count": count, "radius": "4 mm", "cavity": ["9 mm"] * 2}
+    ball |= {"restitution": 0.6, "friction": 0.3, "rolling_friction": "0.04 mm", "damping_ratio": 0.001}
+    plate = {"length": 0.4, "width": 0.06, "thickness": 0.012, "theory": "kirchhoff"}
+    scene = {
+        "title": "mid-span",
+        "plate": plate,
+        "material": {"youngs_modulus": 70e9, "poissons_ratio": 0.3, "density": 2700.0},
+        "rotor": {"speeds": ["3000 rpm", "7000 rpm"], "modes": 4, "hub_radius": hub},
+        "damper": ball,
+        "effects": {"cavity_mass": False, "coriolis": False},
+        "excitation": {"orders": [order], "force": ["0.01 N"]},
+        "accuracy": {"frequency": 0.01},
+    }
+    asked = [row for row in study.rows(respond(as_scene_file(scene))) if row.force == 0.01]
+    row = max(asked, key=lambda row: row.frequency)
+    assert (row.regime, row.passage.crossing.branch) == ("locked", number)
+    made = Plate(rectangle(0.4, 0.06, 16, 4), 0.012, Material(70e9, 0.3, 2700.0))
+    operators = assemble(made, Rotor(hub_radius=hub), Effects(), "kirchhoff")
+    loaded = with_point_mass(operators, (at, 0.0), count * 15600.0 * 4 / 3 * math.pi * 0.004**3)
+    hertz = np.sqrt(solve_modes(loaded, row.omega, 6).eigenvalues) / (2 * math.pi)
+    assert np.abs(hertz / row.frequency - 1).min() < 2e-3
+    assert row.ratio == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.usefixtures("few_speeds")
+def test_modes_that_hits_feed_are_followed_where_they_count(monkeypatch):
+    """In the two modes that yield most 0.51 mm are left; in three, in six long runs that began apart, 0.59 to 0.70."""
+    monkeypatch.setattr(study, "SPEEDS", 9)
+    monkeypatch.setattr(study, "MOST_CYCLES", 4000)
+    ball = {"count": 2, "ball_material": "steel", "radius": "2 mm", "cavity": ["5.9 mm", "12 mm"], "restitution": 0.6}
+    scene = {
+        "title": "staggered",
+        "plate": {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"},
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["7000 rpm", "9500 rpm"], "modes": 3, "hub_radius": "150 mm", "stagger": "60 deg"},
+        "damper": ball | {"friction": 0.2, "rolling_friction": "auto", "damping_ratio": 0.002},
+        "excitation": {"orders": [3], "force": ["2 N"]},
+    }
+    (row,) = study.rows(respond(as_scene_file(scene)))
+    assert 0.57e-3 < row.mean < 0.72e-3
 
 
 def test_a_ball_that_fills_its_cavity_is_held():

@@ -99,18 +99,18 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     }
 
 
-def damper_modes(scene: Scene, point: SpeedPoint) -> tuple[CavityMode, ...]:
+def damper_modes(scene: Scene, point: SpeedPoint, crossed: CavityMode | None = None) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
-    Those that yield most along either axis, and the others that a hit feeds enough: by `Budget.scattered`, the heaviest
-    first as far as there is room.
+    Those that yield most along either axis, the one that an order crosses, and the others that a hit feeds enough: by
+    `Budget.scattered`, the heaviest first as far as there is room.
     """
     from damper.state import MODES
 
     modes = point.cavity_modes
     if point.reduced is None or not modes:
         return ()
-    leaders = {leader.number for axis in range(2) if (leader := leading_mode(modes, axis)) is not None}
+    leaders = {each.number for each in (*(leading_mode(modes, axis) for axis in range(2)), crossed) if each is not None}
     ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
     needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]

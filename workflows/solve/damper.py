@@ -12,6 +12,7 @@ import numpy as np
 
 import damper
 from damper.curve_measurement import falling
+from damper.curves import at_bin
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
@@ -109,8 +110,8 @@ def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) 
 def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper in the modes that yield most along either axis.
 
-    Others, which hits feed, change its figures by less than their error as long as they are damped by 0.1 % or more of
-    their own; without any damping they would shake the ball for ever.
+    Others, which hits feed, change the figures of growing vibration by less than their error as long as they are damped
+    by 0.1 % or more of their own; without any damping they would shake the ball for ever.
     """
     if system.modes is None:
         return system
@@ -118,9 +119,32 @@ def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
     return replace(system, modes=tuple(system.modes[k] for k in modes))
 
 
+_QUICK = {"sweeps": 4, "stay": 60}
+"""Sweeps by which all modes of a damper are looked at."""
+
+_MORE = 1.05
+"""Peak of the way down over that of the way up from which on a ball counts as having two motions."""
+
+
 def figures(system: damper.ParticleDamper) -> damper.DampingCurve:
-    """The damper's own figures in the modes that yield most along either axis."""
-    return damper.damping_curve(in_leading_modes(system))
+    """The damper's own figures, in the modes that yield most along either axis.
+
+    A ball that keeps bouncing as the vibration falls is shaken out of step by the other modes, which it feeds: its
+    figures are those of all modes where these leave it less.
+    """
+    leading = in_leading_modes(system)
+    curve = damper.damping_curve(leading)
+    down = curve.from_above
+    if system.modes is None or len(leading.modes or ()) == len(system.modes) or down is None:
+        return curve
+    if down.peak <= _MORE * curve.peak:
+        return curve
+    every = falling(system, **_QUICK)
+    if not 0 < every.peak < down.peak:
+        return curve
+    least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
+    every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
+    return replace(curve, from_above=at_bin(every, int(np.argmax(every.damping_ratio))))
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:

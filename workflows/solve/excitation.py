@@ -68,13 +68,19 @@ def modes_at_crossing(point: SpeedPoint, crossing: Crossing) -> tuple[list[Cavit
     return modes, axis, axis == 0 and leading_mode(point.cavity_modes, 0) is modes[0]
 
 
-def modes_followed(point: SpeedPoint, modes: list[CavityMode] | None) -> list[CavityMode] | None:
-    """The mode crossed and those that yield most along either axis, ascending; None where the structure is given."""
+def modes_followed(
+    scene: Scene, point: SpeedPoint, modes: list[CavityMode] | None, *, every: bool = False
+) -> tuple[CavityMode, ...] | None:
+    """The mode crossed and those that yield most along either axis, ascending; None where the structure is given.
+
+    With `every`, also those that a hit feeds by more than the accuracy asked for.
+    """
     if modes is None:
         return None
-    leaders = [leading_mode(point.cavity_modes, axis) for axis in range(2)]
-    numbers = {modes[0].number} | {mode.number for mode in leaders if mode is not None}
-    return [mode for mode in point.cavity_modes if mode.number in numbers]
+    found = coupling.damper_modes(scene, point, crossed=modes[0])
+    leaders = [modes[0], *(leading_mode(point.cavity_modes, axis) for axis in range(2))]
+    numbers = {mode.number for mode in leaders if mode is not None}
+    return tuple(mode for mode in found if every or mode.number in numbers)
 
 
 def idle_structure(modes: list[CavityMode] | None, excitation: Excitation) -> str:
@@ -161,8 +167,9 @@ def damper_at(
     modes, _, _ = modes_at_crossing(at, crossing)
     if idle := idle_structure(modes, excitation):
         return idle
+    scene = solver.source.scene
     with read_from(solver.source.name):
-        return particle_damper(solver.source.scene, solver.choice.effects, at, modes_followed(at, modes))
+        return particle_damper(scene, solver.choice.effects, at, modes_followed(scene, at, modes))
 
 
 def root_stress(results: Results, crossing: Crossing) -> float | None:
@@ -264,6 +271,23 @@ def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
         return point.reduced.f1_hz
     ball = coupling.ball_mass(scene, point.reduced.M2)
     return math.sqrt(leader.stiffness / (1 + ball * leader.shape[0] ** 2)) / (2 * math.pi)
+
+
+def resting_shift(scene: Scene, at: SpeedPoint, crossing: Crossing, ball_mass: float) -> float:
+    """By how much a ball at rest [kg] moves the frequency of a mode that is crossed, relative to the mode without it.
+
+    By the modes that it is followed with; the ball's mass lowers it, its pull raises it.
+    """
+    modes, _, _ = modes_at_crossing(at, crossing)
+    followed = modes_followed(scene, at, modes)
+    if modes is None or followed is None:
+        return 0.0 if at.reduced is None else at.reduced.f1_hz / at.reduced.f2_hz - 1
+    shapes = np.array([mode.shape for mode in followed])
+    soft = np.array([mode.stiffness for mode in followed]) ** -0.5
+    mass = np.eye(len(followed)) + ball_mass * shapes @ shapes.T
+    squares = np.sort(1 / np.linalg.eigvalsh(soft[:, None] * mass * soft))
+    crossed = [mode.number for mode in followed].index(modes[0].number)
+    return float(np.sqrt(squares[crossed])) / (2 * math.pi * at.excited_by(crossing.order)) - 1
 
 
 def _meetings(

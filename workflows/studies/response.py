@@ -1,9 +1,10 @@
 """Steady states through every crossing of an engine order with a mode, without and with the ball; and their records."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from decimal import ROUND_DOWN, ROUND_UP, Context, Decimal
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -191,20 +192,20 @@ def is_beyond(result: Response, row: Row) -> bool:
 _RINGS = 5.0
 """Half the width of the band looked through, in damping ratios of the structure: the response falls to a tenth."""
 
-_SHIFTS = 1.5
-"""And in shifts of the frequency by the ball's mass, so that the structure's resonance is in it with and without; or of
-its halves, where a ball that swings in a hollow floor splits it (Den Hartog: by half the root of the mass ratio)."""
+_SPLITS = 0.75
+"""And in what a ball that swings in a hollow floor splits the resonance by (Den Hartog: the root of the mass ratio)."""
+
+_SHIFTS = 0.5
+"""And in shifts of the frequency by the ball at rest: where that moves a resonance is roughly known for some modes."""
 
 _NARROWEST = 2e-3
 """Least half width of the band."""
 
 
-def band(crossing: Crossing, zeta: float, shift: float, speeds: tuple[float, float]) -> tuple[float, float]:
-    """Speeds between which the resonance is [rad/s], within what the scene asks for."""
+def band(resonances: Sequence[float], half: float, speeds: tuple[float, float]) -> tuple[float, float]:
+    """Speeds between which the resonances are, and half a width beside them [rad/s], within what the scene asks for."""
     low, high = speeds
-    relative = max(_RINGS * zeta + _SHIFTS * shift, _NARROWEST)
-    half = crossing.omega * relative * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
-    return max(crossing.omega - half, low), min(crossing.omega + half, high)
+    return max(min(resonances) - half, low), min(max(resonances) + half, high)
 
 
 def resonance_speeds(resonances: Sequence[float], width: float, ends: tuple[float, float], count: int) -> Floats:
@@ -376,10 +377,55 @@ def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReductio
     return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
 
 
+_SAME = 0.02
+"""Difference of amplitude ratios from which on the modes that hits feed are followed too."""
+
+_TRIED, _ABOUT = 5, 0.7
+"""Speeds by which this is told, and the part of a peak down to which they reach."""
+
+
 def _passage(
     solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction
 ) -> Passage | str:
-    """The steady states through a crossing, or why there is nothing to follow."""
+    """The steady states through a crossing, or why there is nothing to follow.
+
+    In the mode crossed and those that yield most along either axis, and where others move a peak, in all that a
+    ring-down has.
+    """
+    passage = _followed(solver, met, forcing, reduction, every=False)
+    if isinstance(passage, str) or not _others_count(solver, met, passage, forcing):
+        return passage
+    return _followed(solver, met, forcing, reduction, every=True)
+
+
+def _others_count(solver: StructureSolver, met: excitation.Meeting, passage: Passage, forcing: Excitation) -> bool:
+    """Whether modes that only hits feed change the amplitude ratio of a peak, by a few speeds about it."""
+    scene, crossing, at = solver.source.scene, met.crossing, met.at
+    modes, _, _ = excitation.modes_at_crossing(at, crossing)
+    few, many = (excitation.modes_followed(scene, at, modes, every=every) or () for every in (False, True))
+    if len(few) == len(many):
+        return False
+    without = np.abs(passage.shaped(passage.states.without)).max(axis=0)
+    means = np.nan_to_num(passage.shaped(passage.states.mean)).max(axis=2)
+    for k, level in enumerate(passage.forces):
+        about = np.flatnonzero(means[:, k] >= _ABOUT * means[:, k].max())
+        tried = np.unique(about[np.linspace(0, about.size - 1, _TRIED).round().astype(int)])
+        one = forcing.model_copy(update={forcing.kind: (level,)})
+        cases = _cases(solver, crossing, one, passage.omega[tried], passage.axis, every=True)
+        most = np.nan_to_num(_steady_states(solver, crossing, cases, passage.axis).mean).max()
+        if abs(most - means[tried, k].max()) > _SAME * without[k]:
+            return True
+    return False
+
+
+def _followed(
+    solver: StructureSolver,
+    met: excitation.Meeting,
+    forcing: Excitation,
+    reduction: VibrationReduction,
+    *,
+    every: bool,
+) -> Passage | str:
     crossing, at, _ = met
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
@@ -387,14 +433,15 @@ def _passage(
     _, axis, _ = excitation.modes_at_crossing(at, crossing)
     share = coupling.resting_share(system, at) if axis == 0 else 1.0
     figures = damper_stage.figures(system)
-    omega = _speeds(solver, met)
-    states = _steady_states(solver, crossing, _cases(solver, crossing, forcing, omega, axis), axis)
+    omega = _speeds(solver, met, system)
+    cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
+    states = _steady_states(solver, crossing, cases(omega), axis)
     for _ in range(_ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
         more = beside_peaks(omega, largest)
-        others = _steady_states(solver, crossing, _cases(solver, crossing, forcing, more, axis), axis)
+        others = _steady_states(solver, crossing, cases(more), axis)
         omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
-    if last := _just_at_rest(solver, crossing, forcing, omega, states, axis):
+    if last := _just_at_rest(cases, forcing, omega, states):
         more, others = np.array(list(last)), _steady_states(solver, crossing, list(last.values()), axis)
         omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
     levels = np.tile(forcing.levels, len(omega))
@@ -417,18 +464,21 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
     return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
 
 
-def _speeds(solver: StructureSolver, met: excitation.Meeting) -> Floats:
+def _speeds(solver: StructureSolver, met: excitation.Meeting, system: damper.ParticleDamper) -> Floats:
     """Speeds through the resonance without the ball, and with it at rest."""
     crossing, at, resting = met
-    reduced, spec, speeds = at.reduced, solver.source.scene.damper, solver.source.scene.rotor.speeds
-    shift = 0.0 if reduced is None else 1 - reduced.f1_hz / reduced.f2_hz
-    zeta = 0.0 if spec is None else spec.damping_ratio
-    if reduced is not None and spec is not None and spec.floor_radius is not None:
-        shift = max(shift, 0.5 * math.sqrt(reduced.M1 / reduced.M2 - 1))  # a ball tuned to the order splits the peak
-    ends = band(crossing, zeta, shift, (min(speeds), max(speeds)))
-    per_speed = crossing.omega * crossing.order / max(abs(crossing.order - crossing.turns), 1e-3)
+    scene, zeta = solver.source.scene, system.damping_ratio
+    speeds = scene.rotor.speeds
+    slower = crossing.order - crossing.turns  # than the order the frequency grows
+    per_frequency = crossing.omega * crossing.order / math.copysign(max(abs(slower), 1e-3), slower)
+    shift = excitation.resting_shift(scene, at, crossing, system.ball_mass)
+    there = crossing.omega + shift * per_frequency if resting is None else resting.omega
+    both = (min(max(there, min(speeds)), max(speeds)), crossing.omega)
+    splits = math.sqrt(system.stuck_mass / system.modal_mass - 1) if system.floor_radius is not None else 0.0
+    relative = max(_RINGS * zeta + max(_SHIFTS * abs(shift), _SPLITS * splits), _NARROWEST)
+    ends = band(both, relative * abs(per_frequency), (min(speeds), max(speeds)))
     count = FEW_SPEEDS if solver.solves_each_speed else SPEEDS
-    return resonance_speeds(((resting or at).omega, crossing.omega), zeta * per_speed, ends, count)
+    return resonance_speeds(both, zeta * abs(per_frequency), ends, count)
 
 
 def without_pull(
@@ -457,7 +507,9 @@ class _Case(NamedTuple):
     alone: list[complex]
 
 
-def _cases(solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int) -> list[_Case]:
+def _cases(
+    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, axis: int, *, every: bool
+) -> list[_Case]:
     """The damper on the structure at some speeds, each with all forces."""
     from damper.equations import structures_by
     from damper.starts import without_ball
@@ -465,7 +517,8 @@ def _cases(solver: StructureSolver, crossing: Crossing, forcing: Excitation, ome
     cases, points = [], solver.at(omega).points
     branch, source = excitation.branch_of(points, crossing), solver.source
     for point in points:
-        only = excitation.modes_followed(point, excitation.modes_of(point, branch))
+        modes = excitation.modes_of(point, branch)
+        only = excitation.modes_followed(source.scene, point, modes, every=every)
         with read_from(source.name):
             system = damper_stage.particle_damper(source.scene, solver.choice.effects, point, only)
         driven = [excitation.harmonic_of(system, crossing, point, forcing, level) for level in forcing.levels]
@@ -477,7 +530,7 @@ def _cases(solver: StructureSolver, crossing: Crossing, forcing: Excitation, ome
 
 
 def _just_at_rest(
-    solver: StructureSolver, crossing: Crossing, forcing: Excitation, omega: Floats, states: damper.Forced, axis: int
+    cases: Callable[[Floats], list[_Case]], forcing: Excitation, omega: Floats, states: damper.Forced
 ) -> dict[float, _Case]:
     """What is driven at the speeds beside which forces set off the ball at rest [rad/s]: there it moves farthest."""
     threshold = np.tile(forcing.levels, len(omega)) * states.moves_from
@@ -486,7 +539,7 @@ def _just_at_rest(
         more = set_off_speeds(omega, threshold, forcing.levels)
         if not more.size:
             break
-        new = _cases(solver, crossing, forcing, more, axis)
+        new = cases(more)
         level = forcing.levels[0]
         least = [level * float(damper.moves_from(each.system, each.harmonics[:1])[0]) for each in new]
         tried |= dict(zip(more.tolist(), new, strict=True))

@@ -339,7 +339,7 @@ def crossing_objective(
     modes, axis, leads = excitation.modes_at_crossing(point, crossing)
     if forcing is None or excitation.idle_structure(modes, forcing):
         return None
-    followed = excitation.modes_followed(point, modes)
+    followed = excitation.modes_followed(scene, point, modes)
     system = particle_damper(scene, effects, point, followed)
     bare = without_pull(system, scene, point, followed)
     harmonic = excitation.harmonic_of(system, crossing, point, forcing, max(forcing.levels))
