@@ -943,11 +943,13 @@ def test_a_ring_down_without_a_cut_off_shows_the_one_of_a_ball_at_rest() -> None
     assert cells(replace(whole, speeds=(loose,)))[0][1] == "0.00023"
 
 
-def test_no_cut_off_without_a_load_or_in_a_filled_cavity() -> None:
+def test_no_cut_off_without_a_load_or_in_a_filled_cavity(tmp_path: Path) -> None:
     assert cells(released(3, 0)) == [("–", "–")]
     filled = results(cavity="2 2.4", release="20 0")
     assert [point.verdict.reason for point in filled.speeds] == ["filled_cavity", "filled_cavity"]
     assert cells(filled) == [("–", "–"), ("–", "–")]
+    again = workflows.load_results(workflows.save(filled, tmp_path / "out"))
+    assert [each.damping_curve.cutoff for run in (filled, again) for each in run.speeds] == [math.inf] * 4
 
 
 def test_every_speed_whose_ring_down_was_cut_off_is_named() -> None:

@@ -139,6 +139,8 @@ def test_a_notebook_shows_a_mode_as_a_picture(
 def test_what_is_not_there_is_said(results: workflows.Results) -> None:
     with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
         results.plot.mode(4)
+    with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
+        results.plot.mode(1.5)  # type: ignore[arg-type]
     with pytest.raises(workflows.BadInput, match="expected a speed with shapes"):
         results.plot.mode(1, rpm=12345)
     with pytest.raises(workflows.BadInput, match=r"^rpm = 10: expected a speed with shapes"):

@@ -715,7 +715,7 @@ def chosen(
         if amount(kept[row].rpm) != amount(rounded_rpm(omega)):
             problem = f"expected a speed with shapes: {', '.join(amount(point.rpm) for point in kept)} rpm"
             raise BadInput(problem, key=keys[0], value=as_typed(rounded_rpm(omega)))
-    if not 1 <= number <= surface.shapes.shape[1]:
+    if number not in range(1, surface.shapes.shape[1] + 1):
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row
 

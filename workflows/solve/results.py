@@ -93,13 +93,14 @@ class _Array:
 Floats = Annotated[npt.NDArray[np.float64], _Array(float)]
 Ints = Annotated[npt.NDArray[np.int64], _Array(int)]
 
-_NULL_AS_NAN = (
-    BeforeValidator(lambda value: math.nan if value is None else value),
-    WithJsonSchema({"type": ["number", "null"]}),
-)
+_NULL = WithJsonSchema({"type": ["number", "null"]})
+_NULL_AS_NAN = (BeforeValidator(lambda value: math.nan if value is None else value), _NULL)
 
 Unknown = Annotated[float, *_NULL_AS_NAN]
 """A number that may be none that is finite, which is published as null."""
+
+Boundless = Annotated[float, BeforeValidator(lambda value: math.inf if value is None else value), _NULL]
+"""A number that may be infinite, which is published as null."""
 
 MaybeUnknown = Annotated[float | None, *_NULL_AS_NAN]
 """The same, left out of files where it is None."""
@@ -156,7 +157,7 @@ class Figures:
     """of amplitudes at which the damper works, with at least half its peak"""
     half: Annotated[Pair, quantity("m", "half_range", ends=_ENDS, headline=True)]
     """between which the damping is at least half its peak"""
-    cutoff: Annotated[Unknown, quantity("m", headline=True)]
+    cutoff: Annotated[Boundless, quantity("m", headline=True)]
     """amplitude up to which the ball stays at rest"""
     amplitude: Annotated[Floats, COLUMN]
     damping_ratio: Annotated[Floats, COLUMN]
