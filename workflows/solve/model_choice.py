@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 import fem
@@ -155,8 +154,6 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
             with stages("prestress"), translated_errors(source):
                 settled = {"large_deflection": blade.deflection(source)}
         return ModelChoice(None, selection.resolve(scene, source.name, settled=settled))
-    for library in ("skfem", "fem.accuracy.mesh_selection"):  # loading is of no stage
-        import_module(library)
     with stages("mesh"):
         sha256, form = source.mesh_sha256, plate_mesh.planform(source)
     with stages("prestress"), translated_errors(source):

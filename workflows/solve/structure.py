@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -172,6 +173,9 @@ class StructureSolver:
             NoAnswer: the plate is too thin for its theory in double precision.
         """
         self.source, self.stages = source, stages
+        if source.scene.plate is not None:
+            for library in ("skfem", "fem.accuracy.mesh_selection"):  # loading is of no stage
+                import_module(library)
         self.choice = choose_model(source, stages) if choice is None else choice
         for name, effect in self.choice.effects.items():
             LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
