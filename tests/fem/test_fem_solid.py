@@ -16,7 +16,7 @@ from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import ModalModel, ModesAtSpeed, deflection, place, pull, root_strains
 from fem.modes import solve_real
-from fem.reduction.known_modes import cavity_shifts
+from fem.reduction.known_modes import cavity_shifts, floor, reduced_modes
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, root_at
 from fem.solid.mesh_error import mesh_errors
@@ -474,6 +474,58 @@ def test_cavities_that_the_mesh_does_not_have_move_modes_as_estimated(at, close)
         true = known[1].frequencies_hz / known[0].frequencies_hz - 1.0
         assert (np.abs(true) <= 1.04 * shifts).all(), (omega, true, shifts)
         np.testing.assert_allclose(shifts[close], true[close], rtol=0.08)
+
+
+WITH_A_MASS = {
+    "flange": ((0.12, 0.0225, 0.018), 161.7811, 327.5323),
+    "beside the slot": ((0.08, 0.0225, 0.0), 164.2256, 329.3498),
+    "tip": ((0.16, 0.0225, 0.0), 158.0239, 324.0786),
+    "corner": ((0.16, 0.0, 0.0), 158.0127, 323.9583),
+}
+"""Places, and the first frequencies of CalculiX with 10 g there (`*MASS`, `NLGEOM`), at 0 and 1000 rad/s."""
+
+
+@cache
+def _flanged():
+    """A plate with a slot half-way, and across it a flange, at 0, 500 and 1000 rad/s; it flaps along its spin axis."""
+    whole, origin = box("tetra10", n=(8, 3, 3), sides=(0.16, 0.045, 0.018)), np.array([-0.2, 0.0, 0.0])
+    x, y, z = whole.points[whole.cells[0][1]].mean(axis=1).T
+    slot = (np.abs(x - 0.06) < 0.02) & (np.abs(y - 0.0225) < 0.0075)
+    kept = np.where(z < 0.006, ~slot, np.abs(x - 0.11) < 0.01)
+    used, number = np.unique(whole.cells[0][1][kept], return_inverse=True)
+    mesh = VolumeMesh(whole.points[used], (("tetra10", number.reshape(-1, 10)),))
+    operators = assemble_solid(Blade(mesh, STEEL, root_at(mesh, AXIS, origin), AXIS, origin))
+    return SolvedBlade(operators, np.array([0.0, 500.0, 1000.0]), 4, 1e-3)
+
+
+@pytest.mark.parametrize("case", WITH_A_MASS)
+def test_the_pull_of_a_ball_follows_the_metal(case):
+    """The shifts by 10 g of CalculiX, whose metal carries the load where no straight line through it leads inwards.
+
+    By modes alone, what the line shortens by does not grow with the places at which that is added up.
+    """
+    solved, (point, *others) = _flanged(), WITH_A_MASS[case]
+    at = place(solved.model, np.array(point))
+    for omega, alone, other in zip((0.0, 1000.0), (165.0107, 329.3471), others, strict=True):
+        modes = solved.at(omega)
+        reduced, _ = reduced_modes(modes, floor(solved.model, at, modes, AXIS), solved.pull(at), ball_mass=0.01)
+        assert reduced.f2_hz == pytest.approx(alone, rel=3e-5)
+        assert reduced.f1_hz - reduced.f2_hz == pytest.approx(other - alone, abs=0.04), "by the line, 0.7 Hz off"
+    line = [pull(solved.model, at, samples).stiffness(modes)[0, 0] for samples in (48, 800)]
+    assert line[1] == pytest.approx(line[0], rel=0.02)
+    assert line[0] == pytest.approx(solved.pull(at).stiffness(modes)[0, 0], rel=0.25)
+
+
+def test_the_pull_of_a_ball_between_solved_speeds_is_that_of_each():
+    """It is solved for at four of nine speeds; at others it is that of the same blade solved there alone."""
+    operators, speeds = blade("P1_fan", (8, 4, 1)), rpm(np.linspace(0, 9000, 4))
+    swept = SolvedBlade(operators, speeds, 4, 2e-4)
+    at = place(swept.model, BLADES["P1_fan"][0].points(*map(np.array, (0.95, 0.6, 0.0))))
+    for speed in rpm(np.array([2000.0, 5000.0, 8000.0])):
+        alone = SolvedBlade(operators, np.array([speed]), 4, 2e-4)
+        one, other = (each.pull(at).stiffness(each.at(speed)) for each in (swept, alone))
+        assert one[0, 0] == pytest.approx(other[0, 0], rel=1e-3)
+        np.testing.assert_allclose(np.abs(one)[:2, :2], np.abs(other)[:2, :2], rtol=0.01)
 
 
 def test_pardiso_solves_as_superlu_does():

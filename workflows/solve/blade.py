@@ -73,7 +73,10 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     _check_balls(source, solved.operators)
-    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
+    seated = None
+    if scene.damper is not None:
+        seated = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
+    seat, remarks = seated or (None, ())
     return SpaceStructure(
         model=model,
         modes=solved.at,
