@@ -596,7 +596,7 @@ def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
 
 
 def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array, Array]:
-    """What of the structure is nearest to a point (3,): nodes and their weights in its displacement, (k,), its place."""
+    """What of the structure is nearest to a point (3,): nodes (k,), their weights in its displacement, its place."""
     inside = _in_cells(model, point)
     if inside is None:
         nodes, value, _, _, _ = _fitted(model.points, point)
@@ -708,26 +708,25 @@ def held(shapes: Array) -> NDArray[np.bool_]:
     return np.asarray((moved <= _STILL * moved.max(axis=(1, 2), keepdims=True)).all(axis=(0, 2)))
 
 
-def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
-    """Largest principal strain at the clamped nodes, mode by mode, (k,) [m^-1 per kg^1/2 m].
+def largest_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
+    """Largest principal strain in the cells, mode by mode, (k,) [m^-1 per kg^1/2 m].
 
-    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp, the mesh
-    has finite. None where no cell with a volume is held.
+    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp and in
+    sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
-    still = held(modes.shapes)
     total = np.zeros((len(model.points), modes.frequencies_hz.size, 3, 3))
     count = np.zeros(len(model.points))
     for name, cells in model.cells:
         kind = cell(name)
         if kind.dimension != 3:
             continue
-        there = cells[still[cells].any(axis=1)]
-        slopes = kind.gradients(model.points[there], kind.nodes)[0]
-        turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there])
-        np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
-        np.add.at(count, there, 1.0)
-    at = still & (count > 0.0)
-    if not at.any():
+        for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
+            slopes = kind.gradients(model.points[there], kind.nodes)[0]
+            turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there], optimize=True)
+            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
+            np.add.at(count, there, 1.0)
+    at = count > 0.0
+    if not (held(modes.shapes) & at).any():
         return None
     mean = total[at] / count[at][:, None, None, None]
     return np.asarray(np.abs(np.linalg.eigvalsh(mean)).max(axis=(0, 2)))

@@ -514,7 +514,7 @@ KEPT = 64
 """Speeds of which the shapes are kept, for who asks again."""
 
 PULLED = 4
-"""Speeds at which a ball's pull is solved for, at most: between, it is right to 0.3 % in the first modes of three blades."""
+"""Speeds at which a ball's pull is solved for, at most: between, it is off by 0.3 % in first modes of three blades."""
 
 PLACES_KEPT = 4
 """Places of a ball of which that is kept."""

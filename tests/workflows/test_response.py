@@ -635,7 +635,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     monkeypatch.setattr(study.excitation, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said = report.sentences(known)[0]
     assert ": not useful at the level followed, 2 N: the load holds the balls at rest up to" in said
-    assert said.endswith("At 20 N the root would be overstressed.")
+    assert said.endswith("At 20 N the structure would be overstressed.")
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):

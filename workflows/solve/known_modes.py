@@ -254,8 +254,8 @@ _SPEEDS = 64
 
 @lru_cache(_SPEEDS)
 def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
-    """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
-    return tuple(modal_model.families(model, modes)), modal_model.root_strains(model, modes)
+    """Families of modes and their largest strains for a unit amplitude; None where these are not known."""
+    return tuple(modal_model.families(model, modes)), modal_model.largest_strains(model, modes)
 
 
 @dataclass(frozen=True)
