@@ -453,7 +453,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         heavy.append(own)
         _add(load, nodes, own @ pull[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
-    places = pattern([each.nodes for each in cells], blade.root, len(mesh.points))
+    places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:

@@ -579,6 +579,23 @@ def test_a_root_that_hardly_is_one_is_remarked(tmp_path, spindamp, case):
     assert remark is None or re.match(remark, remarks[0])
 
 
+def test_what_a_root_inside_the_mesh_cuts_off_is_held_with_it(tmp_path):
+    """A plate from 50 to 250 mm held at 100 mm is that from there on: its inner part has no modes among them."""
+    states = []
+    for length, root in (0.2, "100 mm"), (0.15, "NROOT"):
+        shape = make.Airfoil(length, 0.08, 0.01, section="flat", hub_radius=0.25 - length)
+        make.write_inp(tmp_path / "fan.inp", make.solid(shape, (round(100 * length), 2, 1), 1.0), "flat")
+        at = 'root = "nroot"', f'root = "{root}"'
+        source = scene(tmp_path, SCENE, "'6000 rpm'", root=at, level=('stagger = "35 deg"', 'stagger = "0 deg"'))
+        states.append(pipeline.structure(source, QUIET, shapes=False))
+    inside, alone = (state.points[0] for state in states)
+    assert [m.frequency_hz for m in inside.modes] == pytest.approx([m.frequency_hz for m in alone.modes], rel=1e-7)
+    assert inside.root_stress == pytest.approx(0.5 * 4430 * inside.omega**2 * (0.25**2 - 0.1**2), rel=1e-2)
+    remarks = [" ".join(state.source.remarks) for state in states]
+    assert "25 % of the mesh is cut off from the blade by its root" in remarks[0]
+    assert "cut off" not in remarks[1]
+
+
 @pytest.fixture
 def flat(tmp_path):
     """A plate, x = 50 to 250 mm, 80 mm wide and 10 mm thick."""
