@@ -532,6 +532,14 @@ def root_stress(results: Results) -> Values:
 
 
 @remark
+def unknown_strain(results: Results) -> Values:
+    """That amplitudes of known modes have no limit, as their strain is not known."""
+    scene = results.scene
+    judged = scene.known is None or scene.damper is None or limits.root_strain(results, 1.0) is not None
+    return None if judged else {}
+
+
+@remark
 def deflection(results: Results) -> Values:
     """How far the load bends and untwists a solid blade, where it does the most."""
     point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
