@@ -536,71 +536,74 @@ def _independent(columns: Array) -> list[int]:
     return chosen
 
 
-_SAMPLES = 48
-"""Places on the way from the root to a place at which its shortening is added up."""
-
-
 @dataclass(frozen=True, eq=False)
 class Pull:
     """What the load of 1 kg at a place does to the structure.
 
     Attributes:
-        arm: vector from the axis to the place, (3,) [m]; axis: the spin axis, (3,).
-        nodes: numbers of nodes (k,); line: their weights in the displacements of places on the straight way from the
-            innermost nodes' radius to the place, (places, k).
-        length: of that way [m].
+        axis: the spin axis, (3,).
+        stiffening: what the stress that its pull causes adds to the stiffness of modes, over Omega², (k, k) [1].
+        strays: how far the way on which that is added up lies outside the structure [m].
     """
 
     place: Place
-    arm: Array
     axis: Array
-    nodes: Ints
-    line: Array
-    length: float
+    stiffening: Callable[[ModesAtSpeed], Array]
+    strays: float = 0.0
 
     def stiffness(self, modes: ModesAtSpeed) -> Array:
         """What it adds to the modal stiffness, over Omega², (k, k) [1].
 
-        It softens as all mass that moves across the axis does. And it pulls on the structure outwards: as this bends,
-        the line to the place shortens by half the square of its turn, and the load moves inwards. Source: potential
-        energy of a constant force at the end of an inextensible line.
+        It softens as all mass that moves across the axis does.
         """
         moved = self.place.displacement(modes.shapes)
         flat = moved - np.outer(moved @ self.axis, self.axis)
-        softened = np.asarray(-flat @ flat.T)
-        radius = float(np.linalg.norm(self.arm))
-        if radius == 0.0 or self.length == 0.0:
-            return softened
-        outwards = self.arm / radius
-        turned = np.diff(np.einsum("sp,kpi->ski", self.line, modes.shapes[:, self.nodes]), axis=0)
-        turned -= (turned @ outwards)[..., None] * outwards
-        shortened = np.einsum("ski,sli->kl", turned, turned) * (len(turned) / self.length)
-        return np.asarray(radius * shortened + softened)
+        return np.asarray(self.stiffening(modes) - flat @ flat.T)
 
 
-def pull(model: ModalModel, at: Place) -> Pull:
-    """What the load of 1 kg at a place does."""
+SAMPLES = 48
+"""Places on the way from the root to another at which its shortening is added up."""
+
+
+def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
+    """What the load of 1 kg at a place does, where modes are all that is known.
+
+    It pulls on the structure outwards: as this bends, the straight line from the innermost nodes' radius to the place
+    shortens by half the square of its turn, and the load moves inwards. Source: potential energy of a constant force at
+    the end of an inextensible line. Where the line leaves the structure, what is nearest to it counts; from one side of
+    a gap to the other it is straight. samples: places at which that is added up.
+    """
     arm = model.load(at.point)
     radius = float(np.linalg.norm(arm))
     outwards = arm / radius if radius > 0.0 else arm
     length = max(0.0, -float(((model.points - at.point) @ outwards).min()))
-    weights = [_weights(model, at.point + step * outwards) for step in np.linspace(-length, 0.0, _SAMPLES + 1)]
-    every = np.unique(np.concatenate([nodes for nodes, _ in weights]))
-    line = np.zeros((len(weights), every.size))
-    for row, (nodes, value) in zip(line, weights, strict=True):
+    if radius == 0.0 or length == 0.0:
+        return Pull(at, model.axis, lambda modes: np.zeros((len(modes.shapes),) * 2))
+    line = at.point + np.linspace(-length, 0.0, samples + 1)[:, None] * outwards
+    nearest = [_weights(model, point) for point in line]
+    every = np.unique(np.concatenate([nodes for nodes, _, _ in nearest]))
+    weights, feet = np.zeros((len(line), every.size)), np.array([foot for _, _, foot in nearest])
+    for row, (nodes, value, _) in zip(weights, nearest, strict=True):
         row[np.searchsorted(every, nodes)] = value
-    return Pull(at, arm, model.axis, every, line, length)
+    steps = np.maximum(np.linalg.norm(np.diff(feet, axis=0), axis=1), length / samples)
+
+    def stiffening(modes: ModesAtSpeed) -> Array:
+        turned = np.diff(np.einsum("sp,kpi->ski", weights, modes.shapes[:, every]), axis=0)
+        turned -= (turned @ outwards)[..., None] * outwards
+        return np.asarray(radius * np.einsum("ski,sli,s->kl", turned, turned, 1.0 / steps))
+
+    return Pull(at, model.axis, stiffening, float(np.linalg.norm(feet - line, axis=1).max()))
 
 
-def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array]:
-    """Nodes (k,) and their weights (k,) in the displacement of what of the structure is nearest to a point (3,)."""
+def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array, Array]:
+    """What of the structure is nearest to a point (3,): nodes (k,), their weights in its displacement, its place."""
     inside = _in_cells(model, point)
     if inside is None:
         nodes, value, _, _, _ = _fitted(model.points, point)
-        return nodes, value
-    name, cells, at = inside[0][0]
+        return nodes, value, point
+    (name, cells, at), *_ = inside[0]
     order = np.argsort(cells)
-    return cells[order], cell(name).shape(at[None])[0][order]
+    return cells[order], cell(name).shape(at[None])[0][order], inside[1]
 
 
 def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
@@ -705,26 +708,25 @@ def held(shapes: Array) -> NDArray[np.bool_]:
     return np.asarray((moved <= _STILL * moved.max(axis=(1, 2), keepdims=True)).all(axis=(0, 2)))
 
 
-def root_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
-    """Largest principal strain at the clamped nodes, mode by mode, (k,) [m^-1 per kg^1/2 m].
+def largest_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
+    """Largest principal strain in the cells, mode by mode, (k,) [m^-1 per kg^1/2 m].
 
-    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp, the mesh
-    has finite. None where no cell with a volume is held.
+    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp and in
+    sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
-    still = held(modes.shapes)
     total = np.zeros((len(model.points), modes.frequencies_hz.size, 3, 3))
     count = np.zeros(len(model.points))
     for name, cells in model.cells:
         kind = cell(name)
         if kind.dimension != 3:
             continue
-        there = cells[still[cells].any(axis=1)]
-        slopes = kind.gradients(model.points[there], kind.nodes)[0]
-        turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there])
-        np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
-        np.add.at(count, there, 1.0)
-    at = still & (count > 0.0)
-    if not at.any():
+        for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
+            slopes = kind.gradients(model.points[there], kind.nodes)[0]
+            turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there], optimize=True)
+            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
+            np.add.at(count, there, 1.0)
+    at = count > 0.0
+    if not (held(modes.shapes) & at).any():
         return None
     mean = total[at] / count[at][:, None, None, None]
     return np.asarray(np.abs(np.linalg.eigvalsh(mean)).max(axis=(0, 2)))

@@ -76,7 +76,7 @@ def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:
 
 
 def modes(source: SceneFile, stages: Stages) -> ModalModel:
-    """The structure of a scene as its real modes: a plate's at the scene's speeds; those of files as they are.
+    """The structure of a scene as its real modes: at the scene's speeds; those of files as they are.
 
     Coriolis forces, which make modes complex, are left out.
 
@@ -92,7 +92,8 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     real = source.changed(effects={"coriolis": False})
     solver = StructureSolver(real, stages)
     if solver.space is not None:
-        return solver.space.model
+        model, speeds = solver.space.model, sorted(set(source.scene.rotor.speeds))
+        return model if source.scene.blade is None else replace(model, speeds=tuple(map(solver.space.modes, speeds)))
     plate = solver.plate()
     order = sorted(range(len(plate.numbers)), key=lambda k: plate.points[k].omega)
     errors = []

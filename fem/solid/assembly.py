@@ -371,18 +371,24 @@ class SolidOperators:
         return SolidState(self, deformation, stress)
 
     def bending(self, state: Array, step: Array, shapes: Array) -> Array:
-        """First-order change (k,) of the modal stiffness of shapes (n, k) by a step (n,) from a state (n,) [m]."""
+        """First-order change (k, k) of the modal stiffness of shapes (n, k) by a step (n,) from a state (n,) [m]."""
         rest, moved, waves = self.spread(state), self.spread(step), self.spread(shapes)
-        total = np.zeros(shapes.shape[1])
+        count = shapes.shape[1]
+        total = np.zeros((count, count))
         for cells in self.cells:
-            back = (_gradient(cells, rest) + np.eye(3)).swapaxes(-1, -2)
-            turned = _gradient(cells, moved)
-            stress = self.stress(_symmetric(back @ turned))
-            for k in range(total.size):
-                wave = _gradient(cells, waves[..., k])
-                strain, more = _symmetric(back @ wave), _symmetric(turned.swapaxes(-1, -2) @ wave)
-                density = 2.0 * self.stress(strain) * more + stress * (wave.swapaxes(-1, -2) @ wave)
-                total[k] += np.einsum("cpij,cp->", density, cells.weights)
+            for part in cells.parts(AT_ONCE):
+                slopes, nodes = cells.gradients[part], cells.nodes[part]
+                back, turned = (
+                    np.einsum("cpjn,cni->cpji", slopes, each[nodes], optimize=True) for each in (rest, moved)
+                )
+                back = back + np.eye(3)  # F transposed
+                under = self.stress(_symmetric(back @ turned.swapaxes(-1, -2)))
+                wave = np.einsum("cpjn,cnik->kcpij", slopes, waves[nodes], optimize=True)
+                weighted = cells.weights[part][..., None, None]
+                strain = weighted * self.stress(_symmetric(back @ wave))
+                more = _symmetric(turned @ wave)
+                both = strain.reshape(count, -1) @ more.reshape(count, -1).T
+                total += both + both.T + (wave @ (weighted * under)).reshape(count, -1) @ wave.reshape(count, -1).T
         return total
 
     def factorise(self, matrix: csc_array) -> Factor:
@@ -447,7 +453,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         heavy.append(own)
         _add(load, nodes, own @ pull[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
-    places = pattern([each.nodes for each in cells], blade.root, len(mesh.points))
+    places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:

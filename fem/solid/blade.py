@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,13 +67,37 @@ class Blade:
         """Of the nodes from the axis, (nnode, 3) [m]."""
         return np.asarray((self.mesh.points - self.origin) @ self.projector)
 
+    @cached_property
+    def held(self) -> Indices:
+        """Numbers of the nodes that do not move: the root's, and those of pieces inboard that it cuts off.
+
+        Such a piece would vibrate by itself, as no part of the blade; where all lies inboard, nothing is cut off.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        count, free = len(self.mesh.points), np.ones(len(self.mesh.points), dtype=bool)
+        free[self.root] = False
+        number, pairs = count, []
+        for _, nodes in self.mesh.cells:  # a cell joins its free nodes
+            own = np.broadcast_to(number + np.arange(len(nodes))[:, None], nodes.shape)
+            pairs.append(np.stack([own[free[nodes]], nodes[free[nodes]]]))
+            number += len(nodes)
+        rows, columns = np.concatenate(pairs, axis=1)
+        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(number, number))
+        pieces = np.where(free, connected_components(graph, directed=False)[1][:count], -1)
+        along = self.arms @ self.arms[self.root].mean(axis=0)
+        inboard = [k for k in np.unique(pieces[free]) if along[pieces == k].mean() < along[self.root].mean()]
+        inner = np.isin(pieces, inboard)
+        return self.root if inner[free].all() else np.flatnonzero(~free | inner)
+
     @property
     def section(self) -> Array:
         """Vector area (3,) of the section at which the root holds the blade [m²].
 
         By Gauss' theorem that of the faces whose nodes are all held, however deep the root's nodes reach into it.
         """
-        own = np.isin(np.arange(len(self.mesh.points)), self.root)
+        own = np.isin(np.arange(len(self.mesh.points)), self.held)
         return np.asarray(self.mesh.boundary_normals(own)[1].sum(axis=0))
 
     @property

@@ -109,7 +109,7 @@ def _carried(operators: SolidOperators, smooth: Array) -> Array:
     blade, total = operators.blade, np.zeros(smooth.shape[1])
     material, mesh = blade.material, blade.mesh
     softness = np.array([2.0 * (1.0 + material.poissons_ratio), 1.0]) / material.youngs_modulus
-    held = np.isin(np.arange(operators.nodes), blade.root)
+    held = np.isin(np.arange(operators.nodes), blade.held)
     digits = operators.nodes ** np.arange(3)
 
     def corners(faces: Indices) -> Indices:

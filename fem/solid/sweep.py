@@ -25,7 +25,7 @@ import numpy as np
 from scipy.linalg import polar
 
 from fem.linalg import lowest_modes, orthonormal
-from fem.modal_model import ModalModel, ModesAtSpeed, Tracks, lagrange
+from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
@@ -182,6 +182,14 @@ class BladeSweep:
     def tracks(self, omega: float) -> NDArray[np.int64]:
         """The mode of the lowest speed that each mode at a speed [rad/s] continues, (count,)."""
         return self._tracks.of(omega, self.reduced(omega)[1])
+
+    def apart(self, most: int) -> NDArray[np.int64]:
+        """Numbers (p,) of at most so many of the solved speeds, those nearest to Chebyshev-Lobatto points."""
+        if self.squares.size <= most:
+            return np.arange(self.squares.size)
+        places = np.log1p((self.squares - self.squares[0]) / self.bend)
+        wanted = places[-1] * (0.5 - 0.5 * np.cos(np.pi * np.arange(most) / (most - 1)))
+        return np.unique(np.abs(places[:, None] - wanted).argmin(axis=0))
 
     def weights(self, omega: float) -> Array:
         """Weights (m,) of the solved speeds in the interpolation at another speed [rad/s]."""
@@ -410,7 +418,7 @@ def _project(operators: SolidOperators, square: float, known: _Solved, guess: Ar
     changes = np.abs(np.einsum("nk,nk->k", residuals, operators.known[-1].solve(residuals)))
     if not linear:
         step = operators.known[-1].solve(unbalanced(operators, square, state, operators.stressed(state)))
-        changes += np.abs(operators.bending(state, step, shapes[:, :wanted]))
+        changes += np.abs(np.diagonal(operators.bending(state, step, shapes[:, :wanted])))
     return float((0.5 * changes / values[:wanted]).max())
 
 
@@ -505,6 +513,12 @@ MORE = 5
 KEPT = 64
 """Speeds of which the shapes are kept, for who asks again."""
 
+PULLED = 4
+"""Speeds at which a ball's pull is solved for, at most: between, it is off by 0.3 % in first modes of three blades."""
+
+PLACES_KEPT = 4
+"""Places of a ball of which that is kept."""
+
 
 class SolvedBlade:
     """A solid blade with its modes over a range of speeds, which grows where speeds beyond it are asked for.
@@ -535,6 +549,7 @@ class SolvedBlade:
         every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
         self.errors: Array = np.vstack(every).max(axis=0)[:count]
         self._at = lru_cache(KEPT)(self._solved)
+        self._stiffened_at = lru_cache(PLACES_KEPT)(self._stiffened)
 
     @cached_property
     def model(self) -> ModalModel:
@@ -567,6 +582,40 @@ class SolvedBlade:
         count, tolerance = self.sweep.count, self.tolerance
         self.sweep = sweep_blade(self.operators, speeds, count, tolerance=tolerance, progress=self.progress)
         self._at.cache_clear()
+        self._stiffened_at.cache_clear()
+
+    def pull(self, at: Place) -> Pull:
+        """What the load of 1 kg at a place does, by the stress that its pull causes in the blade."""
+
+        def stiffening(modes: ModesAtSpeed) -> Array:
+            self._reach(modes.omega)
+            sweep, (squares, small) = self.sweep, self._stiffened_at(at)
+            basis = np.tensordot(sweep.weights(modes.omega), sweep.shapes, 1)
+            shapes = np.column_stack([self.operators.gathered(shape) for shape in modes.shapes])
+            own = np.linalg.lstsq(basis, shapes, rcond=None)[0]
+            weights = _weights(squares, modes.omega**2, sweep.bend)
+            return np.asarray(own.T @ np.tensordot(weights, small, 1) @ own)
+
+        return Pull(at, self.operators.blade.axis, stiffening)
+
+    def _stiffened(self, at: Place) -> tuple[Array, Array]:
+        """Omega² (p,) of some of the solved speeds, and what the load of 1 kg adds to their small stiffness (p, q, q).
+
+        Over Omega², to first order: the load displaces the equilibrium, about which the blade then vibrates.
+        """
+        sweep, operators, blade = self.sweep, self.operators, self.operators.blade
+        linear, step, small = operators.prestress is not None, None, []
+        numbers = sweep.apart(PULLED)
+        for number in numbers:
+            state = sweep.states[number]
+            if step is None or not linear:
+                force, moved = np.zeros((operators.nodes, 3)), operators.spread(state)[at.nodes]
+                point = at.point if linear else at.point + at.value @ moved
+                force[at.nodes] = np.outer(at.value, (point - blade.origin) @ blade.projector)
+                omega = 0.0 if linear else float(sweep.squares[number]) ** 0.5
+                step = operators.factorise(_about(operators, omega, state)).solve(operators.gathered(force))
+            small.append(operators.bending(state, step, sweep.shapes[number]))
+        return sweep.squares[numbers], np.array(small)
 
     def _solved(self, omega: float) -> ModesAtSpeed:
         sweep, operators = self.sweep, self.operators

@@ -74,7 +74,7 @@ _LESS = re.compile(
 _AT_MOST = re.compile(rf"the balls? reduces? the amplitude by {_NUMBER} % at most")
 _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
 _IDLE = (
-    ("overstressed", re.compile(r"At ([\d., and]+) \S+ the (?:root|plate) would be ")),
+    ("overstressed", re.compile(r"At ([\d., and]+) \S+ the (?:root|plate|blade|structure) would be ")),
     ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the balls? at rest")),
     ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the reduction is less than half of")),
 )

@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fem_cases import rpm
+from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from fem import Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
-from fem.modal_model import ModalModel, ModesAtSpeed, deflection, place, pull, root_strains
+from fem.modal_model import ModalModel, ModesAtSpeed, deflection, largest_strains, place, pull
 from fem.modes import solve_real
-from fem.reduction.known_modes import cavity_shifts
+from fem.reduction.known_modes import cavity_shifts, floor, reduced_modes
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, root_at
 from fem.solid.mesh_error import mesh_errors
@@ -476,6 +477,58 @@ def test_cavities_that_the_mesh_does_not_have_move_modes_as_estimated(at, close)
         np.testing.assert_allclose(shifts[close], true[close], rtol=0.08)
 
 
+WITH_A_MASS = {
+    "flange": ((0.12, 0.0225, 0.018), 161.7811, 327.5323),
+    "beside the slot": ((0.08, 0.0225, 0.0), 164.2256, 329.3498),
+    "tip": ((0.16, 0.0225, 0.0), 158.0239, 324.0786),
+    "corner": ((0.16, 0.0, 0.0), 158.0127, 323.9583),
+}
+"""Places, and the first frequencies of CalculiX with 10 g there (`*MASS`, `NLGEOM`), at 0 and 1000 rad/s."""
+
+
+@cache
+def _flanged():
+    """A plate with a slot half-way, and across it a flange, at 0, 500 and 1000 rad/s; it flaps along its spin axis."""
+    whole, origin = box("tetra10", n=(8, 3, 3), sides=(0.16, 0.045, 0.018)), np.array([-0.2, 0.0, 0.0])
+    x, y, z = whole.points[whole.cells[0][1]].mean(axis=1).T
+    slot = (np.abs(x - 0.06) < 0.02) & (np.abs(y - 0.0225) < 0.0075)
+    kept = np.where(z < 0.006, ~slot, np.abs(x - 0.11) < 0.01)
+    used, number = np.unique(whole.cells[0][1][kept], return_inverse=True)
+    mesh = VolumeMesh(whole.points[used], (("tetra10", number.reshape(-1, 10)),))
+    operators = assemble_solid(Blade(mesh, STEEL, root_at(mesh, AXIS, origin), AXIS, origin))
+    return SolvedBlade(operators, np.array([0.0, 500.0, 1000.0]), 4, 1e-3)
+
+
+@pytest.mark.parametrize("case", WITH_A_MASS)
+def test_the_pull_of_a_ball_follows_the_metal(case):
+    """The shifts by 10 g of CalculiX, whose metal carries the load where no straight line through it leads inwards.
+
+    By modes alone, what the line shortens by does not grow with the places at which that is added up.
+    """
+    solved, (point, *others) = _flanged(), WITH_A_MASS[case]
+    at = place(solved.model, np.array(point))
+    for omega, alone, other in zip((0.0, 1000.0), (165.0107, 329.3471), others, strict=True):
+        modes = solved.at(omega)
+        reduced, _ = reduced_modes(modes, floor(solved.model, at, modes, AXIS), solved.pull(at), ball_mass=0.01)
+        assert reduced.f2_hz == pytest.approx(alone, rel=3e-5)
+        assert reduced.f1_hz - reduced.f2_hz == pytest.approx(other - alone, abs=0.04), "by the line, 0.7 Hz off"
+    line = [pull(solved.model, at, samples).stiffness(modes)[0, 0] for samples in (48, 800)]
+    assert line[1] == pytest.approx(line[0], rel=0.02)
+    assert line[0] == pytest.approx(solved.pull(at).stiffness(modes)[0, 0], rel=0.25)
+
+
+def test_the_pull_of_a_ball_between_solved_speeds_is_that_of_each():
+    """It is solved for at four of nine speeds; at others it is that of the same blade solved there alone."""
+    operators, speeds = blade("P1_fan", (8, 4, 1)), rpm(np.linspace(0, 9000, 4))
+    swept = SolvedBlade(operators, speeds, 4, 2e-4)
+    at = place(swept.model, BLADES["P1_fan"][0].points(*map(np.array, (0.95, 0.6, 0.0))))
+    for speed in rpm(np.array([2000.0, 5000.0, 8000.0])):
+        alone = SolvedBlade(operators, np.array([speed]), 4, 2e-4)
+        one, other = (each.pull(at).stiffness(each.at(speed)) for each in (swept, alone))
+        assert one[0, 0] == pytest.approx(other[0, 0], rel=1e-3)
+        np.testing.assert_allclose(np.abs(one)[:2, :2], np.abs(other)[:2, :2], rtol=0.01)
+
+
 def test_pardiso_solves_as_superlu_does():
     """And counts as many negative pivots, of an indefinite matrix too."""
     pytest.importorskip("pypardiso")
@@ -699,4 +752,40 @@ def test_the_strain_at_the_root_is_that_of_a_cantilever(kind, n):
     solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 2, 1e-3)
     modes = solved.at(0.0)
     lift = np.abs(modes.shapes[0, :, 2]).max()
-    assert root_strains(solved.model, modes)[0] / lift == pytest.approx(3.516 * sides[2] / 2 / sides[0] ** 2, rel=0.1)
+    expected = 3.516 * sides[2] / 2 / sides[0] ** 2
+    assert largest_strains(solved.model, modes)[0] / lift == pytest.approx(expected, rel=0.1)
+
+
+def _tapered(x):
+    """Half of the thickness [m] of a beam whose root is four times as thick as the rest, from 60 mm on."""
+    return 0.002 * (1.0 + 1.5 * (1.0 + np.cos(np.pi * np.minimum(x / 0.06, 1.0))))
+
+
+def _strain_of_a_beam(length, parts=400):
+    """Largest h w'' over the tip's w in the first mode, and that at the root, by Euler and Bernoulli's elements."""
+    size, unit = length / parts, STEEL.youngs_modulus / STEEL.density
+    stiffness, mass = np.zeros((2, 2 * parts + 2, 2 * parts + 2))
+    bending = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]) / size**3
+    inertia = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) * size / 420
+    for k in range(parts):
+        own, half = slice(2 * k, 2 * k + 4), _tapered((k + 0.5) * size)
+        stiffness[own, own] += unit * 2 / 3 * half**3 * bending
+        mass[own, own] += 2 * half * inertia
+    shape = eigh(stiffness[2:, 2:], mass[2:, 2:], subset_by_index=[0, 0])[1][:, 0]  # of turns times size
+    curved = np.diff(np.append(0.0, shape[1::2])) / size**2
+    strain = np.abs(curved * _tapered((np.arange(parts) + 0.5) * size) / shape[-2])
+    return strain.max(), strain[0]
+
+
+@pytest.mark.parametrize(("kind", "n"), [("hexahedron20", (24, 2, 2)), ("tetra10", (24, 2, 2))])
+def test_a_blade_is_strained_most_where_its_thick_root_ends(kind, n):
+    """Ten times as much as at the clamp, as in a beam of the same thickness."""
+    mesh = box(kind, n, (0.2, 0.02, 1.0))
+    mesh.points[:, 2] = (2.0 * mesh.points[:, 2] - 1.0) * _tapered(mesh.points[:, 0])
+    root, steel = np.flatnonzero(mesh.points[:, 0] == 0.0), replace(STEEL, poissons_ratio=0.0)
+    solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 4, 1e-3)
+    modes = solved.at(0.0)
+    lift = np.abs(modes.shapes[0, :, 2]).max()
+    most, clamped = _strain_of_a_beam(0.2)
+    assert most > 9.9 * clamped
+    assert largest_strains(solved.model, modes)[0] / lift == pytest.approx(most, rel=0.03)

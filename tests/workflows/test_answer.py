@@ -745,12 +745,12 @@ def test_levels_beside_the_range_have_their_own_numbers() -> None:
     run = under_orders(at(1000), 4, reductions=(found,))
     assert of_orders(run)[0] == (
         "At engine order 4 (5000 rpm, flap mode): up to 68 % less vibration at 3 N, at least half of that between 1.7"
-        " and 7.7 N. At 50 N the root would be overstressed. At 0.5 N the load holds the balls at rest; they"
+        " and 7.7 N. At 50 N the structure would be overstressed. At 0.5 N the load holds the balls at rest; they"
         " move from 0.8 N on. At 9 N the reduction is less than half of 68 %. At 1 N the reduction is 43 %."
     )
     assert of_orders(replace(run, reductions=(replace(found, loose=True),)))[0].endswith(
         ": roughly up to 68 % less vibration at 3 N, at least half of that roughly between 1.7 and 7.7 N. At 50 N"
-        " the root would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
+        " the structure would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
     )
     worse = reduction((9.0, 0.9, True), (30.0, 1.002, True))
     assert of_orders(replace(run, reductions=(worse,)))[0].endswith(

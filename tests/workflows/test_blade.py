@@ -13,10 +13,12 @@ import pytest
 
 from damper import ringdown
 from damper.state import HIT
+from fem.rotor import from_rpm
 from meshes import make
 from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
+from workflows.io import files
 from workflows.progress import Stages
 from workflows.report import page, remarks, text, viewer
 from workflows.report.verdict import answer, first_frequency
@@ -93,6 +95,28 @@ def test_more_speeds_are_the_same_blade(folder):
     for alone, between in zip(one.modes, other.modes, strict=True):
         assert alone.error_parts.basis == 0.0 < between.error_parts.basis < 1e-3
         assert between.frequency_hz == pytest.approx(alone.frequency_hz, rel=between.error_parts.basis)
+
+
+def test_modes_of_a_blade_are_written_at_every_speed_and_read_between_them(folder):
+    """As known modes they have the frequencies of the blade, and its ball's pull but for the line that strays."""
+    rest, half, full = (float(speed) for speed in (1000, 3500, 5900))
+    blade = scene(folder, SCENE + DAMPER, f"'{rest} rpm', '{half} rpm', '{full} rpm'")
+    model = pipeline.modes(blade, QUIET)
+    assert [modes.omega for modes in model.speeds] == [from_rpm(speed) for speed in (rest, half, full)]
+    files.save_modes(model, folder / "fan.npz", "--out")
+    own = pipeline.structure(blade, QUIET, shapes=False)
+    text = (SCENE + DAMPER).format(speeds=f"'{rest} rpm', '2000 rpm', '{full} rpm'")
+    old = '[blade]\nmesh = "fan.inp"\nroot = "nroot"\n\n[material]\nname = "Ti-6Al-4V"\n'
+    assert old in text
+    (folder / "known.toml").write_text(text.replace(old, '[structure]\nmodes = "fan.npz"\n'), encoding="utf-8")
+    known = pipeline.structure(load(folder / "known.toml"), QUIET, shapes=False)
+    for one, other in zip(own.points[::2], known.points[::2], strict=True):
+        assert [mode.frequency_hz for mode in one.modes] == pytest.approx([mode.frequency_hz for mode in other.modes])
+        assert one.reduced.f1_hz == pytest.approx(other.reduced.f1_hz, rel=1e-3)
+        assert one.root_strain == pytest.approx(other.root_strain, rel=1e-4)
+    strays = [remark for remark in known.source.remarks if remark.startswith("The straight line from the root")]
+    assert len(strays) == 1
+    assert not any(remark.startswith("The straight line") for remark in own.source.remarks)
 
 
 def solved(folder, speeds):
@@ -553,6 +577,23 @@ def test_a_root_that_hardly_is_one_is_remarked(tmp_path, spindamp, case):
     remarks = re.findall(r"# (The root covers .*|Most of the blade .*)", said)
     assert len(remarks) == (remark is not None)
     assert remark is None or re.match(remark, remarks[0])
+
+
+def test_what_a_root_inside_the_mesh_cuts_off_is_held_with_it(tmp_path):
+    """A plate from 50 to 250 mm held at 100 mm is that from there on: its inner part has no modes among them."""
+    states = []
+    for length, root in (0.2, "100 mm"), (0.15, "NROOT"):
+        shape = make.Airfoil(length, 0.08, 0.01, section="flat", hub_radius=0.25 - length)
+        make.write_inp(tmp_path / "fan.inp", make.solid(shape, (round(100 * length), 2, 1), 1.0), "flat")
+        at = 'root = "nroot"', f'root = "{root}"'
+        source = scene(tmp_path, SCENE, "'6000 rpm'", root=at, level=('stagger = "35 deg"', 'stagger = "0 deg"'))
+        states.append(pipeline.structure(source, QUIET, shapes=False))
+    inside, alone = (state.points[0] for state in states)
+    assert [m.frequency_hz for m in inside.modes] == pytest.approx([m.frequency_hz for m in alone.modes], rel=1e-7)
+    assert inside.root_stress == pytest.approx(0.5 * 4430 * inside.omega**2 * (0.25**2 - 0.1**2), rel=1e-2)
+    remarks = [" ".join(state.source.remarks) for state in states]
+    assert "25 % of the mesh is cut off from the blade by its root" in remarks[0]
+    assert "cut off" not in remarks[1]
 
 
 @pytest.fixture

@@ -345,6 +345,7 @@ def test_words_for_what_is_no_plate(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     said = " ".join([*results.notes, *(effect.why for effect in results.effects.values())])
     assert "plate" not in said
     assert "both of its axes" not in said
+    assert said.count("The strain of these modes is not known") == 1
 
 
 def test_the_axis_of_a_file_and_a_point_of_the_scene(spindamp: Command, tmp_path: Path) -> None:

@@ -646,7 +646,18 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     monkeypatch.setattr(study.excitation, "endured", lambda *_: (weak.greatest + strong.greatest) / 2)
     said = report.sentences(known)[0]
     assert ": not useful at the level followed, 2 N: the load holds the balls at rest up to" in said
-    assert said.endswith("At 20 N the root would be overstressed.")
+    assert said.endswith("At 20 N the structure would be overstressed.")
+
+
+def test_the_report_says_where_the_stress_is(known, monkeypatch):
+    """Of a plate at its root, of a structure in space where its mesh is strained most; none where it is not known."""
+    assert "Stress:" not in report.render(known)
+    monkeypatch.setattr(study.excitation, "root_stress", lambda *_: 1e10)
+    assert "Stress: Young’s modulus times the mode’s largest strain in the mesh" in report.render(known)
+    plate = as_scene_file(shipped_scene("paper")).scene.plate
+    scene = known.results.scene.model_copy(update={"plate": plate, "given": None})
+    flat = dataclasses.replace(known, results=dataclasses.replace(known.results, scene=scene))
+    assert "Stress: bending at the root, as in a uniform cantilever’s first mode" in report.render(flat)
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):

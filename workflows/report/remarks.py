@@ -45,8 +45,10 @@ LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene
 
 def said(text: str, results: Results, **values: Any) -> list[str]:
     """Sentences of a text on some values, and on what every one may name."""
-    known = {"carrier": carrier(results.scene), "limit": limits.endured(results), "damper": results.scene.damper}
-    return templates.said(text, results.scene.ball_count, **known, **values)
+    scene = results.scene
+    known: dict[str, Any] = {"carrier": carrier(scene), "strained": limits.strained(scene)}
+    known |= {"limit": limits.endured(results), "damper": scene.damper}
+    return templates.said(text, scene.ball_count, **known, **values)
 
 
 def phrase(text: str, results: Results, **values: Any) -> str:
@@ -98,7 +100,7 @@ def cutoff_mark(results: Results, point: SpeedPoint) -> str:
 def beyond_of(results: Results) -> str:
     """What a larger amplitude than the plate endures would do to it.
 
-    With the speed by which all are judged, where the strain of a structure's root differs between them.
+    With the speed by which all are judged, where the strain of a structure in space differs between them.
     """
     torn = limits.root_stress(results, 1.0) or 0.0
     holds = [p for p in results.speeds if torn * p.omega**2 <= limits.STRONGEST]
@@ -530,6 +532,14 @@ def root_stress(results: Results) -> Values:
 
 
 @remark
+def unknown_strain(results: Results) -> Values:
+    """That amplitudes of known modes have no limit, as their strain is not known."""
+    scene = results.scene
+    judged = scene.known is None or scene.damper is None or limits.root_strain(results, 1.0) is not None
+    return None if judged else {}
+
+
+@remark
 def deflection(results: Results) -> Values:
     """How far the load bends and untwists a solid blade, where it does the most."""
     point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
@@ -581,7 +591,7 @@ def nothing_released(results: Results) -> Values:
 
 @remark
 def release_stress(results: Results) -> Values:
-    """What the release does to the root."""
+    """What stress the release causes."""
     material, rung = results.scene.material, ring_downs(results)
     if material is None or not rung:
         return None

@@ -14,7 +14,7 @@ import fem
 from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
-from workflows.formatting import beside, percent, significant, span, turning
+from workflows.formatting import beside, percent, share, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -73,7 +73,10 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     _check_balls(source, solved.operators)
-    seat, remarks = (None, ()) if scene.damper is None else seat_of(source, model, solved.at(min(scene.rotor.speeds)))
+    seated = None
+    if scene.damper is not None:
+        seated = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
+    seat, remarks = seated or (None, ())
     return SpaceStructure(
         model=model,
         modes=solved.at,
@@ -127,7 +130,7 @@ def root_stress(operators: SolidOperators) -> float | None:
     area = float(np.linalg.norm(section))
     if area <= _NO_AREA * blade.mesh.size**2:
         return None
-    free = np.isin(np.arange(len(blade.mesh.points)), blade.root, invert=True)
+    free = np.isin(np.arange(len(blade.mesh.points)), blade.held, invert=True)
     hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
     pull = operators.masses[hung] @ blade.arms[hung]
     return float(abs(pull @ section)) / area**2
@@ -267,14 +270,14 @@ def _check_sides(source: SceneFile, blade: Blade) -> None:
 def in_words(source: SceneFile, blade: Blade) -> str:
     """The mesh of a blade: what it is made of, its extents, what of it is held; who solves it, where not SuperLU."""
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
-    unknowns = 3 * (len(blade.mesh.points) - blade.root.size)
+    unknowns = 3 * (len(blade.mesh.points) - blade.held.size)
     name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
     by = ", solved by PARDISO" if has_pardiso() else ""
     x, y, z = (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
     radii = 1e3 * np.linalg.norm(blade.arms, axis=1)
     whole, root = (span(float(each.min()), float(each.max()), 3) for each in (radii, radii[blade.root]))
     extents = f"{x} × {y} × {z} mm along x, y and z, at radii of {whole} mm, its root at {root} mm"
-    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.root.size} nodes held{by}"
+    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes held{by}"
 
 
 def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
@@ -289,7 +292,19 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
     else:
         made = []
     radii, along = np.linalg.norm(blade.arms, axis=1), blade.arms @ blade.arms.mean(axis=0)
-    inside = float(operators.masses[radii < radii[blade.root].min()].sum() / operators.masses.sum())
+    inboard = np.setdiff1d(blade.held, blade.root)
+    if inboard.size:
+        volumes = [
+            (each.weights[np.isin(each.nodes, inboard).any(axis=1)].sum(), each.weights.sum())
+            for each in operators.cells
+        ]
+        inner, whole = np.sum(volumes, axis=0)
+        made.append(
+            f"{share(inner / whole, 2)} % of the mesh is cut off from the blade by its"
+            " root, on the side of the axis, and is held with it: the modes are those of the rest."
+        )
+    within = np.setdiff1d(np.flatnonzero(radii < radii[blade.root].min()), inboard)
+    inside = float(operators.masses[within].sum() / operators.masses.sum())
     if inside > 0.5:
         made.append(
             f"Most of the blade ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses it."

@@ -173,7 +173,10 @@ def damper_at(
 
 
 def root_stress(results: Results, crossing: Crossing) -> float | None:
-    """At the root per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known."""
+    """Largest per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known.
+
+    Of a plate by bending at its root, of a structure in space wherever its strain is largest.
+    """
     material, strain = results.scene.material, limits.root_strain(results, 1.0)
     if material is None or strain is None:
         return None
@@ -184,7 +187,7 @@ def root_stress(results: Results, crossing: Crossing) -> float | None:
 
 
 def endured(results: Results, crossing: Crossing) -> float | None:
-    """Amplitude at the cavity that the root endures [m]; None where it is not known."""
+    """Amplitude at the cavity that the structure endures [m]; None where it is not known."""
     return None if root_stress(results, crossing) is None else limits.endured(results)
 
 

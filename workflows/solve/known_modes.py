@@ -254,8 +254,8 @@ _SPEEDS = 64
 
 @lru_cache(_SPEEDS)
 def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
-    """Families of modes and their strains at the root for a unit amplitude; None where these are not known."""
-    return tuple(modal_model.families(model, modes)), modal_model.root_strains(model, modes)
+    """Families of modes and their largest strains for a unit amplitude; None where these are not known."""
+    return tuple(modal_model.families(model, modes)), modal_model.largest_strains(model, modes)
 
 
 @dataclass(frozen=True)
@@ -565,10 +565,13 @@ def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list
     return [f"{remark}."]
 
 
-def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[Seat, tuple[str, ...]]:
+def seat_of(
+    source: SceneFile, model: ModalModel, modes: ModesAtSpeed, pull_at: Callable[[Place], Pull] | None = None
+) -> tuple[Seat, tuple[str, ...]]:
     """Where the damper of a scene sits on a structure in space, with remarks.
 
-    modes: at the scene's lowest speed; the first gives axis 1 of a cavity that has no direction.
+    modes: at the scene's lowest speed; the first gives axis 1 of a cavity that has no direction. pull_at: gives the
+    ball's pull at a place; None: it follows from the modes alone.
 
     Raises:
         BadInput: the place is not on the structure, or does not move; its slopes are not those of its displacements; a
@@ -620,7 +623,13 @@ def seat_of(source: SceneFile, model: ModalModel, modes: ModesAtSpeed) -> tuple[
     if shaken is not None and shaken.at is not None and shaken.direction is not None:
         along = np.array(shaken.direction, dtype=np.float64)
         force = _place(source, model, shaken.at, "[excitation] at"), along / np.linalg.norm(along)
-    pull = _pull(model, at)
+    pull = _pull(model, at) if pull_at is None else pull_at(at)
+    if pull.strays > _STRAYS * model.size:
+        remarks.append(
+            f"The straight line from the root to the damper's place lies up to {significant(1e3 * pull.strays, 2)} mm"
+            " outside the structure: how the ball's pull stiffens it, by the shortening of that line, is a rough"
+            " estimate (a solid blade, [blade], is stiffened by the stress in its metal)."
+        )
     return Seat(at, direction, pull, force, normal, filled, sticks_out), tuple(remarks)
 
 
@@ -673,6 +682,9 @@ _NO_METAL, _MOST = 0.1, 0.45
 
 _SURROUNDED = 0.25
 """Part of its smallest side by which the corners of a cavity that the mesh has cut may lie off the metal."""
+
+_STRAYS = 0.01
+"""Distance from the structure, relative to its size, from which on a line leaves it."""
 
 _OFF = 1e-4
 """Distance from the place asked for, relative to the structure, from which on it is said."""

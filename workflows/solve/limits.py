@@ -304,7 +304,7 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
 
 
 def endured(results: Results) -> float | None:
-    """Amplitude at the cavity [m] that strains the root by what metals endure; None where the strain is not known.
+    """Amplitude at the cavity [m] that strains it by what metals endure; None where the strain is not known.
 
     Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
     """
@@ -316,6 +316,11 @@ def endured(results: Results) -> float | None:
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
+def strained(scene: Scene) -> str:
+    """Where the strain is judged, in a word: a plate at its root, a structure in space wherever it is largest."""
+    return "root" if scene.plate is not None else "blade" if scene.blade is not None else "structure"
+
+
 def room(scene: Scene) -> float:
     """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it; inf: not known."""
     damper, plate = scene.damper, scene.plate
@@ -325,7 +330,7 @@ def room(scene: Scene) -> float:
 
 
 def deflection_governs(results: Results) -> bool:
-    """Whether the plate would bend beyond small deflections before its root is strained by what metals endure."""
+    """Whether it would bend beyond small deflections before it is strained by what metals endure."""
     strain, limit = root_strain(results, 1.0), endured(results)
     return strain is not None and limit is not None and limit * strain < ENDURED * (1 - 1e-9)
 
@@ -337,11 +342,12 @@ def is_beyond(results: Results, point: SpeedPoint) -> bool:
 
 
 def root_strain(results: Results, amplitude: float) -> float | None:
-    """Bending strain at the root for an amplitude at the cavity [-], as in a uniform cantilever's first mode at rest.
+    """Largest strain for an amplitude at the cavity [-]: of a plate by bending at its root.
 
-    The curvature at the root is 3.516 w/L², w the tip's amplitude; where the cavity is not at the tip, the mode's shape
-    leads from one to the other. A plate that gets thinner outwards is strained less there, by a third where it tapers
-    to half of its thickness. That of a structure in space is its mesh's, the largest over the speeds at which it holds.
+    As in a uniform cantilever's first mode at rest, whose curvature at the root is 3.516 w/L², w the tip's amplitude;
+    where the cavity is not at the tip, the mode's shape leads from one to the other. A plate that gets thinner outwards
+    is strained less there, by a third where it tapers to half of its thickness. That of a structure in space is the
+    largest in its mesh, and over the speeds at which it holds.
     """
     known = [(point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None]
     if known:

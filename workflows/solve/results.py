@@ -704,8 +704,8 @@ class SpeedPoint:
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         sticks_out: how far a cavity does, out of a structure in space [m].
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
-        root_strain: of a structure in space the largest strain at what is held, over the displacement of the cavity in
-            the mode that bends it most [1/m]; None where that is not known.
+        root_strain: of a structure in space the largest strain in its metal, at the root or elsewhere, over the
+            displacement of the cavity in the mode that moves it most [1/m]; None where that is not known.
     """
 
     omega: Annotated[float, KEPT]

@@ -41,7 +41,7 @@ class Obstacle:
             scene's checks say.
         speed: that it is about [rad/s].
         value: the stress [Pa] or the friction that it takes, or how far a cavity sticks out [m].
-        text: of what was refused, or the name of the limit.
+        text: of what was refused, the name of the limit, or what is strained.
     """
 
     kind: str

@@ -324,7 +324,8 @@ def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
         return None
     endured = limits.endured(fastest.results)
     if endured is not None and space.goal.low > endured:
-        return Obstacle("deflection" if limits.deflection_governs(fastest.results) else "strain")
+        kind = "deflection" if limits.deflection_governs(fastest.results) else "strain"
+        return Obstacle(kind, text=limits.strained(fastest.results.scene))
     friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
     slides = limits.slides(slowest.results, slowest.point, space.goal.high)
     return Obstacle("slip", slowest.point.omega, friction) if slides else None
