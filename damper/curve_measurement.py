@@ -3,8 +3,8 @@
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
 that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
-starts, slower where that changes them, and on sweeps up from a ball at rest or rolling about the middle, of which the
-least counts; what the pace still changes is in the error.
+starts, slower where that changes them, and on sweeps up from a ball at rest, in the middle or at a wall that it is
+pulled against, or rolling about the middle, of which the least counts; what the pace still changes is in the error.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from damper.curves import (
     resolved,
     spread,
 )
-from damper.model import in_plane, inertia_ratio, whole
+from damper.model import in_plane, inertia_ratio, path_curvature, whole
 from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import nothing_kept
 
@@ -81,6 +81,9 @@ _FINE, _ROLLED = 4 * BINS, 4
 _ASIDE = 3
 """Bins on either side of two motions that slow sweeps go through."""
 
+_ROUNDS = 16
+"""Steps along either axis towards the place of least potential: these converge, but for a saddle."""
+
 SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
 
@@ -122,7 +125,7 @@ def damping_curve(
 
     A ball may have two steady motions at an amplitude: it keeps bouncing where the vibration comes down, and rolls to
     and fro without a hit where it grows. Sweeps go down and up, and the figures are those of the way up, from a ball at
-    rest in the middle; `DampingCurve.from_above` has the others.
+    rest (`resting_places`); `DampingCurve.from_above` has the others.
 
     Args:
         damper: what is measured; the damping ratio of the mode that yields most along x has no influence.
@@ -140,21 +143,24 @@ def damping_curve(
     if above.peak == 0:
         return above
     rolls, meets, grazes = rolling(bare, low, threads)
-    begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
+    places = resting_places(bare)
+    begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
     last = high if last > high or differs(above, begun, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
-    climbs = [Climb(low, last, pace) for pace in paces]
+    climbs = [Climb(low, last, pace, place) for place in places for pace in paces]
+    resting = len(climbs)
     if math.isfinite(meets):
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
-    ramps = up[up[:, 2] < _CLIMBS * len(paces)]
+    ramps = up[up[:, 2] < _CLIMBS * resting]
     samples = np.vstack([samples, up, rolls, grazes, begun])
     growing, region = grown(above, up, rolls, meets, grazes)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
-        growing = folded(growing, region, down, ramps, meets)
+        if down.size and ramps.size:  # a ball may have more events than a sweep goes on for
+            growing = folded(growing, region, down, ramps, meets)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": ramps, "abrupt_start": begun}
     others: dict[str, Any] = {
@@ -166,9 +172,13 @@ def damping_curve(
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
-    if damper.break_away == 0:
-        return growing
-    return held_until(growing, damper.amplitude_of(damper.break_away_threshold))
+    if damper.break_away > 0:
+        growing = held_until(growing, damper.amplitude_of(damper.break_away_threshold))
+        if any(places[-1]):
+            hold = damper.rolling_threshold + damper.break_away * damper.centrifugal_acceleration
+            leaves = damper.amplitude_of(hold + float(_outward(damper, np.array(places[-1])).min()))
+            growing = replace(held_until(growing, leaves), cutoff=growing.cutoff)
+    return growing
 
 
 def falling(
@@ -311,29 +321,75 @@ def samples_of(
 
 
 class Climb(NamedTuple):
-    """A way up: its ends [m], the cycles for an octave, whether balls roll about the middle or begin at rest there."""
+    """A way up: its ends [m], the cycles for an octave, where balls begin at rest [m], or that they roll evenly."""
 
     low: float
     high: float
     stay: int
+    place: tuple[float, float] = (0.0, 0.0)
     rolls: bool = False
 
 
 def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | None, sweeps: int = _CLIMBS) -> Floats:
     """The same on sweeps up, so many for each climb, numbered on."""
     every, ahead = [], _APART * np.arange(sweeps)
-    for low, high, stay, rolls in climbs:
+    for low, high, stay, rests, rolls in climbs:
         start = low * 2 ** (-(SETTLING + ahead) / stay)
-        ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
+        place, velocity = np.array([swinging(damper, a) for a in start]).T if rolls else (rests[0], 0.0)
         cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
-        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), *ball))
+        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), place, velocity, rests[1]))
     return _rows(damper, _ramped(damper, Sweeps(*map(np.concatenate, zip(*every, strict=True))), threads))
 
 
-def samples_at(damper: ParticleDamper, low: float, high: float, count: int, threads: int | None) -> Floats:
-    """The same at so many amplitudes an octave that are there at once and held, the ball at rest in the middle."""
+def samples_at(
+    damper: ParticleDamper, low: float, high: float, count: int, threads: int | None, place: tuple[float, float]
+) -> Floats:
+    """The same at so many amplitudes an octave that are there at once and held, the ball at rest at a place [m]."""
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
-    return _rows(damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD), threads))
+    return _rows(
+        damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1]), threads)
+    )
+
+
+def resting_places(damper: ParticleDamper) -> list[tuple[float, float]]:
+    """Where a ball may lie at rest before a vibration grows [m]: in the middle, or where the load pulls it to.
+
+    The latter is the place of least potential, at a wall or, in a bowl, on the way there. It counts where the load
+    pulls the ball against the wall by more than the rolling threshold, or away from the middle. A ball that this draws
+    out of the middle, as soon as a vibration moves it there, does not begin in it: what it gains on its way is lost
+    once, and not taken from the structure.
+    """
+    middle, pull, curve, threshold = (0.0, 0.0), np.abs(damper.lateral_pull), _curve(damper), damper.rolling_threshold
+    place = _lowest(damper)
+    outward = _outward(damper, place)
+    leaves, sideways = outward[0] > threshold or pull[0] > threshold, abs(curve[0, 1])
+    if not leaves and (sideways == 0 or outward[1] <= threshold):
+        return [middle]
+    rests = (float(place[0]), float(place[1]))
+    return [rests] if leaves or pull[1] + sideways * damper.half_gap[0] > threshold else [middle, rests]
+
+
+def _lowest(damper: ParticleDamper) -> Floats:
+    """Place of least potential in the cavity, shape (2,) [m]."""
+    (x, y), pull, curve = damper.half_gap, np.array(damper.lateral_pull), _curve(damper)
+    places = np.array([(x, y), (x, -y), (-x, y), (-x, -y)])
+    for i in (0, 1) * _ROUNDS:  # in a bowl, up to where it rises as steeply
+        push = pull[i] - curve[i, 1 - i] * places[:, 1 - i]
+        if curve[i, i] > 0:
+            places[:, i] = np.clip(push / curve[i, i], -damper.half_gap[i], damper.half_gap[i])
+    energy = 0.5 * np.einsum("ni,ij,nj->n", places, curve, places) - places @ pull
+    return np.asarray(places[int(np.argmin(energy))])
+
+
+def _outward(damper: ParticleDamper, place: Floats) -> Floats:
+    """How the load pulls a ball away from the middle along x and y, shape (2,) [m/s^2]."""
+    return np.asarray(np.sign(place) * (damper.lateral_pull - _curve(damper) @ place))
+
+
+def _curve(damper: ParticleDamper) -> Floats:
+    """D: the load accelerates a ball at a place s in its cavity by -D s, shape (2, 2) [1/s^2]."""
+    bowl = damper.centrifugal_acceleration * path_curvature(damper.parameters)[0]
+    return np.asarray(np.diag(bowl) - in_plane(damper.parameters)[0])
 
 
 def settled(damper: ParticleDamper, amplitude: float) -> float:
@@ -407,6 +463,7 @@ class Sweeps(NamedTuple):
     Attributes:
         amplitude: at which they begin [m].
         place, velocity: of the ball along x then [m, m/s].
+        aside: its place along y then [m].
         cycles: that they go on for.
         factor: by which the structure's energy changes from cycle to cycle.
     """
@@ -414,15 +471,21 @@ class Sweeps(NamedTuple):
     amplitude: Floats
     place: Floats
     velocity: Floats
+    aside: Floats
     cycles: Integers
     factor: Floats
 
 
 def sweeps_from(
-    amplitude: Floats, cycles: int, factor: float = 1.0, place: Floats | float = 0.0, velocity: Floats | float = 0.0
+    amplitude: Floats,
+    cycles: int,
+    factor: float = 1.0,
+    place: Floats | float = 0.0,
+    velocity: Floats | float = 0.0,
+    aside: float = 0.0,
 ) -> Sweeps:
     """Sweeps that go alike from several amplitudes."""
-    return Sweeps(*(np.array(each) for each in np.broadcast_arrays(amplitude, place, velocity, cycles, factor)))
+    return Sweeps(*map(np.array, np.broadcast_arrays(amplitude, place, velocity, aside, cycles, factor)))
 
 
 def _ramped(
@@ -440,7 +503,7 @@ def _ramped(
 
     count, cycles = len(sweeps.amplitude), int(sweeps.cycles.max())
     start = np.zeros((count, 5, 2))
-    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = sweeps[:3]
+    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0], start[:, 2, 1] = sweeps[:4]
     p = prepare(np.repeat(damper.parameters, count), start, cycles, cycles)
     tables = nothing_kept()
     energy = np.full((count, cycles, 4), np.nan)

@@ -59,8 +59,8 @@ class DampingCurve:
         from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
         slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
-        abrupt_start: the same for an abrupt start at the full amplitude, the ball at rest in the middle and the
-            structure at a crest, in cycles 13 to 36; None: as `from_above`.
+        abrupt_start: the same for an abrupt start at the full amplitude, the ball at rest in the middle, or at a wall
+            where it would not stay there, and the structure at a crest, in cycles 13 to 36; None: as `from_above`.
         folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
             where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
             all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
