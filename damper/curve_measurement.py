@@ -40,6 +40,8 @@ from damper.state import nothing_kept
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy.typing as npt
+
     from damper.model import Floats, Integers, ParticleDamper
 
 SWEEPS, STAY = 16, 120
@@ -77,6 +79,14 @@ All sweeps up end there unless a ball at rest, in an abrupt start, is damped les
 
 _FINE, _ROLLED = 4 * BINS, 4
 """Amplitudes in an octave at which a rolling ball is followed, and cycles that it is followed for."""
+
+_GROWTH, _ASTRAY = 1e-3, 0.01
+"""Growth of the amplitude in a cycle, relative, and distance from the middle, over half the clearance, that it begins
+with, of a vibration under which a ball that rolls about the middle must not stray to a wall."""
+
+_SHALLOW, _FAST = 0.05, 30.0
+"""Largest square of the frequency of a ball in its bowl, over that of the structure, at which it rolls as on a level
+floor; most growth of its distance from the middle that is told between two amplitudes, as a logarithm."""
 
 _ASIDE = 3
 """Bins on either side of two motions that slow sweeps go through."""
@@ -142,25 +152,25 @@ def damping_curve(
     above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    rolls, meets, grazes = rolling(bare, low, threads)
     places = resting_places(bare)
+    rolls, ends, grazes, meets = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
     last = high if last > high or differs(above, begun, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
     climbs = [Climb(low, last, pace, place) for place in places for pace in paces]
     resting = len(climbs)
-    if math.isfinite(meets):
+    if math.isfinite(ends) and ends > _AROUND[0] * meets:
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
     ramps = up[up[:, 2] < _CLIMBS * resting]
     samples = np.vstack([samples, up, rolls, grazes, begun])
-    growing, region = grown(above, up, rolls, meets, grazes)
+    growing, region = grown(above, up, rolls, ends, grazes)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
         if down.size and ramps.size:  # a ball may have more events than a sweep goes on for
-            growing = folded(growing, region, down, ramps, meets)
+            growing = folded(growing, region, down, ramps, ends)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": ramps, "abrupt_start": begun}
     others: dict[str, Any] = {
@@ -399,34 +409,101 @@ def settled(damper: ParticleDamper, amplitude: float) -> float:
     return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
-def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float, Floats]:
-    """A ball that rolls to and fro about the middle of a level floor, on which nothing holds or pulls it.
+class Rolling(NamedTuple):
+    """A ball that rolls to and fro about the middle.
+
+    Attributes:
+        samples: as `samples_of` has them, at amplitudes at which it goes on rolling.
+        ends: amplitude from which on it does not, since it meets the walls or has strayed to one; inf where the load
+            pulls it away before it rolls, or holds it in a bowl [m].
+        there: its samples at that amplitude.
+        meets: amplitude from which on it meets the walls if it does not stray; inf as before [m].
+    """
+
+    samples: Floats
+    ends: float
+    there: Floats
+    meets: float
+
+
+def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
+    """Follow a ball that rolls to and fro about the middle as the amplitude grows, until the load has drawn it away.
 
     Args:
         damper: without damping of its own.
         low: amplitude from which on it rolls [m].
         threads: see :func:`damper.ringdowns`.
-
-    Returns:
-        Its samples, as `samples_of` has them, at amplitudes at which it meets no wall; the amplitude from which on it
-        does, inf on a floor that is not level [m]; its samples there.
     """
-    gap, share = damper.half_gap[0], abs(1 - damper.tilt_share[0])
-    flat = damper.floor_radius is None or math.isinf(damper.floor_radius[0])
-    if not flat or damper.lateral_pull[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
-        return np.zeros((0, 3)), math.inf, np.zeros((0, 3))
+    gap, share, curve = damper.half_gap[0], abs(1 - damper.tilt_share[0]), _curve(damper)
     free = gap / (damper.inertia_ratio * share)
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
+    alone, strays, held = damper.lateral_pull[0] == 0 and curve[0, 0] == 0, np.zeros(len(amplitude)), True
+    if not alone:
+        held = bool(_held_aside(damper, amplitude).all())
+        if low < high and damper.inertia_ratio * curve[0, 0] <= _SHALLOW * damper.stuck_frequency**2:
+            strays = _strays(damper, amplitude)
+        else:
+            strays += math.inf
+        lasts = strays < 1
+        if lasts.sum() < 2:
+            return Rolling(np.zeros((0, 3)), math.inf, np.zeros((0, 3)), math.inf)
+        amplitude, strays = amplitude[lasts], strays[lasts]
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
-    energy = _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED), threads, alike=damper)
-    swing = amplitude / free  # over half the clearance
-    if damper.rolling_threshold > 0:
-        pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
-        swing = energy[:, SETTLING:, 3].mean(axis=1) / pull
-    meets = float(np.exp(np.interp(1.0, swing, np.log(amplitude))))
-    there = _ramped(wide, sweeps_from(np.array([meets]), SETTLING + _ROLLED), threads, alike=damper)
-    return _rows(damper, energy[amplitude < meets]), meets, _rows(damper, there)
+
+    def followed(amplitude: Floats) -> Floats:
+        ball = np.zeros((2, 1)) if alone else np.array([swinging(wide, each) for each in amplitude]).T
+        return _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED, 1.0, *ball), threads, alike=damper)
+
+    energy = followed(amplitude)
+    if damper.rolling_threshold > 0 and held:  # over half the clearance, by what it loses
+        swing = energy[:, SETTLING:, 3].mean(axis=1) / (4 * damper.ball_mass * damper.rolling_threshold * gap)
+    else:
+        swing = np.sqrt(np.maximum(amplitude**2 - _lag(damper) ** 2, 0.0)) / free
+    ends = float(np.exp(np.interp(1.0, swing + strays, np.log(amplitude))))
+    meets = ends if alone else math.hypot(free, _lag(damper))
+    return Rolling(_rows(damper, energy[amplitude < ends]), ends, _rows(damper, followed(np.array([ends]))), meets)
+
+
+def _lag(damper: ParticleDamper) -> float:
+    """Amplitude that rolling resistance takes from that of a ball that rolls evenly, as the root of squares [m]."""
+    return 0.5 * math.pi * damper.rolling_threshold / damper.stuck_frequency**2 / abs(1 - damper.tilt_share[0])
+
+
+def _held_aside(damper: ParticleDamper, amplitude: Floats) -> npt.NDArray[np.bool_]:
+    """Whether rolling resistance holds a ball along y that rolls along x, from wall to wall at most, shape (n,)."""
+    pull = abs(damper.lateral_pull[1]) + abs(_curve(damper)[0, 1]) * damper.half_gap[0]
+    return np.asarray(pull + damper.cross_drive * amplitude <= damper.rolling_threshold)
+
+
+def _strays(damper: ParticleDamper, amplitude: Floats) -> Floats:
+    """How far the load draws a rolling ball off the middle while the amplitude grows, over half the clearance.
+
+    Averaged over swings whose speed is at most W, rolling resistance acts as a dashpot: x'' + g x' = k x + a, with
+    g = 2 beta a_r / (pi W). The ball follows the slow root of r (r + g) = k, which is k / m with -m the other one:
+    m x' = k x + a. It begins `_ASTRAY` off the middle. Where it moves along y too, it is at a wall there.
+    """
+    beta, omega, gap = damper.inertia_ratio, damper.stuck_frequency, damper.half_gap[0]
+    middle, curve = np.sqrt(amplitude[1:] * amplitude[:-1]), _curve(damper)
+    lag = _lag(damper)  # where the ball pauses, below some 1.2 times that, it has about half the speed of one set off
+    pauses = 0.25 * np.maximum(middle**2 - (2 * lag / math.pi) ** 2, 1e-12 * middle**2)
+    evenly = np.sqrt(np.maximum(middle**2 - lag**2, pauses))
+    half = damper.rolling_threshold / (math.pi * abs(1 - damper.tilt_share[0]) * omega * evenly)  # g / 2
+    k, time = -beta * curve[0, 0], math.log(amplitude[1] / amplitude[0]) / _GROWTH * 2 * math.pi / omega
+    elapsed = time * (0.5 + np.arange(len(middle)))
+    root = half**2 + k
+    m = np.where(root >= 0, half + np.sqrt(np.maximum(root, 0.0)), math.sqrt(abs(k)))
+    m = np.maximum(m, 1 / elapsed)  # without resistance a pull accelerates the ball for so long
+    aside = np.where(_held_aside(damper, middle), 0.0, abs(curve[0, 1]) * damper.half_gap[1])
+    grows, moves = np.minimum(k * time / m, _FAST), beta * (abs(damper.lateral_pull[0]) + aside) * time / m
+    place, far = _ASTRAY * gap, np.zeros(len(amplitude))
+    for n, (growth, path) in enumerate(zip(grows, moves, strict=True)):
+        place += (growth * place + path) * (math.expm1(growth) / growth if growth else 1.0)
+        far[n + 1] = max(far[n], place - _ASTRAY * gap)
+        if far[n + 1] > gap:
+            far[n + 1 :] = math.inf
+            break
+    return far / gap
 
 
 def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:

@@ -4,12 +4,13 @@ import itertools
 import math
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from damper import DampingCurve, Mode, ParticleDamper, damping_curve, ringdown, work_bound
+from damper import DampingCurve, Mode, ParticleDamper, RingDown, damping_curve, ringdown, sample, work_bound
 from damper.curve_measurement import STAY, swinging
 from damper.curves import at_bin, folded
 from tests.damper.digits import ramp
@@ -279,7 +280,8 @@ def light(damper: ParticleDamper, amplitude: float, place: tuple[float, float], 
     still = replace(damper, modal_mass=damper.stuck_mass, ball_mass=1e-7 * damper.ball_mass)
     start = {"ball_position": place, "ball_velocity": (velocity, 0.0)}
     early, late = (ringdown(still, (amplitude, 0.0), cycles, **start).energy for cycles in (1200, 1600))
-    lost = 1e7 * (late.rolling + late.impact - early.rolling - early.impact) / 400
+    taken = [each.rolling + each.impact + each.slip for each in (early, late)]
+    lost = 1e7 * (taken[1] - taken[0]) / 400
     return lost / (4 * math.pi * 0.5 * damper.stiffness[0] * amplitude**2)
 
 
@@ -308,7 +310,7 @@ def test_what_a_ball_gains_on_its_way_to_a_wall_is_no_damping(lever: float) -> N
     for way in (found, found.slow_ramp, found.abrupt_start):
         assert way is not None
         assert np.abs(way.damping_ratio[way.amplitude < 0.95 * leaves]).max() < 1e-12
-        assert way.peak < 0.017
+        assert way.peak < 0.02
     assert light(damper, 1e-6, (0.0, 0.0)) == light(damper, 0.95 * leaves, corner) == 0
     for amplitude in (1.1 * found.peak_amplitude, 1.3 * found.peak_amplitude):
         assert at(found, amplitude) == pytest.approx(light(damper, amplitude, corner), rel=0.04)
@@ -345,6 +347,68 @@ def test_a_ball_that_begins_at_a_wall_counts() -> None:
     assert not dented.damping_ratio[held].any()
     assert np.array_equal(dented.damping_ratio[~held], found.damping_ratio[~held])
     assert dented.cutoff == damper.amplitude_of(hold)
+
+
+def even(damper: ParticleDamper, amplitude: float, cycles: int, off: float = 0.0) -> RingDown:
+    """A light ball on a heavy structure that begins to roll evenly, so far off the middle of its cavity [m]."""
+    place, velocity = swinging(damper, amplitude)
+    still = replace(damper, modal_mass=damper.stuck_mass, ball_mass=1e-7 * damper.ball_mass)
+    start = {"ball_position": (place + off, 0.0), "ball_velocity": (velocity, 0.0)}
+    return ringdown(still, (amplitude, 0.0), cycles, keep_events=True, **start)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"stagger": math.radians(1e-3)},
+        {"stagger": math.radians(1.0)},
+        {"floor_radius": (1000.0, math.inf)},
+        {"floor_radius": (10.0, math.inf)},
+        {"lateral_acceleration": (1e-5, 0.0)},
+    ],
+)
+def test_a_ball_that_hardly_anything_pulls_rolls_as_on_a_level_floor(changes: dict[str, Any]) -> None:
+    """About the middle, for thousands of cycles without a hit: 0.77 % at 0.17 mm were said where it damps 0.05 %."""
+    level = staggered(1500, 0, 2e-5, (4.6e-3, 5e-3))
+    damper = replace(level, **changes)
+    found, expected = damping_curve(damper, threads=1), curve(level)
+    for amplitude in (0.17e-3, 0.3e-3, 0.4e-3):
+        run = even(damper, amplitude, 3000)
+        assert run.impacts == 0
+        lost = 1e7 * run.energy.rolling / 3000 / (0.5 * damper.stiffness[0] * amplitude**2)
+        assert lost / (4 * math.pi) == pytest.approx(rolling(damper, amplitude), rel=1e-2)
+        assert at(found, amplitude) == pytest.approx(rolling(damper, amplitude), rel=0.02)
+    assert found.peak == pytest.approx(expected.peak, rel=0.02)
+    assert found.peak_amplitude == pytest.approx(expected.peak_amplitude, rel=0.01)
+
+
+def test_a_ball_that_is_pulled_aside_rolls_until_it_has_strayed_to_a_wall() -> None:
+    """By motion followed from 5 % off the middle: from 1 %, over an amplitude that grows by 0.1 % a cycle.
+
+    The distance grows as exp(c sqrt(A² - (pi/2 a/w²)²)) in a cycle, c by the motion. The curve follows the stagger.
+    """
+    level, amplitude = staggered(1500, 0, 2e-5, (4.6e-3, 5e-3)), 0.2e-3
+    damper, gap = staggered(1500, 5, 2e-5, (4.6e-3, 5e-3)), level.half_gap[0]
+    run = even(damper, amplitude, 401, 0.05 * gap)
+    assert run.impacts == 0
+    times = np.linspace(0, 400 * 2 * math.pi / damper.stuck_frequency, 16001)[:-1]
+    places = sample(run, times).relative_position[:, 0].reshape(20, 800)
+    middle = 0.5 * (places.max(axis=1) + places.min(axis=1))
+    lag = 0.5 * math.pi * damper.rolling_threshold / damper.stuck_frequency**2
+    c = math.log(middle[-1] / middle[4]) / 300 / math.sqrt(amplitude**2 - lag**2)
+
+    def room(a: float) -> float:
+        way = math.sqrt(a**2 - lag**2)
+        gain = c * (way - lag * math.acos(lag / a)) / 1e-3
+        return 1 - 0.01 * math.expm1(gain) - 5 / 7 * way / gap
+
+    found = [damping_curve(staggered(1500, each, 2e-5, (4.6e-3, 5e-3)), threads=1) for each in (2, 3.5, 5, 6)]
+    assert found[2].folds[1] == pytest.approx(brentq(room, 1.01 * lag, 0.5e-3), rel=0.02)
+    every = [curve(level), *found]
+    peaks, steps = [each.peak for each in every], [each.folds[1] for each in every]
+    assert all(one < 1.01 * other for one, other in itertools.pairwise(peaks))
+    assert all(one > other for one, other in itertools.pairwise(steps))
+    assert max(other / one for one, other in itertools.pairwise(peaks)) < 1.6
 
 
 def test_the_pace_of_the_sweeps_is_in_the_error() -> None:

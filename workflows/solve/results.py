@@ -201,7 +201,7 @@ class OwnFigures(Figures):
     wall if it would not stay there; later it may drift to a wall and bounce"""
     folds: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
     """amplitudes between which growing and falling vibration differ: from where bouncing ends on the way down to where
-    a ball that rolls about the middle must meet the walls; null where they do not differ"""
+    a ball that rolls about the middle must meet the walls or has strayed to one; null where they do not differ"""
     jump: Annotated[Pair, quantity("m", ends=_ENDS)]
     """amplitudes at which the first and the last sweep up from rest begin to bounce, depending on how the vibration
     grows; null as for `folds`"""
