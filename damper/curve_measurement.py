@@ -106,6 +106,9 @@ _OCTAVES, _MOST_OCTAVES = 2, 24
 _LOWEST = 1e-3
 """Least amplitude over half the clearance that is looked at where nothing holds the ball."""
 
+_CLEAR = 10
+"""Least amplitude on the way up over the static deflection by a ball that rests off the middle of a tilting floor."""
+
 _BALANCED = 1e-3
 """Share of its drive that a ball must be left with for its figures to have a meaning."""
 
@@ -153,6 +156,8 @@ def damping_curve(
     if above.peak == 0:
         return above
     places = resting_places(bare)
+    deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
+    low = min(max(low, _CLEAR * deflection), 0.5 * high)
     rolls, ends, grazes, meets = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
