@@ -3,8 +3,8 @@
 A ring-down tells of one release and of the structure's own damping. What belongs to the damper is how much of the
 energy the ball takes in a cycle while the structure, without damping of its own, vibrates along x with an amplitude A
 that is held, whatever the ball takes. It is measured on sweeps that come down through all amplitudes, from several
-starts, slower where that changes them, and on sweeps up from a ball at rest or rolling about the middle, of which the
-least counts; what the pace still changes is in the error.
+starts, slower where that changes them, and on sweeps up from a ball at rest, in the middle or at a wall that it is
+pulled against, or rolling about the middle, of which the least counts; what the pace still changes is in the error.
 """
 
 from __future__ import annotations
@@ -33,12 +33,14 @@ from damper.curves import (
     resolved,
     spread,
 )
-from damper.model import in_plane, inertia_ratio, whole
+from damper.model import in_plane, inertia_ratio, path_curvature, whole
 from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    import numpy.typing as npt
 
     from damper.model import Floats, Integers, ParticleDamper
 
@@ -78,8 +80,19 @@ All sweeps up end there unless a ball at rest, in an abrupt start, is damped les
 _FINE, _ROLLED = 4 * BINS, 4
 """Amplitudes in an octave at which a rolling ball is followed, and cycles that it is followed for."""
 
+_GROWTH, _ASTRAY = 1e-3, 0.01
+"""Growth of the amplitude in a cycle, relative, and distance from the middle, over half the clearance, that it begins
+with, of a vibration under which a ball that rolls about the middle must not stray to a wall."""
+
+_SHALLOW, _FAST = 0.05, 30.0
+"""Largest square of the frequency of a ball in its bowl, over that of the structure, at which it rolls as on a level
+floor; most growth of its distance from the middle that is told between two amplitudes, as a logarithm."""
+
 _ASIDE = 3
 """Bins on either side of two motions that slow sweeps go through."""
+
+_ROUNDS = 16
+"""Steps along either axis towards the place of least potential: these converge, but for a saddle."""
 
 SETTLING = 12
 """Cycles that the ball is given to find its motion at the start of a sweep."""
@@ -92,6 +105,9 @@ _OCTAVES, _MOST_OCTAVES = 2, 24
 
 _LOWEST = 1e-3
 """Least amplitude over half the clearance that is looked at where nothing holds the ball."""
+
+_CLEAR = 10
+"""Least amplitude on the way up over the static deflection by a ball that rests off the middle of a tilting floor."""
 
 _BALANCED = 1e-3
 """Share of its drive that a ball must be left with for its figures to have a meaning."""
@@ -122,7 +138,7 @@ def damping_curve(
 
     A ball may have two steady motions at an amplitude: it keeps bouncing where the vibration comes down, and rolls to
     and fro without a hit where it grows. Sweeps go down and up, and the figures are those of the way up, from a ball at
-    rest in the middle; `DampingCurve.from_above` has the others.
+    rest (`resting_places`); `DampingCurve.from_above` has the others.
 
     Args:
         damper: what is measured; the damping ratio of the mode that yields most along x has no influence.
@@ -139,22 +155,27 @@ def damping_curve(
     above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    rolls, meets, grazes = rolling(bare, low, threads)
-    begun = samples_at(bare, low, high, min(sweeps, BINS), threads)
+    places = resting_places(bare)
+    deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
+    low = min(max(low, _CLEAR * deflection), 0.5 * high)
+    rolls, ends, grazes, meets = rolling(bare, low, threads)
+    begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
     last = high if last > high or differs(above, begun, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
-    climbs = [Climb(low, last, pace) for pace in paces]
-    if math.isfinite(meets):
+    climbs = [Climb(low, last, pace, place) for place in places for pace in paces]
+    resting = len(climbs)
+    if math.isfinite(ends) and ends > _AROUND[0] * meets:
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
-    ramps = up[up[:, 2] < _CLIMBS * len(paces)]
+    ramps = up[up[:, 2] < _CLIMBS * resting]
     samples = np.vstack([samples, up, rolls, grazes, begun])
-    growing, region = grown(above, up, rolls, meets, grazes)
+    growing, region = grown(above, up, rolls, ends, grazes)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
-        growing = folded(growing, region, down, ramps, meets)
+        if down.size and ramps.size:  # a ball may have more events than a sweep goes on for
+            growing = folded(growing, region, down, ramps, ends)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": ramps, "abrupt_start": begun}
     others: dict[str, Any] = {
@@ -166,9 +187,13 @@ def damping_curve(
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
-    if damper.break_away == 0:
-        return growing
-    return held_until(growing, damper.amplitude_of(damper.break_away_threshold))
+    if damper.break_away > 0:
+        growing = held_until(growing, damper.amplitude_of(damper.break_away_threshold))
+        if any(places[-1]):
+            hold = damper.rolling_threshold + damper.break_away * damper.centrifugal_acceleration
+            leaves = damper.amplitude_of(hold + float(_outward(damper, np.array(places[-1])).min()))
+            growing = replace(held_until(growing, leaves), cutoff=growing.cutoff)
+    return growing
 
 
 def falling(
@@ -311,29 +336,75 @@ def samples_of(
 
 
 class Climb(NamedTuple):
-    """A way up: its ends [m], the cycles for an octave, whether balls roll about the middle or begin at rest there."""
+    """A way up: its ends [m], the cycles for an octave, where balls begin at rest [m], or that they roll evenly."""
 
     low: float
     high: float
     stay: int
+    place: tuple[float, float] = (0.0, 0.0)
     rolls: bool = False
 
 
 def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | None, sweeps: int = _CLIMBS) -> Floats:
     """The same on sweeps up, so many for each climb, numbered on."""
     every, ahead = [], _APART * np.arange(sweeps)
-    for low, high, stay, rolls in climbs:
+    for low, high, stay, rests, rolls in climbs:
         start = low * 2 ** (-(SETTLING + ahead) / stay)
-        ball = np.array([swinging(damper, a) for a in start]).T if rolls else np.zeros((2, sweeps))
+        place, velocity = np.array([swinging(damper, a) for a in start]).T if rolls else (rests[0], 0.0)
         cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
-        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), *ball))
+        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), place, velocity, rests[1]))
     return _rows(damper, _ramped(damper, Sweeps(*map(np.concatenate, zip(*every, strict=True))), threads))
 
 
-def samples_at(damper: ParticleDamper, low: float, high: float, count: int, threads: int | None) -> Floats:
-    """The same at so many amplitudes an octave that are there at once and held, the ball at rest in the middle."""
+def samples_at(
+    damper: ParticleDamper, low: float, high: float, count: int, threads: int | None, place: tuple[float, float]
+) -> Floats:
+    """The same at so many amplitudes an octave that are there at once and held, the ball at rest at a place [m]."""
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
-    return _rows(damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD), threads))
+    return _rows(
+        damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1]), threads)
+    )
+
+
+def resting_places(damper: ParticleDamper) -> list[tuple[float, float]]:
+    """Where a ball may lie at rest before a vibration grows [m]: in the middle, or where the load pulls it to.
+
+    The latter is the place of least potential, at a wall or, in a bowl, on the way there. It counts where the load
+    pulls the ball against the wall by more than the rolling threshold, or away from the middle. A ball that this draws
+    out of the middle, as soon as a vibration moves it there, does not begin in it: what it gains on its way is lost
+    once, and not taken from the structure.
+    """
+    middle, pull, curve, threshold = (0.0, 0.0), np.abs(damper.lateral_pull), _curve(damper), damper.rolling_threshold
+    place = _lowest(damper)
+    outward = _outward(damper, place)
+    leaves, sideways = outward[0] > threshold or pull[0] > threshold, abs(curve[0, 1])
+    if not leaves and (sideways == 0 or outward[1] <= threshold):
+        return [middle]
+    rests = (float(place[0]), float(place[1]))
+    return [rests] if leaves or pull[1] + sideways * damper.half_gap[0] > threshold else [middle, rests]
+
+
+def _lowest(damper: ParticleDamper) -> Floats:
+    """Place of least potential in the cavity, shape (2,) [m]."""
+    (x, y), pull, curve = damper.half_gap, np.array(damper.lateral_pull), _curve(damper)
+    places = np.array([(x, y), (x, -y), (-x, y), (-x, -y)])
+    for i in (0, 1) * _ROUNDS:  # in a bowl, up to where it rises as steeply
+        push = pull[i] - curve[i, 1 - i] * places[:, 1 - i]
+        if curve[i, i] > 0:
+            places[:, i] = np.clip(push / curve[i, i], -damper.half_gap[i], damper.half_gap[i])
+    energy = 0.5 * np.einsum("ni,ij,nj->n", places, curve, places) - places @ pull
+    return np.asarray(places[int(np.argmin(energy))])
+
+
+def _outward(damper: ParticleDamper, place: Floats) -> Floats:
+    """How the load pulls a ball away from the middle along x and y, shape (2,) [m/s^2]."""
+    return np.asarray(np.sign(place) * (damper.lateral_pull - _curve(damper) @ place))
+
+
+def _curve(damper: ParticleDamper) -> Floats:
+    """D: the load accelerates a ball at a place s in its cavity by -D s, shape (2, 2) [1/s^2]."""
+    bowl = damper.centrifugal_acceleration * path_curvature(damper.parameters)[0]
+    return np.asarray(np.diag(bowl) - in_plane(damper.parameters)[0])
 
 
 def settled(damper: ParticleDamper, amplitude: float) -> float:
@@ -343,34 +414,101 @@ def settled(damper: ParticleDamper, amplitude: float) -> float:
     return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
-def rolling(damper: ParticleDamper, low: float, threads: int | None) -> tuple[Floats, float, Floats]:
-    """A ball that rolls to and fro about the middle of a level floor, on which nothing holds or pulls it.
+class Rolling(NamedTuple):
+    """A ball that rolls to and fro about the middle.
+
+    Attributes:
+        samples: as `samples_of` has them, at amplitudes at which it goes on rolling.
+        ends: amplitude from which on it does not, since it meets the walls or has strayed to one; inf where the load
+            pulls it away before it rolls, or holds it in a bowl [m].
+        there: its samples at that amplitude.
+        meets: amplitude from which on it meets the walls if it does not stray; inf as before [m].
+    """
+
+    samples: Floats
+    ends: float
+    there: Floats
+    meets: float
+
+
+def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
+    """Follow a ball that rolls to and fro about the middle as the amplitude grows, until the load has drawn it away.
 
     Args:
         damper: without damping of its own.
         low: amplitude from which on it rolls [m].
         threads: see :func:`damper.ringdowns`.
-
-    Returns:
-        Its samples, as `samples_of` has them, at amplitudes at which it meets no wall; the amplitude from which on it
-        does, inf on a floor that is not level [m]; its samples there.
     """
-    gap, share = damper.half_gap[0], abs(1 - damper.tilt_share[0])
-    flat = damper.floor_radius is None or math.isinf(damper.floor_radius[0])
-    if not flat or damper.lateral_pull[0] != 0 or in_plane(damper.parameters)[0, 0, 0] != 0:
-        return np.zeros((0, 3)), math.inf, np.zeros((0, 3))
+    gap, share, curve = damper.half_gap[0], abs(1 - damper.tilt_share[0]), _curve(damper)
     free = gap / (damper.inertia_ratio * share)
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
+    alone, strays, held = damper.lateral_pull[0] == 0 and curve[0, 0] == 0, np.zeros(len(amplitude)), True
+    if not alone:
+        held = bool(_held_aside(damper, amplitude).all())
+        if low < high and damper.inertia_ratio * curve[0, 0] <= _SHALLOW * damper.stuck_frequency**2:
+            strays = _strays(damper, amplitude)
+        else:
+            strays += math.inf
+        lasts = strays < 1
+        if lasts.sum() < 2:
+            return Rolling(np.zeros((0, 3)), math.inf, np.zeros((0, 3)), math.inf)
+        amplitude, strays = amplitude[lasts], strays[lasts]
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
-    energy = _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED), threads, alike=damper)
-    swing = amplitude / free  # over half the clearance
-    if damper.rolling_threshold > 0:
-        pull = 4 * damper.ball_mass * damper.rolling_threshold * gap
-        swing = energy[:, SETTLING:, 3].mean(axis=1) / pull
-    meets = float(np.exp(np.interp(1.0, swing, np.log(amplitude))))
-    there = _ramped(wide, sweeps_from(np.array([meets]), SETTLING + _ROLLED), threads, alike=damper)
-    return _rows(damper, energy[amplitude < meets]), meets, _rows(damper, there)
+
+    def followed(amplitude: Floats) -> Floats:
+        ball = np.zeros((2, 1)) if alone else np.array([swinging(wide, each) for each in amplitude]).T
+        return _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED, 1.0, *ball), threads, alike=damper)
+
+    energy = followed(amplitude)
+    if damper.rolling_threshold > 0 and held:  # over half the clearance, by what it loses
+        swing = energy[:, SETTLING:, 3].mean(axis=1) / (4 * damper.ball_mass * damper.rolling_threshold * gap)
+    else:
+        swing = np.sqrt(np.maximum(amplitude**2 - _lag(damper) ** 2, 0.0)) / free
+    ends = float(np.exp(np.interp(1.0, swing + strays, np.log(amplitude))))
+    meets = ends if alone else math.hypot(free, _lag(damper))
+    return Rolling(_rows(damper, energy[amplitude < ends]), ends, _rows(damper, followed(np.array([ends]))), meets)
+
+
+def _lag(damper: ParticleDamper) -> float:
+    """Amplitude that rolling resistance takes from that of a ball that rolls evenly, as the root of squares [m]."""
+    return 0.5 * math.pi * damper.rolling_threshold / damper.stuck_frequency**2 / abs(1 - damper.tilt_share[0])
+
+
+def _held_aside(damper: ParticleDamper, amplitude: Floats) -> npt.NDArray[np.bool_]:
+    """Whether rolling resistance holds a ball along y that rolls along x, from wall to wall at most, shape (n,)."""
+    pull = abs(damper.lateral_pull[1]) + abs(_curve(damper)[0, 1]) * damper.half_gap[0]
+    return np.asarray(pull + damper.cross_drive * amplitude <= damper.rolling_threshold)
+
+
+def _strays(damper: ParticleDamper, amplitude: Floats) -> Floats:
+    """How far the load draws a rolling ball off the middle while the amplitude grows, over half the clearance.
+
+    Averaged over swings whose speed is at most W, rolling resistance acts as a dashpot: x'' + g x' = k x + a, with
+    g = 2 beta a_r / (pi W). The ball follows the slow root of r (r + g) = k, which is k / m with -m the other one:
+    m x' = k x + a. It begins `_ASTRAY` off the middle. Where it moves along y too, it is at a wall there.
+    """
+    beta, omega, gap = damper.inertia_ratio, damper.stuck_frequency, damper.half_gap[0]
+    middle, curve = np.sqrt(amplitude[1:] * amplitude[:-1]), _curve(damper)
+    lag = _lag(damper)  # where the ball pauses, below some 1.2 times that, it has about half the speed of one set off
+    pauses = 0.25 * np.maximum(middle**2 - (2 * lag / math.pi) ** 2, 1e-12 * middle**2)
+    evenly = np.sqrt(np.maximum(middle**2 - lag**2, pauses))
+    half = damper.rolling_threshold / (math.pi * abs(1 - damper.tilt_share[0]) * omega * evenly)  # g / 2
+    k, time = -beta * curve[0, 0], math.log(amplitude[1] / amplitude[0]) / _GROWTH * 2 * math.pi / omega
+    elapsed = time * (0.5 + np.arange(len(middle)))
+    root = half**2 + k
+    m = np.where(root >= 0, half + np.sqrt(np.maximum(root, 0.0)), math.sqrt(abs(k)))
+    m = np.maximum(m, 1 / elapsed)  # without resistance a pull accelerates the ball for so long
+    aside = np.where(_held_aside(damper, middle), 0.0, abs(curve[0, 1]) * damper.half_gap[1])
+    grows, moves = np.minimum(k * time / m, _FAST), beta * (abs(damper.lateral_pull[0]) + aside) * time / m
+    place, far = _ASTRAY * gap, np.zeros(len(amplitude))
+    for n, (growth, path) in enumerate(zip(grows, moves, strict=True)):
+        place += (growth * place + path) * (math.expm1(growth) / growth if growth else 1.0)
+        far[n + 1] = max(far[n], place - _ASTRAY * gap)
+        if far[n + 1] > gap:
+            far[n + 1 :] = math.inf
+            break
+    return far / gap
 
 
 def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
@@ -407,6 +545,7 @@ class Sweeps(NamedTuple):
     Attributes:
         amplitude: at which they begin [m].
         place, velocity: of the ball along x then [m, m/s].
+        aside: its place along y then [m].
         cycles: that they go on for.
         factor: by which the structure's energy changes from cycle to cycle.
     """
@@ -414,15 +553,21 @@ class Sweeps(NamedTuple):
     amplitude: Floats
     place: Floats
     velocity: Floats
+    aside: Floats
     cycles: Integers
     factor: Floats
 
 
 def sweeps_from(
-    amplitude: Floats, cycles: int, factor: float = 1.0, place: Floats | float = 0.0, velocity: Floats | float = 0.0
+    amplitude: Floats,
+    cycles: int,
+    factor: float = 1.0,
+    place: Floats | float = 0.0,
+    velocity: Floats | float = 0.0,
+    aside: float = 0.0,
 ) -> Sweeps:
     """Sweeps that go alike from several amplitudes."""
-    return Sweeps(*(np.array(each) for each in np.broadcast_arrays(amplitude, place, velocity, cycles, factor)))
+    return Sweeps(*map(np.array, np.broadcast_arrays(amplitude, place, velocity, aside, cycles, factor)))
 
 
 def _ramped(
@@ -440,7 +585,7 @@ def _ramped(
 
     count, cycles = len(sweeps.amplitude), int(sweeps.cycles.max())
     start = np.zeros((count, 5, 2))
-    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0] = sweeps[:3]
+    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0], start[:, 2, 1] = sweeps[:4]
     p = prepare(np.repeat(damper.parameters, count), start, cycles, cycles)
     tables = nothing_kept()
     energy = np.full((count, cycles, 4), np.nan)

@@ -59,11 +59,11 @@ class DampingCurve:
         from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
         slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
-        abrupt_start: the same for an abrupt start at the full amplitude, the ball at rest in the middle and the
-            structure at a crest, in cycles 13 to 36; None: as `from_above`.
+        abrupt_start: the same for an abrupt start at the full amplitude, the ball at rest in the middle, or at a wall
+            where it would not stay there, and the structure at a crest, in cycles 13 to 36; None: as `from_above`.
         folds: between which amplitudes the two ways differ most: where a ball stops bouncing on the way down, and up to
-            where one that rolls about the middle of a level floor meets no wall, or, on another floor, from where on
-            all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio steps up there.
+            where one that rolls about the middle meets no wall and has not strayed to one, or, where that is too soon,
+            from where on all of the sweeps up bounce [m]; nan where they do not differ. The damping ratio rises there.
         jump: where the first and the last of the sweeps up from rest begin to bounce [m]. No force
             returns a rolling ball to the middle of a level floor, so this depends on how the vibration grows.
     """
@@ -152,7 +152,7 @@ def grown(
             begun = min(begun, merged[last + 1][1]) if last + 1 in parted else begun
             foot = min(rolled, merged[last][1]) if last in parted else rolled
             first = last + 1 if last in parted else last  # a bin that both motions share shows neither
-            step = [((1 - _STEP) * meets, foot), (meets, begun)]
+            step = [((1 - _STEP) * meets, foot), (meets, max(begun, foot))]
             below = [point for point in points if point[0] < step[0][0]]
             points = [*below, *step, *(merged[k] for k in sorted(merged) if k >= first and merged[k][0] > meets)]
             spreads[last], nexts[last] = spreads.get(last + 1, 0.0), 0.0

@@ -581,6 +581,12 @@ class ParticleDamper:
         return math.inf if left == 0 else drive / square / left
 
     @property
+    def cross_drive(self) -> float:
+        """Drive along y per amplitude along x of the mode that leads along x, the ball stuck [1/s^2]."""
+        swing, square, pull = self._swing(0)
+        return abs(float(square * swing[1] - pull[1]))
+
+    @property
     def inertia_ratio(self) -> float:
         """Beta in  s'' = -beta (u'' - a_r sigma)  [-].
 

@@ -193,16 +193,16 @@ class OwnFigures(Figures):
     vibration begins to bounce"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
-    least of starts at rest in the middle or rolling about it"""
+    least of starts rolling about the middle, or at rest there or at a wall against which rotation holds the ball"""
     slow_ramp: Annotated[Figures, part(prefix="slow_ramp_")] = field(repr=False)
     """the same on slow ramps from rest, 0.1 to 0.3 % per cycle, on which the ball drifts and bounces earlier: the mean,
     typical but not guaranteed"""
     abrupt_start: Annotated[Figures, part(prefix="abrupt_start_")] = field(repr=False)
-    """the same after an abrupt start: cycles 13 to 36 at the full amplitude, from a ball at rest in the middle; later
-    it may drift to a wall and bounce"""
+    """the same after an abrupt start: cycles 13 to 36 at the full amplitude, from a ball at rest in the middle, or at a
+    wall if it would not stay there; later it may drift to a wall and bounce"""
     folds: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
     """amplitudes between which growing and falling vibration differ: from where bouncing ends on the way down to where
-    a ball that rolls about the middle must meet the walls; null where they do not differ"""
+    a ball that rolls about the middle must meet the walls or has strayed to one; null where they do not differ"""
     jump: Annotated[Pair, quantity("m", ends=_ENDS)]
     """amplitudes at which the first and the last sweep up from rest begin to bounce, depending on how the vibration
     grows; null as for `folds`"""
