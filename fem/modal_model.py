@@ -708,28 +708,27 @@ def held(shapes: Array) -> NDArray[np.bool_]:
     return np.asarray((moved <= _STILL * moved.max(axis=(1, 2), keepdims=True)).all(axis=(0, 2)))
 
 
-def largest_strains(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
-    """Largest principal strain in the cells, mode by mode, (k,) [m^-1 per kg^1/2 m].
+def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float | None:
+    """Largest principal strain in the cells in a mode, numbered from 0 [m^-1 per kg^1/2 m].
 
     At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp and in
     sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
-    total = np.zeros((len(model.points), modes.frequencies_hz.size, 3, 3))
-    count = np.zeros(len(model.points))
+    shape, total, count = modes.shapes[number], np.zeros((len(model.points), 3, 3)), np.zeros(len(model.points))
     for name, cells in model.cells:
         kind = cell(name)
         if kind.dimension != 3:
             continue
         for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
             slopes = kind.gradients(model.points[there], kind.nodes)[0]
-            turned = np.einsum("cpnj,kcni->cpkij", slopes, modes.shapes[:, there], optimize=True)
-            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 3, 4)))
+            turned = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
+            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 2, 3)))
             np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():
         return None
-    mean = total[at] / count[at][:, None, None, None]
-    return np.asarray(np.abs(np.linalg.eigvalsh(mean)).max(axis=(0, 2)))
+    mean = total[at] / count[at][:, None, None]
+    return float(np.abs(np.linalg.eigvalsh(mean)).max())
 
 
 def faces(cells: Sequence[tuple[str, Ints]]) -> Ints:

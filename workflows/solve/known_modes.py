@@ -95,7 +95,7 @@ class SpaceStructure:
         from fem.reduction.known_modes import NoMotion, reduced_modes
 
         scene, modes = source.scene, self.modes(omega)
-        names, strains = _families_and_strains(self.model, modes)
+        names = _families(self.model, modes)
         turned = None if self.coriolis is None else self.coriolis(omega)
         left_out = effects["large_deflection"].left_out
         bent = None if left_out is None else left_out.at(np.array([omega]), len(names))[0]
@@ -122,6 +122,7 @@ class SpaceStructure:
             raise source.wrong(problem, "[damper] mass_ratio", damper.mass_ratio)
         lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
+        strain = _largest_strain(self.model, modes, leads)
         return replace(
             point,
             radius=floor.radius,
@@ -131,7 +132,7 @@ class SpaceStructure:
             stagger=floor.stagger(self.model.axis),
             lean=(float(floor.lean[0]), float(floor.lean[1])),
             sticks_out=self.seat.sticks_out,
-            root_strain=None if strains is None else float(strains[leads] / abs(lifts[leads])),
+            root_strain=None if strain is None else strain / abs(float(lifts[leads])),
         )
 
     @property
@@ -145,7 +146,7 @@ class SpaceStructure:
         if self.seat is None:
             return None
         modes = self.modes(omega)
-        floor, names = self.floor(modes), _families_and_strains(self.model, modes)[0]
+        floor, names = self.floor(modes), _families(self.model, modes)
         still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
@@ -253,9 +254,13 @@ _SPEEDS = 64
 
 
 @lru_cache(_SPEEDS)
-def _families_and_strains(model: ModalModel, modes: ModesAtSpeed) -> tuple[tuple[str, ...], Floats | None]:
-    """Families of modes and their largest strains for a unit amplitude; None where these are not known."""
-    return tuple(modal_model.families(model, modes)), modal_model.largest_strains(model, modes)
+def _families(model: ModalModel, modes: ModesAtSpeed) -> tuple[str, ...]:
+    return tuple(modal_model.families(model, modes))
+
+
+@lru_cache(_SPEEDS)
+def _largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float | None:
+    return modal_model.largest_strain(model, modes, number)
 
 
 @dataclass(frozen=True)
