@@ -145,23 +145,35 @@ class VolumeMesh:
                 " merge them (equivalence) in the mesher"
             )
 
-    def _check_pieces(self) -> None:
+    def pieces(self, free: NDArray[np.bool_]) -> Indices:
+        """Numbers (nnode,) of the pieces that cells make of the nodes that are free, (nnode,).
+
+        -1: it is not free, or in no cell.
+        """
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
-        first = np.concatenate([np.repeat(cells[:, 0], cells.shape[1]) for _, cells in self.cells])
-        every = np.concatenate([cells.ravel() for _, cells in self.cells])
-        n = len(self.points)
-        graph = coo_array((np.ones(every.size), (first, every)), shape=(n, n))
-        count, label = connected_components(graph, directed=False)
-        loose = n - np.unique(every).size
+        number, pairs = len(free), []
+        for _, nodes in self.cells:  # a cell joins its free nodes
+            own = np.broadcast_to(number + np.arange(len(nodes))[:, None], nodes.shape)
+            pairs.append(np.stack([own[free[nodes]], nodes[free[nodes]]]))
+            number += len(nodes)
+        rows, columns = np.concatenate(pairs, axis=1)
+        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(number, number))
+        joined, found = np.unique(columns), np.full(len(free), -1)
+        found[joined] = np.unique(connected_components(graph, directed=False)[1][joined], return_inverse=True)[1]
+        return found
+
+    def _check_pieces(self) -> None:
+        label = self.pieces(np.ones(len(self.points), dtype=bool))
+        loose = int(np.count_nonzero(label < 0))
         if loose:
             raise MeshError(f"{loose} nodes belong to no cell")
-        if count > 1:
-            sizes = np.sort(np.bincount(label))[::-1]
+        sizes = np.sort(np.bincount(label))[::-1]
+        if sizes.size > 1:
             raise MeshError(
-                f"the mesh is in {count} pieces, of {', '.join(map(str, sizes[:4]))} nodes"
-                f"{' ...' * bool(count > 4)}: a blade is one; merge their nodes or leave the others out"
+                f"the mesh is in {sizes.size} pieces, of {', '.join(map(str, sizes[:4]))} nodes"
+                f"{' ...' * bool(sizes.size > 4)}: a blade is one; merge their nodes or leave the others out"
             )
 
 

@@ -73,20 +73,9 @@ class Blade:
 
         Such a piece would vibrate by itself, as no part of the blade; where all lies inboard, nothing is cut off.
         """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        count, free = len(self.mesh.points), np.ones(len(self.mesh.points), dtype=bool)
+        free = np.ones(len(self.mesh.points), dtype=bool)
         free[self.root] = False
-        number, pairs = count, []
-        for _, nodes in self.mesh.cells:  # a cell joins its free nodes
-            own = np.broadcast_to(number + np.arange(len(nodes))[:, None], nodes.shape)
-            pairs.append(np.stack([own[free[nodes]], nodes[free[nodes]]]))
-            number += len(nodes)
-        rows, columns = np.concatenate(pairs, axis=1)
-        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(number, number))
-        pieces = np.where(free, connected_components(graph, directed=False)[1][:count], -1)
-        along = self.arms @ self.arms[self.root].mean(axis=0)
+        pieces, along = self.mesh.pieces(free), self.arms @ self.arms[self.root].mean(axis=0)
         inboard = [k for k in np.unique(pieces[free]) if along[pieces == k].mean() < along[self.root].mean()]
         inner = np.isin(pieces, inboard)
         return self.root if inner[free].all() else np.flatnonzero(~free | inner)

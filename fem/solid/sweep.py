@@ -187,7 +187,7 @@ class BladeSweep:
         """Numbers (p,) of at most so many of the solved speeds, those nearest to Chebyshev-Lobatto points."""
         if self.squares.size <= most:
             return np.arange(self.squares.size)
-        places = np.log1p((self.squares - self.squares[0]) / self.bend)
+        places = _place(self.squares, self.squares[0], self.bend)
         wanted = places[-1] * (0.5 - 0.5 * np.cos(np.pi * np.arange(most) / (most - 1)))
         return np.unique(np.abs(places[:, None] - wanted).argmin(axis=0))
 
@@ -199,9 +199,15 @@ class BladeSweep:
         return _weights(self.squares, omega**2, self.bend)
 
 
+def _place(square: Array | float, low: float, bend: float) -> Array:
+    """Where an Omega² lies, from the lowest on, for interpolation: what is interpolated is smoother over this."""
+    return np.log1p((np.asarray(square) - low) / bend)
+
+
 def _weights(squares: Array, square: float, bend: float) -> Array:
     """Weights (m,) of what is known at Omega² (m,) in what is wanted at another."""
-    return lagrange(np.log1p((squares - squares[0]) / bend), float(np.log1p((square - squares[0]) / bend)))
+    nodes, at = (_place(each, squares[0], bend) for each in (squares, square))
+    return lagrange(nodes, float(at))
 
 
 SAME = 1e-9
@@ -244,7 +250,7 @@ class _Solved:
     def predicted(self, square: float) -> Array:
         """Static displacement (n,) [m] at another speed, by the Hermite polynomial of the solved states."""
         near, low, bend = self.near(square), min(self.states), self.bend
-        at, nodes = (np.log1p((np.array(each) - low) / bend) for each in (square, near))
+        at, nodes = (_place(np.array(each), low, bend) for each in (square, near))
         weights, off = lagrange(nodes, float(at)) ** 2, at - nodes
         apart = nodes[:, None] - nodes[None, :]
         np.fill_diagonal(apart, np.inf)
@@ -311,7 +317,7 @@ def sweep_blade(
     low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
     missed, left, errors = [np.inf] * 2, 0.0, np.full(count, np.inf)
     for place in _places():
-        square = low + bend * float(np.expm1(np.log1p((high - low) / bend) * place))
+        square = low + bend * float(np.expm1(_place(high, low, bend) * place))
         guess = known.guess(square, operators.mass)[:count]
         off = _project(operators, square, known, guess)
         if not off <= PROJECTED * tolerance:

@@ -28,7 +28,6 @@ from workflows.scene.load import SHIPPED, SceneFile, load
 from workflows.solve import damper
 from workflows.solve.results import Results
 from workflows.studies.sweep import executor
-from workflows.studies.sweep.evaluate import QUICK
 
 Scene = dict[str, Any]
 
@@ -94,7 +93,7 @@ def measured_quickly(system: Any) -> Any:
     """The damper's own figures as `sweep --quick` has them, to about a percent."""
     from damper import damping_curve
 
-    return damping_curve(damper.in_leading_modes(system), **QUICK)
+    return damping_curve(damper.in_leading_modes(system), **damper.QUICK)
 
 
 @pytest.fixture

@@ -652,7 +652,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
 def test_the_report_says_where_the_stress_is(known, monkeypatch):
     """Of a plate at its root, of a structure in space where its mesh is strained most; none where it is not known."""
     assert "Stress:" not in report.render(known)
-    monkeypatch.setattr(study.excitation, "root_stress", lambda *_: 1e10)
+    monkeypatch.setattr(study.excitation, "largest_stress", lambda *_: 1e10)
     assert "Stress: Young’s modulus times the mode’s largest strain in the mesh" in report.render(known)
     plate = as_scene_file(shipped_scene("paper")).scene.plate
     scene = known.results.scene.model_copy(update={"plate": plate, "given": None})

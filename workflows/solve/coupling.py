@@ -71,7 +71,7 @@ def structure(
     if scene.given is None and (tilted or hollow):
         turning = {"rotation": point.omega, "stagger": point.stagger}
     if effects["structural_modes"].on and point.cavity_modes:
-        modes = damper_modes(scene, point) if only is None else tuple(map(_on_axis, only))
+        modes = damper_modes(scene, point) if only is None else only
         return _of_modes(scene, point, modes, tilts=tilted) | turning
     stiffness, tilt = (reduced.K1, reduced.K1), (reduced.floor_tilt,) * 2
     if scene.given is not None:
@@ -99,11 +99,13 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     }
 
 
-def damper_modes(scene: Scene, point: SpeedPoint, crossed: CavityMode | None = None) -> tuple[CavityMode, ...]:
+def damper_modes(
+    scene: Scene, point: SpeedPoint, crossed: CavityMode | None = None, *, every: bool = True
+) -> tuple[CavityMode, ...]:
     """As few of the plate's modes as `accuracy.damping` needs, ascending.
 
-    Those that yield most along either axis, the one that an order crosses, and the others that a hit feeds enough: by
-    `Budget.scattered`, the heaviest first as far as there is room.
+    Those that yield most along either axis, the one that an order crosses, and with `every` the others that a hit feeds
+    enough: by `Budget.scattered`, the heaviest first as far as there is room.
     """
     from damper.state import MODES
 
@@ -113,7 +115,7 @@ def damper_modes(scene: Scene, point: SpeedPoint, crossed: CavityMode | None = N
     leaders = {each.number for each in (*(leading_mode(modes, axis) for axis in range(2)), crossed) if each is not None}
     ball, most = ball_mass(scene, point.reduced.M2), scene.budget.scattered
     others = sorted((m for m in modes if m.number not in leaders), key=lambda m: -math.hypot(*m.shape))
-    needed = [m for m in others if ball * math.hypot(*m.shape) ** 2 > most]
+    needed = [m for m in others if every and ball * math.hypot(*m.shape) ** 2 > most]
     numbers = leaders | {m.number for m in needed[: MODES - len(leaders)]}
     return tuple(_on_axis(m) for m in modes if m.number in numbers)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 import damper
 from damper.curve_measurement import falling
-from damper.curves import at_bin
+from damper.curves import at_bin, continued
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
@@ -101,10 +101,10 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
 
 def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
-    """The damper that the figures of a verdict are those of: on a floor that tilts, in the leading modes."""
+    """The damper that the figures of a verdict are those of: on a floor that tilts."""
     printed = scene.damper is not None and scene.damper.formulation == "printed"
     tilting = None if printed else _tilting(scene, effects, point)
-    return in_leading_modes(tilting or particle_damper(scene, effects, point))
+    return tilting or particle_damper(scene, effects, point)
 
 
 def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
@@ -119,29 +119,30 @@ def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
     return replace(system, modes=tuple(system.modes[k] for k in modes))
 
 
-_QUICK = {"sweeps": 4, "stay": 60}
-"""Sweeps by which all modes of a damper are looked at."""
+QUICK = {"sweeps": 4, "stay": 60}
+"""Sweeps of a damping curve in about half of the time; by them all modes of a damper are looked at."""
 
 _MORE = 1.05
 """Peak of the way down over that of the way up from which on a ball counts as having two motions."""
 
 
-def figures(system: damper.ParticleDamper) -> damper.DampingCurve:
-    """The damper's own figures, in the modes that yield most along either axis.
+def figures(system: damper.ParticleDamper, threads: int | None = None, **how: Any) -> damper.DampingCurve:
+    """The damper's own figures, in the modes that yield most along either axis; see :func:`damper.damping_curve`.
 
     A ball that keeps bouncing as the vibration falls is shaken out of step by the other modes, which it feeds: its
     figures are those of all modes where these leave it less.
     """
     leading = in_leading_modes(system)
-    curve = damper.damping_curve(leading)
+    curve = damper.damping_curve(leading, threads=threads, **how)
     down = curve.from_above
     if system.modes is None or len(leading.modes or ()) == len(system.modes) or down is None:
         return curve
     if down.peak <= _MORE * curve.peak:
         return curve
-    every = falling(system, **_QUICK)
+    every = falling(system, threads=threads, **QUICK)
     if not 0 < every.peak < down.peak:
         return curve
+    every = continued(every, down)
     least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
     every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
     return replace(curve, from_above=at_bin(every, int(np.argmax(every.damping_ratio))))

@@ -75,12 +75,7 @@ def modes_followed(
 
     With `every`, also those that a hit feeds by more than the accuracy asked for.
     """
-    if modes is None:
-        return None
-    found = coupling.damper_modes(scene, point, crossed=modes[0])
-    leaders = [modes[0], *(leading_mode(point.cavity_modes, axis) for axis in range(2))]
-    numbers = {mode.number for mode in leaders if mode is not None}
-    return tuple(mode for mode in found if every or mode.number in numbers)
+    return None if modes is None else coupling.damper_modes(scene, point, modes[0], every=every)
 
 
 def idle_structure(modes: list[CavityMode] | None, excitation: Excitation) -> str:
@@ -172,12 +167,12 @@ def damper_at(
         return particle_damper(scene, solver.choice.effects, at, modes_followed(scene, at, modes))
 
 
-def root_stress(results: Results, crossing: Crossing) -> float | None:
-    """Largest per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known.
+def largest_stress(results: Results, crossing: Crossing) -> float | None:
+    """Largest stress per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known.
 
     Of a plate by bending at its root, of a structure in space wherever its strain is largest.
     """
-    material, strain = results.scene.material, limits.root_strain(results, 1.0)
+    material, strain = results.scene.material, limits.largest_strain(results, 1.0)
     if material is None or strain is None:
         return None
     point = min(results.speeds, key=lambda point: abs(point.omega - crossing.omega))
@@ -188,7 +183,7 @@ def root_stress(results: Results, crossing: Crossing) -> float | None:
 
 def endured(results: Results, crossing: Crossing) -> float | None:
     """Amplitude at the cavity that the structure endures [m]; None where it is not known."""
-    return None if root_stress(results, crossing) is None else limits.endured(results)
+    return None if largest_stress(results, crossing) is None else limits.endured(results)
 
 
 def refused(results: Results) -> Reason | None:

@@ -304,11 +304,11 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
 
 
 def endured(results: Results) -> float | None:
-    """Amplitude at the cavity [m] that strains it by what metals endure; None where the strain is not known.
+    """Amplitude at the cavity [m] that strains the structure by what metals endure; None where the strain is not known.
 
     Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
     """
-    strain, length = root_strain(results, 1.0), span(results)
+    strain, length = largest_strain(results, 1.0), span(results)
     if strain is None:
         return None
     if length is None:
@@ -330,8 +330,8 @@ def room(scene: Scene) -> float:
 
 
 def deflection_governs(results: Results) -> bool:
-    """Whether it would bend beyond small deflections before it is strained by what metals endure."""
-    strain, limit = root_strain(results, 1.0), endured(results)
+    """Whether a plate would bend beyond small deflections before its root is strained by what metals endure."""
+    strain, limit = largest_strain(results, 1.0), endured(results)
     return strain is not None and limit is not None and limit * strain < ENDURED * (1 - 1e-9)
 
 
@@ -341,7 +341,7 @@ def is_beyond(results: Results, point: SpeedPoint) -> bool:
     return own is not None and own.peak > 0 and limit is not None and own.peak_amplitude > limit
 
 
-def root_strain(results: Results, amplitude: float) -> float | None:
+def largest_strain(results: Results, amplitude: float) -> float | None:
     """Largest strain for an amplitude at the cavity [-]: of a plate by bending at its root.
 
     As in a uniform cantilever's first mode at rest, whose curvature at the root is 3.516 w/L², w the tip's amplitude;

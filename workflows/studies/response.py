@@ -158,7 +158,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
     without = float(np.abs(passage.shaped(states.without))[:, force].max())
     regime, short = passage.shaped(states.regime)[speed, force, start], _short_of_set_off(passage, speed, force)
     estimates = {each.level: each for each in passage.reduction.levels}
-    stress = excitation.root_stress(result.results, passage.crossing)
+    stress = excitation.largest_stress(result.results, passage.crossing)
     return Row(
         passage=passage,
         force=passage.forces[force],

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from damper import DampingCurve, ParticleDamper, damping_curve, ringdowns
+from damper import DampingCurve, ParticleDamper, ringdowns
+from damper.curve_measurement import undamped
 from damper.model import PARAMETERS
 from fem.meshes.mesh_sequence import Planform
 from workflows.effects import selection
@@ -25,6 +26,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
+from workflows.solve.damper import QUICK, figures
 from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
@@ -32,9 +34,6 @@ from workflows.studies.sweep.plan import SPEEDS, Plan, base, of_a_point, with_va
 
 Rows = npt.NDArray[np.void]
 Block = tuple[Rows, tuple[str, ...]]
-
-QUICK = {"sweeps": 4, "stay": 60}
-"""What the working range is measured with where a percent of it does not count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +67,16 @@ class DamperCase:
         return self.state.results((self.point,))
 
 
-def damper_curve(damper: ParticleDamper, known: dict[ParticleDamper, DampingCurve], **how: Any) -> DampingCurve:
-    """The damper's own figures; those of one that differs in the structure's damping alone are known already."""
-    bare = replace(damper, damping_ratio=0.0)
-    if bare not in known:
-        known[bare] = damping_curve(bare, threads=1, **how)
-    return known[bare]
+Known = dict[tuple[ParticleDamper, float], DampingCurve]
+"""Figures of dampers as they are measured, with the dents in which their balls lie."""
+
+
+def damper_curve(damper: ParticleDamper, known: Known, **how: Any) -> DampingCurve:
+    """The damper's own figures; those of one that differs in its leading mode's damping alone are known already."""
+    own = undamped(damper), damper.break_away
+    if own not in known:
+        known[own] = figures(damper, threads=1, **how)
+    return known[own]
 
 
 _PLATES, _CAVITIES = 4, 16
@@ -201,7 +204,7 @@ def block(
     """
     rows, reasons = empty(end - begin), list[str]()
     cases = list(damper_cases(source, plan, begin, plates, rows, reasons, speeds))
-    known: dict[ParticleDamper, DampingCurve] = {}
+    known: Known = {}
     for each in cases:
         with during(f"at point {begin + each.number}, {turning(each.point.omega)}"):
             _measure(rows[each.number], each, known, QUICK if quick else {})
@@ -268,7 +271,7 @@ def _fill(row: Any, point: SpeedPoint) -> None:
         row[name] = value
 
 
-def _measure(row: Any, each: DamperCase, known: dict[ParticleDamper, DampingCurve], how: dict[str, int]) -> None:
+def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
     damper = each.verdict_damper
     curve, first = damper_curve(damper, known, **how), coupling.moves_first_from(damper, each.point)
