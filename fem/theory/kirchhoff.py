@@ -113,6 +113,8 @@ def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any
     count, ncell = mesh.t.shape
     units = np.ptp(corners, axis=1) if element == "bfs" else np.full((2, ncell), size)
     local = (corners - corners.mean(axis=1, keepdims=True)) / units[:, None]
+    if element == "bfs":
+        local = np.copysign(0.5, local)  # the square to the last bit, as it is kept from one mesh for the next
     numbers = np.arange(count * ncell).reshape(ncell, count).T
     apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
     basis = Basis(apart, together(kind), quadrature=quadrature)

@@ -8,7 +8,7 @@ from fem_cases import STEEL, distorted
 
 from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
 from fem.assembly import elastic_stiffness
-from fem.theory import mindlin
+from fem.theory import kirchhoff, mindlin
 from fem.theory import registry as theories
 
 MESHES = {
@@ -99,3 +99,18 @@ def test_memory_of_an_assembly_grows_with_the_cells(element):
         finally:
             tracemalloc.stop()
     assert peaks[1] < 5.0 * peaks[0]
+
+
+def test_what_rectangles_share_has_the_same_bits_after_any_plate(monkeypatch):
+    """A plate does not depend on which was assembled before it in the same process."""
+
+    def stiffness(length, width, before):
+        monkeypatch.setattr(kirchhoff, "_known", {})
+        for sides in (*before, (length, width)):
+            plate = Plate(rectangle(*sides, 10, 4), 0.01, STEEL)
+            found = elastic_stiffness(theories.discretise(plate, "kirchhoff/bfs")).toarray()
+        return found
+
+    alone = stiffness(0.2, 0.08, ())
+    for other in ((0.2003, 0.03), (0.3, 0.1), (0.7, 0.047)):
+        assert np.array_equal(stiffness(0.2, 0.08, (other,)), alone)
