@@ -138,7 +138,7 @@ def _monomials(kind: Any) -> Any:
     return element._pbasis
 
 
-_known: dict[tuple[Any, bytes], Any] = {}
+COMBINATIONS: dict[tuple[Any, bytes], Any] = {}
 """Combinations of monomials in meshes whose cells are all alike, by element and corners: rectangles are."""
 
 
@@ -168,13 +168,13 @@ def together(kind: Any) -> Any:
             _, self._first, self._alike = np.unique(local, axis=1, return_index=True, return_inverse=True)
             self._pbasis = _monomials(kind)
             shape = kind, local[:, self._first].tobytes()
-            if shape in _known:
-                self.V = _known[shape]
+            if shape in COMBINATIONS:
+                self.V = COMBINATIONS[shape]
                 return
             pieces = np.split(self._first, range(PIECE, self._first.size, PIECE))
             self.V = np.linalg.inv(np.concatenate([self._eval_dofs(mesh.restrict(piece)) for piece in pieces]))
             if self._first.size == 1:
-                _known[shape] = self.V
+                COMBINATIONS[shape] = self.V
 
         def _tabulate(self, mapping: Any, X: Any, tind: Any) -> tuple[Any, ...]:
             if not self._first.size:

@@ -105,7 +105,7 @@ def test_what_rectangles_share_has_the_same_bits_after_any_plate(monkeypatch):
     """A plate does not depend on which was assembled before it in the same process."""
 
     def stiffness(length, width, before):
-        monkeypatch.setattr(kirchhoff, "_known", {})
+        monkeypatch.setattr(kirchhoff, "COMBINATIONS", {})
         for sides in (*before, (length, width)):
             plate = Plate(rectangle(*sides, 10, 4), 0.01, STEEL)
             found = elastic_stiffness(theories.discretise(plate, "kirchhoff/bfs")).toarray()
