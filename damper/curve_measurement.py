@@ -32,6 +32,7 @@ from damper.curves import (
     nothing,
     resolved,
     spread,
+    tally,
 )
 from damper.model import in_plane, inertia_ratio, path_curvature, whole
 from damper.motion import COUPLED, flights, kinds, prepare
@@ -77,8 +78,11 @@ _AROUND = 0.97, 1.5
 All sweeps up end there unless a ball at rest, in an abrupt start, is damped less beyond than on the way down.
 """
 
-_FINE, _ROLLED = 4 * BINS, 4
-"""Amplitudes in an octave at which a rolling ball is followed, and cycles that it is followed for."""
+_FINE, _ROLLED = 4 * BINS, (3, 2)
+"""Amplitudes in an octave at which a rolling ball is followed, and cycles until it has settled and for its losses.
+
+It goes on as it begins from the second cycle on, to 2e-4 of its loss.
+"""
 
 _GROWTH, _ASTRAY = 1e-3, 0.01
 """Growth of the amplitude in a cycle, relative, and distance from the middle, over half the clearance, that it begins
@@ -161,7 +165,8 @@ def damping_curve(
     rolls, ends, grazes, meets = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
-    last = high if last > high or differs(above, begun, last) else last
+    abrupt = tally(begun, above.cutoff)
+    last = high if last > high or differs(above, abrupt, last) else last
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
     climbs = [Climb(low, last, pace, place) for place in places for pace in paces]
     resting = len(climbs)
@@ -177,7 +182,7 @@ def damping_curve(
         if down.size and ramps.size:  # a ball may have more events than a sweep goes on for
             growing = folded(growing, region, down, ramps, ends)
         samples = np.vstack([samples, down])
-    ways = {"slow_ramp": ramps, "abrupt_start": begun}
+    ways = {"slow_ramp": tally(ramps, above.cutoff), "abrupt_start": abrupt}
     others: dict[str, Any] = {
         name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
     }
@@ -273,10 +278,9 @@ def _settled(
 def _read(cutoff: float, samples: Floats) -> DampingCurve:
     """Figures of sweeps down."""
     self_check.once("curves", falling)
-    whole = figures(samples, cutoff)
-    if whole is None:
-        return nothing(cutoff)
-    return replace(whole, error=max(spread(samples, whole), BINNED))
+    found = tally(samples, cutoff)
+    whole = figures(found, cutoff)
+    return nothing(cutoff) if whole is None else replace(whole, error=max(spread(found, whole), BINNED))
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:
@@ -330,7 +334,7 @@ def samples_of(
     start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
     cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
     down = sweeps_from(start, cycles, 4 ** (-1 / stay), damper.half_gap[0] * (1 - each / sweeps))
-    rows = _rows(damper, _ramped(damper, down, threads, low))
+    rows = _rows(damper, _ramped(damper, down, threads, low)[:, SETTLING:])
     rows[:, 2] = each[rows[:, 2].astype(int)]
     return rows
 
@@ -353,7 +357,8 @@ def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | N
         place, velocity = np.array([swinging(damper, a) for a in start]).T if rolls else (rests[0], 0.0)
         cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
         every.append(sweeps_from(start, cycles, 4 ** (1 / stay), place, velocity, rests[1]))
-    return _rows(damper, _ramped(damper, Sweeps(*map(np.concatenate, zip(*every, strict=True))), threads))
+    every_way = Sweeps(*map(np.concatenate, zip(*every, strict=True)))
+    return _rows(damper, _ramped(damper, every_way, threads)[:, SETTLING:])
 
 
 def samples_at(
@@ -361,9 +366,8 @@ def samples_at(
 ) -> Floats:
     """The same at so many amplitudes an octave that are there at once and held, the ball at rest at a place [m]."""
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
-    return _rows(
-        damper, _ramped(damper, sweeps_from(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1]), threads)
-    )
+    sweeps = sweeps_from(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1])
+    return _rows(damper, _ramped(damper, sweeps, threads)[:, SETTLING:])
 
 
 def resting_places(damper: ParticleDamper) -> list[tuple[float, float]]:
@@ -421,7 +425,7 @@ class Rolling(NamedTuple):
         samples: as `samples_of` has them, at amplitudes at which it goes on rolling.
         ends: amplitude from which on it does not, since it meets the walls or has strayed to one; inf where the load
             pulls it away before it rolls, or holds it in a bowl [m].
-        there: its samples at that amplitude.
+        there: a sample at that amplitude.
         meets: amplitude from which on it meets the walls if it does not stray; inf as before [m].
     """
 
@@ -456,18 +460,20 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
         amplitude, strays = amplitude[lasts], strays[lasts]
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
 
-    def followed(amplitude: Floats) -> Floats:
-        ball = np.zeros((2, 1)) if alone else np.array([swinging(wide, each) for each in amplitude]).T
-        return _ramped(wide, sweeps_from(amplitude, SETTLING + _ROLLED, 1.0, *ball), threads, alike=damper)
-
-    energy = followed(amplitude)
+    ball = np.array([swinging(wide, each) for each in amplitude]).T
+    settling, counted = _ROLLED
+    energy = _ramped(wide, sweeps_from(amplitude, settling + counted, 1.0, *ball), threads, alike=damper)[:, settling:]
     if damper.rolling_threshold > 0 and held:  # over half the clearance, by what it loses
-        swing = energy[:, SETTLING:, 3].mean(axis=1) / (4 * damper.ball_mass * damper.rolling_threshold * gap)
+        swing = energy[..., 3].mean(axis=1) / (4 * damper.ball_mass * damper.rolling_threshold * gap)
     else:
         swing = np.sqrt(np.maximum(amplitude**2 - _lag(damper) ** 2, 0.0)) / free
     ends = float(np.exp(np.interp(1.0, swing + strays, np.log(amplitude))))
     meets = ends if alone else math.hypot(free, _lag(damper))
-    return Rolling(_rows(damper, energy[amplitude < ends]), ends, _rows(damper, followed(np.array([ends]))), meets)
+    rows = _rows(damper, energy)
+    number = rows[:, 2].astype(int)
+    lost = np.interp(ends, amplitude, np.bincount(number, rows[:, 0] - rows[:, 1]) / counted)
+    there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
+    return Rolling(rows[amplitude[number] < ends], ends, there, meets)
 
 
 def _lag(damper: ParticleDamper) -> float:
@@ -531,9 +537,9 @@ def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
 
 
 def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
-    """Samples of sweeps after they have settled."""
+    """Samples of sweeps."""
     with np.errstate(divide="ignore", invalid="ignore"):  # what rounding leaves of nothing has either sign
-        level = 0.5 * np.log(2 * energy[:, SETTLING:, :2] / damper.stiffness[0])
+        level = 0.5 * np.log(2 * energy[..., :2] / damper.stiffness[0])
     number = np.repeat(np.arange(len(level)), level.shape[1])
     rows: Floats = np.column_stack([level.reshape(-1, 2), number])
     return np.asarray(rows[np.isfinite(rows[:, 0] + rows[:, 1])])

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from damper.model import Floats
 
 
@@ -37,6 +39,8 @@ _STEP = 1e-6
 
 _NEAR = 2.5
 """Bins between the end of a stretch and the amplitude that ends it, at most, or between ends of one stretch."""
+
+_ALL = slice(None)
 
 _PARTED = 0.1
 """Relative difference from which on a point of the way up is another motion's than that of the way down."""
@@ -92,9 +96,9 @@ class DampingCurve:
         return self if self.from_above is None else self.from_above
 
 
-def figures(samples: Floats, cutoff: float) -> DampingCurve | None:
-    """The curve through samples and what is read off it; None where the ball takes nothing."""
-    amplitude, ratio = _curve(samples, cutoff)
+def figures(found: Tally, cutoff: float) -> DampingCurve | None:
+    """The curve of sweeps and what is read off it; None where the ball takes nothing."""
+    amplitude, ratio = _points(found)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
     return at_bin(DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0), int(np.argmax(ratio)))
@@ -121,10 +125,11 @@ def grown(
         up: samples of the sweeps up.
         rolls: samples of a ball that rolls about the middle.
         meets: amplitude from which on it meets the walls; inf where there is none [m].
-        grazes: its samples there.
+        grazes: a sample of it there; none where there is none.
     """
-    climbs = [_binned(up[up[:, 2] == number], above.cutoff) for number in np.unique(up[:, 2])]
-    rolling = _binned(rolls, above.cutoff)
+    climbing = tally(up, above.cutoff)
+    climbs = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
+    rolling = _binned(tally(rolls, above.cutoff))
     known = _binned_of(above)
     merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
@@ -146,7 +151,7 @@ def grown(
             parted[k] = known[k][1] - least
     points = [merged[k] for k in sorted(merged)]
     if grazes.size:
-        last, rolled = _bins(np.array([meets]))[0], float((grazes[:, 0] - grazes[:, 1]).mean()) / (2 * math.pi)
+        last, rolled = _bins(np.array([meets]))[0], float(grazes[0, 0] - grazes[0, 1]) / (2 * math.pi)
         begun = float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio))
         if last in parted or (last - 1 in parted and rolled < (1 - _PARTED) * begun):
             begun = min(begun, merged[last + 1][1]) if last + 1 in parted else begun
@@ -172,9 +177,9 @@ def moved(before: DampingCurve, after: DampingCurve) -> float:
     return float(np.abs(was / now - 1).max())
 
 
-def differs(curve: DampingCurve, samples: Floats, amplitude: float) -> bool:
-    """Whether samples show a motion damped less than a curve's somewhere beyond an amplitude."""
-    known, seen = (_binned_of(curve), _binned(samples, curve.cutoff))
+def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:
+    """Whether sweeps show a motion damped less than a curve's somewhere beyond an amplitude."""
+    known, seen = _binned_of(curve), _binned(found)
     return any(ratio < (1 - _PARTED) * known[k][1] for k, (a, ratio) in seen.items() if k in known and a > amplitude)
 
 
@@ -217,8 +222,9 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     below = rolls[rolls[:, :2].sum(axis=1) < 2 * math.log(last)] if last > 0 else rolls[:0]
     if not below.size:
         return curve
-    means = np.array([below[below[:, 2] == number, :2].mean(axis=0) for number in np.unique(below[:, 2])])
-    place, ratio = np.exp(means.mean(axis=1)), (means[:, 0] - means[:, 1]) / (2 * math.pi)
+    _, number, cycles = np.unique(below[:, 2], return_inverse=True, return_counts=True)
+    before, after = (np.bincount(number, below[:, k]) / cycles for k in (0, 1))
+    place, ratio = np.exp(0.5 * (before + after)), (before - after) / (2 * math.pi)
     shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
     if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
         return curve
@@ -263,9 +269,9 @@ def _binned_of(curve: DampingCurve) -> dict[int, tuple[float, float]]:
     return dict(zip(_bins(curve.amplitude), zip(curve.amplitude, curve.damping_ratio, strict=True), strict=True))
 
 
-def _binned(samples: Floats, cutoff: float) -> dict[int, tuple[float, float]]:
-    """Amplitude and damping ratio by the bin's number."""
-    amplitude, ratio = _curve(samples, cutoff)
+def _binned(found: Tally, sweeps: slice = _ALL) -> dict[int, tuple[float, float]]:
+    """Amplitude and damping ratio by the bin's number, of some sweeps."""
+    amplitude, ratio = _points(found, sweeps)
     return dict(zip(_bins(amplitude), zip(amplitude.tolist(), ratio.tolist(), strict=True), strict=True))
 
 
@@ -299,19 +305,39 @@ def _turn(curve: DampingCurve, samples: Floats, region: tuple[int, int]) -> floa
     return float(math.exp(place[min(int(np.argmin(rise)), len(place) - 1)]))
 
 
-def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
-    """Mean damping ratio in bins of amplitude, shape (n,) each: what was lost in a bin over the cycles spent in it.
+class Tally(NamedTuple):
+    """What sweeps spent and lost in bins of amplitude.
+
+    Attributes:
+        first: number of the first bin.
+        cycles: spent in each bin by each sweep, shape (sweeps, bins).
+        lost: sums of their damping ratios, the same.
+        place: and of where they were, in bins, the same.
+        counts: whether a bin is above the cut-off, shape (bins,).
+    """
+
+    first: int
+    cycles: Floats
+    lost: Floats
+    place: Floats
+    counts: npt.NDArray[np.bool_]
+
+
+def tally(samples: Floats, cutoff: float) -> Tally:
+    """Add up samples by sweeps and bins.
 
     A cycle that crosses bins counts in each by its share, so that nothing is left out or counted twice however steep
     the decay; what a cycle that begins above the cut-off would lose in bins wholly below it does not count, since
     there the load holds the ball.
     """
+    numbers, sweep = np.unique(samples[:, 2], return_inverse=True)
     before, after = samples[:, 0], samples[:, 1]
     if cutoff > 0:
         moving = before > math.log(cutoff) + 1e-12
-        before, after = before[moving], after[moving]
+        before, after, sweep = before[moving], after[moving], sweep[moving]
     if not before.size:
-        return np.zeros(0), np.zeros(0)
+        none = np.zeros((len(numbers), 0))
+        return Tally(0, none, none, none, np.zeros(0, bool))
     low, high = np.minimum(before, after) / _WIDTH, np.maximum(before, after) / _WIDTH
     first = np.floor(low).astype(int)
     crossed = np.floor(high).astype(int) - first + 1  # bins that each cycle is in
@@ -321,11 +347,19 @@ def _curve(samples: Floats, cutoff: float) -> tuple[Floats, Floats]:
     begin, end = np.maximum(low, at), np.minimum(high, at + 1)
     share = np.ones(len(cycle))
     np.divide(end - begin, high - low, out=share, where=high > low)
-    origin, bins = first.min(), at - first.min()
-    cycles, lost, place = (np.bincount(bins, share * each) for each in (1.0, ratio, 0.5 * (begin + end)))
-    met = cycles > _LEAST_STAY
-    if cutoff > 0:
-        met &= origin + np.arange(1, len(met) + 1) > math.log(cutoff) / _WIDTH
+    origin, bins = int(first.min()), int(at.max() - first.min()) + 1
+    which, size = sweep[cycle] * bins + at - origin, len(numbers) * bins
+    weights = share, share * ratio, share * 0.5 * (begin + end)
+    sums = [np.bincount(which, each, size).reshape(-1, bins).astype(float) for each in weights]
+    floor = math.log(cutoff) / _WIDTH if cutoff > 0 else -math.inf
+    counts = origin + np.arange(1, bins + 1) > floor
+    return Tally(origin, sums[0], sums[1], sums[2], counts)
+
+
+def _points(found: Tally, sweeps: slice | npt.NDArray[Any] = _ALL) -> tuple[Floats, Floats]:
+    """Amplitude [m] and mean damping ratio in bins, shape (n,): what sweeps lost in one over their cycles in it."""
+    cycles, lost, place = (each[sweeps].sum(axis=0) for each in found[1:4])
+    met = (cycles > _LEAST_STAY) & found.counts
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 
 
@@ -340,8 +374,8 @@ def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
     return float(amplitude[at] * (amplitude[at + step] / amplitude[at]) ** share)
 
 
-def spread(samples: Floats, whole: DampingCurve) -> float:
-    """Largest relative deviation of the damping around the peak in a half of the samples.
+def spread(found: Tally, whole: DampingCurve) -> float:
+    """Largest relative deviation of the damping around the peak in a half of the sweeps.
 
     Around the peak means within two bins on either side of it. 1 where fewer than two halves see it.
     """
@@ -350,10 +384,10 @@ def spread(samples: Floats, whole: DampingCurve) -> float:
         near = np.abs(np.log2(amplitude / whole.peak_amplitude)) < 2.5 / BINS
         return np.asarray(ratio[near])
 
-    known, number = np.unique(samples[:, 2], return_inverse=True)
-    sweeps = len(known)
-    halves = [samples[sides == side] for sides in (number % 2, number // (sweeps // 2)) for side in (0, 1)]
-    seen = [part.mean() for half in halves if (part := around(*_curve(half, whole.cutoff))).size]
+    count = len(found.cycles)
+    number = np.arange(count)
+    halves = [sides == side for sides in (number % 2, number // (count // 2)) for side in (0, 1)]
+    seen = [part.mean() for half in halves if (part := around(*_points(found, half))).size]
     mean = around(whole.amplitude, whole.damping_ratio).mean()
     return max(float(abs(one / mean - 1)) for one in seen) if len(seen) > 1 else 1.0
 

@@ -264,7 +264,7 @@ def one_bin_off(half: Callable[..., float]) -> Callable[..., float]:
 @pytest.mark.parametrize(
     ("name", "broken", "law", "figure"),
     [
-        ("_curve", halved, "a mean lies between the extremes", "peak"),
+        ("_points", halved, "a mean lies between the extremes", "peak"),
         ("_half", one_bin_off, "the range ends where half the peak is left", "half above"),
     ],
 )
@@ -332,7 +332,7 @@ def test_a_cutoff_that_the_load_does_not_have(monkeypatch: pytest.MonkeyPatch) -
     """Were the tilt to push the ball where it pulls."""
     damper, right = replace(DAMPER, floor_tilt=(6.0, 0.0)), ParticleDamper.tilt_share
     damping_curve(damper, sweeps=2, stay=30)
-    monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.fget(d))))
+    monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.func(d))))
     with pytest.raises(LawViolation, match="at its cut-off a ball is driven by the rolling threshold"):
         damping_curve(damper, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_rest_amplitude", lambda *_: None)
