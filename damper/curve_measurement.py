@@ -51,6 +51,9 @@ SWEEPS, STAY = 16, 120
 _SLOWER = 4
 """By how much sweeps become slower, once and half as many, where the pace moves the peak."""
 
+_FIRST = 4
+"""Sweeps down, at most, that are as much faster: they show how high to begin, and whether the pace counts."""
+
 _SHARES = 4, 2, 1
 """One of how many sweeps down goes, until there are enough."""
 
@@ -223,7 +226,8 @@ def _down(
         return nothing(cutoff), *none
     lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
     top = max(top, reach)
-    before, top = _falling(bare, cutoff, lowest, top, replace(pace, stay=max(pace.stay // _SLOWER, 1)), threads)
+    fast = _Pace(min(pace.sweeps, _FIRST), max(pace.stay // _SLOWER, 1))
+    before, top = _falling(bare, cutoff, lowest, top, fast, threads)
     if before.peak == 0:
         return before, *none
     curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
