@@ -219,11 +219,12 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
         ball = swinging(bare, amplitude)
         if abs(ball[0]) > gap:
             break
-        first, then = (_released(bare, amplitude, cycles, ball) for cycles in (_FIRST, _FIRST + _FEW))
-        if then.impacts:
+        run = _released(bare, amplitude, _FIRST + _FEW, ball)
+        if run.impacts:
             break
-        ratio = math.log(first.energy.final / then.energy.final) / (4 * math.pi * _FEW)
-        points.append((amplitude, max(ratio, 0.0), _turns(then, _FIRST)))
+        decrement = np.log(run.peak_velocities[_FIRST] / run.peak_velocities[-1])
+        ratio = float(decrement) / (2 * math.pi * (len(run.peak_velocities) - 1 - _FIRST))
+        points.append((amplitude, max(ratio, 0.0), _turns(run, _FIRST)))
     if len(points) < 2:
         return None
     amplitude, ratio, frequency = np.array(points).T
