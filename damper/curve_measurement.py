@@ -474,10 +474,12 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     ends = float(np.exp(np.interp(1.0, swing + strays, np.log(amplitude))))
     meets = ends if alone else math.hypot(free, _lag(damper))
     rows = _rows(damper, energy)
-    number = rows[:, 2].astype(int)
-    lost = np.interp(ends, amplitude, np.bincount(number, rows[:, 0] - rows[:, 1]) / counted)
+    which, number, cycles = np.unique(rows[:, 2].astype(int), return_inverse=True, return_counts=True)
+    if not which.size:  # the ball takes more than the structure has
+        return Rolling(rows, math.inf, rows, math.inf)
+    lost = np.interp(ends, amplitude[which], np.bincount(number, rows[:, 0] - rows[:, 1]) / cycles)
     there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
-    return Rolling(rows[amplitude[number] < ends], ends, there, meets)
+    return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)
 
 
 def _lag(damper: ParticleDamper) -> float:

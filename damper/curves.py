@@ -228,7 +228,7 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
     if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
         return curve
-    beyond = curve.amplitude > last
+    beyond = curve.amplitude > place[-1]
     amplitude, ratio = (
         np.concatenate([near, far[beyond]]) for near, far in ((place, curve.amplitude), (ratio, curve.damping_ratio))
     )

@@ -124,7 +124,7 @@ BOOKS, ROUNDING = 1e-6, 1e-9
 ASIDE = 1e-5
 """Share of a curve's peak that its samples may lose beside the window of a ratio, as next to the cut-off."""
 
-EXACT, TINY = 1e-9, 1e-13
+EXACT, TINY = 1e-9, 1e-11
 """Rounding of figures, relative; and of damping ratios, absolute."""
 
 NOT_REACHED = -1.0

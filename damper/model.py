@@ -7,7 +7,7 @@ table (`PARAMETERS`), so that many are computed at once: derived quantities and 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import lru_cache
 from numbers import Integral, Real
 from typing import Any, TypeAlias
 
@@ -447,7 +447,7 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
-        validate(self.parameters)
+        validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
@@ -455,12 +455,12 @@ class ParticleDamper:
         if self.modes is not None:
             object.__setattr__(self, "modes", tuple(self.modes))
 
-    @cached_property
+    @property
     def parameters(self) -> Parameters:
         """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
-        return _row(self)
+        return _known_row(self)
 
-    @cached_property
+    @property
     def level(self) -> bool:
         """Whether the load pulls the ball to no side, as in the paper: on a floor square to it, always."""
         return bool(level(self.parameters)[0])
@@ -470,7 +470,7 @@ class ParticleDamper:
         """M1 = M2 + m_p [kg]."""
         return self.modal_mass + self.ball_mass
 
-    @cached_property
+    @property
     def stuck_frequency(self) -> float:
         """omega_1 along x, the ball stuck [rad/s]."""
         return float(stuck_frequency(self.parameters)[0])
@@ -480,13 +480,13 @@ class ParticleDamper:
         """The same of the mode that leads along x, which may move the cavity along y too [rad/s]."""
         return math.sqrt(self._swing(0)[1])
 
-    @cached_property
+    @property
     def half_gap(self) -> tuple[float, float]:
         """How far the ball's centre can go from the cavity's centre along x and y [m]."""
         x, y = half_gap(self.parameters)[0]
         return float(x), float(y)
 
-    @cached_property
+    @property
     def tilt_share(self) -> tuple[float, float]:
         """Share tau of the ball's drive that the load's pull takes away along x and y [-].
 
@@ -512,7 +512,7 @@ class ParticleDamper:
         drawn = in_plane(self.parameters)[0] @ shape
         return shape / shape[axis], square, (load * np.array(mode.slope) - drawn) / shape[axis]
 
-    @cached_property
+    @property
     def pull(self) -> Floats:
         """E: the load accelerates a ball in the middle of its cavity by -E u, shape (2, 2) [1/s^2].
 
@@ -534,12 +534,12 @@ class ParticleDamper:
         x, y = (self.modes[self.leading(i)] for i in range(2))
         return x.slope[0] / (x.shape[0] or math.inf), y.slope[1] / (y.shape[1] or math.inf)
 
-    @cached_property
+    @property
     def rolling_threshold(self) -> float:
         """a_r = mu_r N / (r m_p): the structure's acceleration above which a stuck ball rolls [m/s^2]."""
         return float(rolling_threshold(self.parameters)[0])
 
-    @cached_property
+    @property
     def lateral_pull(self) -> tuple[float, float]:
         """Constant acceleration of the ball along the floor [m/s^2]."""
         x, y = lateral_pull(self.parameters)[0]
@@ -555,7 +555,7 @@ class ParticleDamper:
         """Whether every hit is elastic; friction at the wall counts apart."""
         return min([self.restitution, *(ratio for _, ratio in self.restitution_by_speed)]) == 1
 
-    @cached_property
+    @property
     def leaving_threshold(self) -> float:
         """Drive along x above which a ball leaves where it rests for good [m/s^2].
 
@@ -586,7 +586,7 @@ class ParticleDamper:
         swing, square, pull = self._swing(0)
         return abs(float(square * swing[1] - pull[1]))
 
-    @cached_property
+    @property
     def inertia_ratio(self) -> float:
         """Beta in  s'' = -beta (u'' - a_r sigma)  [-].
 
@@ -626,3 +626,6 @@ def _row(damper: ParticleDamper) -> Parameters:
     rows["printed"] = damper.formulation == Formulation.PRINTED
     rows.flags.writeable = False
     return rows
+
+
+_known_row = lru_cache(maxsize=256)(_row)

@@ -332,7 +332,7 @@ def test_a_cutoff_that_the_load_does_not_have(monkeypatch: pytest.MonkeyPatch) -
     """Were the tilt to push the ball where it pulls."""
     damper, right = replace(DAMPER, floor_tilt=(6.0, 0.0)), ParticleDamper.tilt_share
     damping_curve(damper, sweeps=2, stay=30)
-    monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.func(d))))
+    monkeypatch.setattr(ParticleDamper, "tilt_share", property(lambda d: tuple(-share for share in right.fget(d))))
     with pytest.raises(LawViolation, match="at its cut-off a ball is driven by the rolling threshold"):
         damping_curve(damper, sweeps=2, stay=30)
     monkeypatch.setattr(laws, "check_rest_amplitude", lambda *_: None)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from damper import DampingCurve, Mode, ParticleDamper, RingDown, damping_curve, ringdown, sample, work_bound
 from damper.curve_measurement import STAY, swinging
-from damper.curves import at_bin, folded
+from damper.curves import at_bin, folded, resolved
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
 from tests.damper.scenes import paper
@@ -630,3 +630,24 @@ def test_a_heavy_ball_damps_nothing_below_its_cutoff() -> None:
     found = damping_curve(heavy, threads=1)
     for way in (found, found.descending):
         assert way.amplitude[way.damping_ratio > 0].min() > found.cutoff / 2 ** (1 / 24)
+
+
+def test_a_ball_that_takes_more_than_the_structure_has_leaves_the_other_samples() -> None:
+    """Heavy and without rolling resistance, on a floor whose slope drives it by more than the structure does."""
+    pulled = ParticleDamper(
+        0.29026583449255566, (152822.41801981197, 3153270.892520868), 0.05382091916363603, 0.003374510565810267,
+        (0.007345952411220486, 0.009443950414739392), 33740.648045, 0.5027591015305094, 0.497,
+        floor_tilt=(16.416411170630173,) * 2,
+    )  # fmt: skip
+    found, other = damping_curve(pulled, threads=1), damping_curve(pulled, threads=1, sweeps=8, stay=90)
+    assert found.peak == pytest.approx(other.peak, rel=found.error + other.error)
+
+
+def test_next_to_the_cut_off_points_beyond_those_of_a_rolling_ball_stay() -> None:
+    """In a narrow cavity it meets the walls there, and hits give the peak."""
+    amplitude, ratio = np.array([1.01, 1.07, 1.14, 1.3]), np.array([1e-6, 3e-6, 9e-6, 4e-6])
+    hits = at_bin(DampingCurve(amplitude, ratio, 1.0, 0.0, 0.0, (0.0, 0.0), 0.0), 2)
+    rolls = np.array([[math.log(a), math.log(a) - 2 * math.pi * z, a] for a, z in ((1.03, 1.7e-6), (1.05, 2.4e-6))])
+    found = resolved(hits, rolls)
+    assert found.amplitude == pytest.approx([1.03, 1.05, 1.07, 1.14, 1.3], rel=1e-4)
+    assert found.peak == 9e-6
