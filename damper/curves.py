@@ -161,8 +161,10 @@ def grown(
     best, numbers = int(np.argmax(ratio)), _bins(amplitude)
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
     without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
-    others = moved(at_bin(replace(curve, damping_ratio=without), int(np.argmax(without))), curve)
-    return replace(curve, error=max(above.error, spreads.get(numbers[best], 0.0), others)), _largest(parted)
+    median = at_bin(replace(curve, damping_ratio=without), int(np.argmax(without)))
+    errors = above.error, spreads.get(numbers[best], 0.0), moved(curve, median)
+    more = median.peak / curve.peak - 1 if curve.peak > 0 else 0.0
+    return replace(curve, error=max(*errors, more)), _largest(parted)
 
 
 def moved(before: DampingCurve, after: DampingCurve) -> float:
@@ -226,7 +228,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
         return 0.0
     ratio = curve.damping_ratio.copy()
     ratio[before] = np.minimum(ratio[before], ratio[before][0])  # goes on rolling
-    return moved(at_bin(replace(curve, damping_ratio=ratio), int(np.argmax(ratio))), curve)
+    return moved(curve, at_bin(replace(curve, damping_ratio=ratio), int(np.argmax(ratio))))
 
 
 def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
