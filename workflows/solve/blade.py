@@ -318,8 +318,8 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         )
     elif (lean := _lean(operators)) > _LEANS:
         made.append(
-            f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of its"
-            " root to its centre of mass: is it coned so, or is [rotor] axis wrong?"
+            f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of"
+            " its root to its centre of mass: is it coned so, or is [rotor] axis wrong?"
         )
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
