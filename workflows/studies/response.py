@@ -57,7 +57,7 @@ class Response(StudyResult):
     Attributes:
         results: the structure over the whole range of speeds, as of a run, with the estimates by free vibration.
         passages: crossings that were followed; not_followed: the others, each with the reason.
-        requested_levels: those of the scene; the others are where the ball does most, by free vibration.
+        requested_levels: those of the scene; the others are where the ball does most, by free vibration, or above that.
     """
 
     REPORT = "workflows.studies.response_report"
