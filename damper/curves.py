@@ -59,7 +59,8 @@ class DampingCurve:
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
-            peak, or both from what faster sweeps show, or the sweeps up from each other [-].
+            peak, or both from what faster sweeps show, or the sweeps up from each other and from what others may show
+            [-].
         from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
         slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
@@ -165,8 +166,10 @@ def grown(
     best, numbers = int(np.argmax(ratio)), _bins(amplitude)
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
     without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
-    others = moved(curve, at_bin(replace(curve, damping_ratio=without), int(np.argmax(without))))
-    return replace(curve, error=max(above.error, spreads.get(numbers[best], 0.0), others)), _largest(parted)
+    median = at_bin(replace(curve, damping_ratio=without), int(np.argmax(without)))
+    errors = above.error, spreads.get(numbers[best], 0.0), moved(curve, median)
+    more = median.peak / curve.peak - 1 if curve.peak > 0 else 0.0
+    return replace(curve, error=max(*errors, more)), _largest(parted)
 
 
 def moved(before: DampingCurve, after: DampingCurve) -> float:
@@ -207,8 +210,30 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
     ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
     above = at_bin(replace(above, damping_ratio=ratio), int(np.argmax(ratio)))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
-    folds = min(stops, last), last
-    return replace(curve, from_above=above, folds=folds, jump=(min(joins), max(joins)))
+    error = curve.error if last == meets else max(curve.error, _chance(curve, region, joins))
+    return replace(curve, from_above=above, error=error, folds=(min(stops, last), last), jump=(min(joins), max(joins)))
+
+
+def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) -> float:
+    """Relative change of the figures if the last of the sweeps up begins to bounce later, as that of others may.
+
+    Escapes at a rate are spread exponentially from the first on, with the scale s that is their mean. The last of as
+    many others scatters by 1.3 s; it counts by whole bins.
+
+    Args:
+        curve: figures of the way up.
+        region: first and last of the bins in which they differ from those of the way down.
+        joins: where the sweeps up begin to bounce [m].
+    """
+    place = np.log(joins)
+    later = place.max() + 1.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
+    numbers = np.array(_bins(curve.amplitude))
+    before = (numbers >= region[0]) & (numbers * _WIDTH < later)
+    if not before.any():
+        return 0.0
+    ratio = curve.damping_ratio.copy()
+    ratio[before] = np.minimum(ratio[before], ratio[before][0])  # goes on rolling
+    return moved(curve, at_bin(replace(curve, damping_ratio=ratio), int(np.argmax(ratio))))
 
 
 def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:

@@ -256,6 +256,20 @@ def test_a_locked_ball_has_a_way_out_in_one_sentence() -> None:
     assert answer(every).verdict == "No: the ball never moves within what the plate endures"
 
 
+def test_what_else_moves_a_locked_ball_has_sentences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Down to where it goes on, and the forces that its motion does not count: no parentheses in a row."""
+    found = workflows.run(thick(10000))
+    (point,) = found.speeds
+    known = point.damping_curve
+    own = replace(known, driven_from=known.cutoff, cutoff=0.9 * known.cutoff)
+    monkeypatch.setattr("workflows.report.verdict.goes_on", lambda *_: 8.3e-3)
+    sentence = answer(replace(found, speeds=(replace(point, damping_curve=own),))).sentences[0]
+    others = "Coriolis forces, a pull sideways or a varying load, which are not counted, may move it above"
+    said = f" Once it moves, it goes on down to 8.3 mm. {others} {1e3 * own.cutoff:.2g} mm."
+    assert sentence.endswith(said)
+    assert ") (" not in sentence
+
+
 @pytest.mark.parametrize(
     ("limit", "starts", "moves", "rests"),
     [

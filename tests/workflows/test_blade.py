@@ -636,6 +636,14 @@ def test_a_spin_axis_along_the_blade_is_asked_about(flat, spindamp):
         assert ("does [rotor] axis lie along the blade" in out) == said
 
 
+def test_a_spin_axis_that_leans_along_the_blade_is_asked_about(flat, spindamp):
+    """A bar along x: 0.3 for 0 in an axis along z leans it by 16.7°; 10° of cone are none to ask about."""
+    for axis, lean in ("[0.3, 0, 1]", "17"), ("[0, 0.5, 1]", None), ("[0.1736, 0, 0.9848]", None):
+        scene(flat, SCENE, "'10 rpm'", axis=('stagger = "35 deg"', f"axis = {axis}"))
+        said = re.findall(r"leans by (\S+)° out of the plane of rotation", spindamp("check", flat / "fan.toml").out)
+        assert said == ([] if lean is None else [lean])
+
+
 def test_the_scene_of_the_guide_is_read():
     """`check`, word for word, beside the mesh that it names."""
     folder = Path(make.__file__).parent

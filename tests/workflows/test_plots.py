@@ -5,10 +5,12 @@ from base64 import b64encode
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
@@ -87,6 +89,12 @@ def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name:
     assert figure.legends == []
     pyplot.close(figure)
     assert pyplot.get_fignums() == before
+
+
+@pytest.mark.parametrize("wrong", [Figure(), np.array([None, None]), 3])
+def test_a_plot_takes_axes_alone(results: workflows.Results, wrong: Any) -> None:
+    with pytest.raises(TypeError, match=rf"^ax must be axes of matplotlib, .* got {type(wrong).__name__}$"):
+        results.plot.damping(ax=wrong)
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])

@@ -619,6 +619,21 @@ def test_the_best_level_is_rounded_to_where_it_is_still_the_best(level, ends, ro
     assert study.best_level(VibrationReduction(2, 1, "flap", 5000.0, 333.0, 0.98, level, ends)) == rounded
 
 
+def test_a_level_above_a_fold_is_tried(monkeypatch):
+    """Just below it the ball may go on rolling to and fro, where free vibration promises what it does as it bounces."""
+    monkeypatch.setattr(study, "SPEEDS", 9)
+    ball = {"mass_ratio": 0.003, "cavity": ["3.55 mm", "3.55 mm"], "damping_ratio": 0.02, "restitution": 0.6}
+    found = respond(as_scene_file(changed(STRUCTURE, damper=STRUCTURE["damper"] | ball)))
+    *_, below, above = study.rows(found)
+    assert above.force == pytest.approx(1.25 * below.force, rel=0.02)
+    assert 1 - below.ratio < 0.5 * (1 - below.estimate.ratio)
+    assert 1 - above.ratio == pytest.approx(1 - above.estimate.ratio, rel=0.05)
+    first, *_, missed, added = report.sentences(found)
+    assert f"up to {100 * (1 - above.ratio):.2g} % less vibration at {above.force:g} N" in first
+    assert missed.startswith(f"{below.force:g} N is evaluated too: for engine order 3 free vibration predicts")
+    assert added == f"{above.force:g} N is therefore evaluated as well."
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
     """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""

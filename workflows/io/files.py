@@ -213,8 +213,9 @@ def _write_netcdf(results: Results, variables: Mapping[str, _Variable], path: Pa
 def dataset(results: Results) -> xr.Dataset:
     """The run as an xarray data set: every quantity of `results.json` by its name, over speed; units in the attributes.
 
-    Further dimensions are mode, cycle of the ring-down, point of the damper's curve. Where one speed has fewer of them
-    than another, or no damper in motion, the rest is NaN.
+    Speeds stand in the order of the scene; `.sortby("rpm")` sorts them. Further dimensions are mode, cycle of the
+    ring-down, point of the damper's curve. Where one speed has fewer of them than another, or no damper in motion, the
+    rest is NaN.
 
     Raises:
         TypeError: not results.

@@ -642,7 +642,8 @@ class Plots:
     """What can be drawn of results; `axes.figure.savefig("campbell.pdf")` writes a picture.
 
     Each draws into the axes `ax`, or into a new current figure of pyplot: a notebook shows it, and so does
-    `matplotlib.pyplot.show()`. Each raises BadInput where the run has nothing of the kind.
+    `matplotlib.pyplot.show()`. Each raises BadInput where the run has nothing of the kind, and TypeError where `ax` is
+    none.
     """
 
     results: Results
@@ -688,6 +689,10 @@ class Plots:
     @plots.style()
     def _drawn(self, draw: Callable[[Results, Target], Figure | None], ax: Axes | None, needed: str) -> Axes:
         """The axes that a figure is drawn into."""
+        from matplotlib.axes import Axes
+
+        if not (ax is None or isinstance(ax, Axes)):
+            raise TypeError(f"ax must be axes of matplotlib, such as figure.add_subplot(), got {type(ax).__name__}")
         figure = draw(self.results, Target(pyplot=ax is None, ax=ax))
         if figure is None:
             raise _without(needed)

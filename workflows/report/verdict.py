@@ -38,7 +38,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1], "error": figures.error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
-            last = _goes_on(results, point, figures.cutoff)
+            last = goes_on(results, point, figures.cutoff)
             of = {"cutoff": figures.cutoff, "last": last, "sooner": figures.driven_from is not None}
             held.setdefault(phrase("answer/held", results, **of), []).append(point)
     return said("answer/between", results, ranges=ranges, held=held)
@@ -53,7 +53,7 @@ def humps(figures: Figures) -> list[tuple[float, float]]:
     ]
 
 
-def _goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
+def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
     """Down to where a ball in motion goes on [m], far below what sets it off, as one in a hollow floor may."""
     if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return None
@@ -84,7 +84,7 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     if remedy is None:
         return None
     known = {name: value for name, value in remedy._asdict().items() if not math.isnan(value)}
-    last, own = _goes_on(results, point, remedy.amplitude), point.damping_curve
+    last, own = goes_on(results, point, remedy.amplitude), point.damping_curve
     others = own.cutoff if own is not None and own.driven_from is not None else None
     return phrase("answer/what_to_do", results, point=point, remedy=known, last=last, others=others)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -315,6 +316,11 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
             f"The blade measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
             " across it: does [rotor] axis lie along the blade, where it should lie across it?"
         )
+    elif (lean := _lean(operators)) > _LEANS:
+        made.append(
+            f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of"
+            " its root to its centre of mass: is it coned so, or is [rotor] axis wrong?"
+        )
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
         made.append(
@@ -322,6 +328,16 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         )
     return tuple(made)
 
+
+def _lean(operators: SolidOperators) -> float:
+    """Angle between the plane of rotation and the way from the middle of the root to the centre of mass [rad]."""
+    blade = operators.blade
+    way = operators.masses @ blade.mesh.points / operators.masses.sum() - blade.mesh.points[blade.root].mean(axis=0)
+    return math.asin(min(abs(float(way @ blade.axis)) / max(float(np.linalg.norm(way)), 1e-300), 1.0))
+
+
+_LEANS = math.radians(15.0)
+"""Lean out of the plane of rotation above which the axis is asked about: blades are coned by some degrees."""
 
 _SLENDER = 1.5
 """Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""

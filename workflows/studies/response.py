@@ -57,7 +57,7 @@ class Response(StudyResult):
     Attributes:
         results: the structure over the whole range of speeds, as of a run, with the estimates by free vibration.
         passages: crossings that were followed; not_followed: the others, each with the reason.
-        requested_levels: those of the scene; the others are where the ball does most, by free vibration.
+        requested_levels: those of the scene; the others are where the ball does most, by free vibration, or above that.
     """
 
     REPORT = "workflows.studies.response_report"
@@ -329,21 +329,39 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name)
 
     reductions = excitation.estimates_at(solver, results, met, forcing)
-    followed = with_best_levels(forcing, reductions)
-    if followed.levels != forcing.levels:
-        reductions = excitation.estimates_at(solver, results, met, followed)
-    passages, not_followed = [], []
+    levels = forcing.levels
+    followed = with_levels(forcing, best_levels(forcing, reductions))
+    response = _response(solver, results, met, followed, reductions if followed.levels == levels else None)
+    if above := levels_above(response):
+        response = _response(solver, results, met, with_levels(followed, above))
+    return replace(response, requested_levels=levels, results=replace(response.results, timings=stages.timings()))
+
+
+def _response(
+    solver: StructureSolver,
+    results: Results,
+    met: Sequence[excitation.Meeting],
+    forcing: Excitation,
+    reductions: Sequence[VibrationReduction] | None = None,
+) -> Response:
+    """The steady states through all crossings at the levels of an excitation; `reductions`: estimates at these.
+
+    Raises:
+        BadInput: nothing drives a mode that is crossed.
+    """
+    reductions = reductions or excitation.estimates_at(solver, results, met, forcing)
+    passages, not_followed, source = [], [], solver.source
     for each, reduction in zip(met, reductions, strict=True):
         with during(each.crossing.place):
-            passage = _passage(solver, each, followed, reduction)
+            passage = _passage(solver, each, forcing, reduction)
         if isinstance(passage, str):
             not_followed.append((each.crossing, passage))
         else:
             passages.append(passage)
     if not passages:
         raise engine_orders.no_crossing(results.speeds, forcing.orders, source.name, driven=False)
-    results = replace(results, scene=source.scene, reductions=tuple(reductions), timings=stages.timings())
-    return Response(results, followed, tuple(passages), tuple(not_followed), forcing.levels)
+    results = replace(results, scene=source.scene, reductions=tuple(reductions))
+    return Response(results, forcing, tuple(passages), tuple(not_followed), forcing.levels)
 
 
 NEAR_BEST = 0.9
@@ -367,14 +385,40 @@ def best_level(reduction: VibrationReduction) -> float:
     return next((level for level in rounded if near <= level <= high), reduction.level)
 
 
-def with_best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> Excitation:
-    """The excitation with the levels at which the ball does most, where those asked for show much less."""
+def best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> set[float]:
+    """The levels at which the ball does most by free vibration, where those asked for show much less."""
     best = set()
     for each in reductions:
         shown = max((1 - level.ratio for level in each.levels if level.endured), default=0.0)
         if math.isfinite(each.range[0]) and shown < NEAR_BEST * (1 - each.ratio):
             best.add(best_level(each))
-    return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *best}))})
+    return best
+
+
+_ABOVE, _MUCH_LESS = 1.25, 0.75
+"""A further level over the best one of free vibration, and the share of the reduction predicted there below which the
+motion has to stay for it."""
+
+
+def levels_above(response: Response) -> set[float]:
+    """Levels above the best of free vibration where the motion followed shows much less than predicted.
+
+    Below a fold the ball may go on rolling to and fro; above it, it bounces.
+    """
+    above, speeds = set(), response.results.scene.rotor.speeds
+    for passage in (one for one in response.passages if shows(one, speeds)):
+        each = passage.reduction
+        shown = max((1 - row.ratio for row in rows(response, passage) if not is_beyond(response, row)), default=0.0)
+        if math.isfinite(each.range[0]) and shown < _MUCH_LESS * (1 - each.ratio):
+            exact = Decimal(repr(min(_ABOVE * each.level, each.range[1])))
+            level = float(Context(prec=2, rounding=ROUND_DOWN).create_decimal(exact))
+            above |= {level} if level > each.level else set()
+    return above - {*response.excitation.levels}
+
+
+def with_levels(forcing: Excitation, more: set[float]) -> Excitation:
+    """The excitation with further levels."""
+    return forcing.model_copy(update={forcing.kind: tuple(sorted({*forcing.levels, *more}))})
 
 
 _SAME = 0.02

@@ -184,14 +184,16 @@ def sentences(result: Response) -> list[str]:
 
 def _added(result: Response) -> list[str]:
     """Why levels are evaluated that nobody asked for, and whether the motion does there what was predicted."""
-    unit, near, sentences = result.excitation.unit, list[float](), list[str]()
+    unit, near, above, sentences = result.excitation.unit, list[float](), list[float](), list[str]()
     for level in sorted({*result.excitation.levels} - {*result.requested_levels}):
         here = [row for row in rows(result) if row.force == level and best_level(row.passage.reduction) == level]
         predicted = [1.0 if row.estimate is None else row.estimate.ratio for row in here]
         tenth = [(1 - study.NEAR_BEST) * (1 - ratio) for ratio in predicted]
         missed = [row for row, p, most in zip(here, predicted, tenth, strict=True) if abs(row.ratio - p) > most]
-        near += [] if missed else [level]
+        near += [level] if here and not missed else []
+        above += [] if here else [level]
         sentences += templates.said("response/missed", rows=missed, unit=unit)
+    sentences += templates.said("response/above", levels=above, unit=unit)
     return [*templates.said("response/near_best", levels=near, unit=unit), *sentences]
 
 
