@@ -24,7 +24,7 @@ from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import revolutions
 from workflows.scene import quantities
 from workflows.scene.materials import PLATES
-from workflows.scene.quantities import Table
+from workflows.scene.quantities import Table, hints
 from workflows.scene.scene import Scene
 
 
@@ -161,7 +161,7 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        hint = next((f": {hint}" for what, hint in _hints()["toml"].items() if what in str(error)), "")
+        hint = next((f": {hint}" for what, hint in hints()["toml"].items() if what in str(error)), "")
         raise BadInput(f"not valid TOML: {error}{hint}", file=name) from error
     except ValueError as error:  # a whole number longer than Python converts
         raise BadInput("not a scene: a number has too many digits", file=name) from error
@@ -184,12 +184,6 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
     except ValidationError as error:
         raise bad_input(error, plain, name) from None
-
-
-@cache
-def _hints() -> dict[str, dict[str, str]]:
-    """What people write that a scene does not have, and what is said of it."""
-    return tomllib.loads((SHIPPED.parent / "templates" / "hints.toml").read_text(encoding="utf-8"))
 
 
 def _plain(value: Any, depth: int = 5) -> Any:
@@ -348,8 +342,8 @@ def error_text(error: Any, loc: list[str]) -> str:
             value, expected = error["input"], context["expected"]
             names = expected.split("'")[1::2]
             return f"expected {expected}{did_you_mean(value, names) if isinstance(value, str) else ''}"
-        case kind if kind in _hints()["errors"]:
-            return _hints()["errors"][kind].format(**context)
+        case kind if kind in hints()["errors"]:
+            return hints()["errors"][kind].format(**context)
         case _:
             text = str(error["msg"])
             return text[:1].lower() + text[1:]
@@ -357,10 +351,10 @@ def error_text(error: Any, loc: list[str]) -> str:
 
 def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
-    hints = _hints()
-    shape = hints["also_called"].get(loc[-1], loc[-1])
-    if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
-        return f": {hints['shape'][shape]}"
+    known = hints()
+    shape = known["also_called"].get(loc[-1], loc[-1])
+    if loc[0] in ("plate", "rotor") and shape in known["shape"]:
+        return f": {known['shape'][shape]}"
     if hint := instead(loc):
         return hint
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
@@ -372,7 +366,7 @@ def _unknown(error: Any, loc: list[str]) -> str:
 
 def instead(loc: list[str]) -> str:
     """What a scene has instead of a key that people take for one; empty where nothing is known."""
-    known = _hints()["keys"]
+    known = hints()["keys"]
     hint = known.get(".".join(loc)) or known.get(loc[-1])
     return f": {hint}" if hint else ""
 

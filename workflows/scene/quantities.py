@@ -6,6 +6,7 @@ import difflib
 import math
 import re
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -255,6 +256,12 @@ ROUNDING = 1e-9
 def fault(key: str, problem: str) -> PydanticCustomError:
     """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
     return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+@cache
+def hints() -> dict[str, dict[str, str]]:
+    """What people write that a scene does not have, and what is said of it."""
+    return tomllib.loads((Path(__file__).parents[1] / "templates" / "hints.toml").read_text(encoding="utf-8"))
 
 
 def check_one(table: BaseModel, keys: Sequence[str], expectation: str, *, blamed: int = -1) -> None:

@@ -31,22 +31,6 @@ if TYPE_CHECKING:
 
 NAME = "response"
 
-_OF_STATES = {
-    "least": ("m", "least amplitude of a cycle"),
-    "mean": ("m", "mean amplitude of the cycles"),
-    "rms": ("m", "root mean square of the amplitudes of the cycles"),
-    "greatest": ("m", "greatest amplitude of a cycle"),
-    "error": ("m", "error of the mean amplitude"),
-    "hits_per_cycle": ("1", "wall hits in a cycle"),
-    "repeats": ("1", "cycles after which the motion repeats itself, 0 where it does not"),
-    "power_in": ("W", "power put in by the force"),
-    "power_lost": ("W", "power lost"),
-    "stored": ("W", "rate at which the stored energy changes over the window"),
-    "power_error": ("W", "standard error of the power put in"),
-    "divergence": ("1", "rate at which neighbouring motions diverge, per cycle"),
-    "cycles": ("1", "cycles followed"),
-}
-
 
 def tag(passage: Passage) -> str:
     """A crossing as part of a file name."""
@@ -78,7 +62,7 @@ def dataset(result: Response) -> xr.Dataset:
         start=("start", [str(start) for start in passages[0].states.starts]),
         rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
     )
-    for name, (unit, description) in _OF_STATES.items():
+    for name, (unit, description) in templates.texts("response")["states"].items():
         values = np.array([padded(t.shaped(getattr(t.states, name))) for t in passages], dtype=float)
         data[name] = (dims, values, {"units": unit, "long_name": description})
     regimes = np.array([padded(t.shaped(t.states.regime)).astype(str).astype(object) for t in passages])

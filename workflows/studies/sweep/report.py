@@ -16,7 +16,7 @@ from workflows.formatting import interval, readable, significant, span, whole
 from workflows.io.files import as_json, finite
 from workflows.io.folder import replacing_file
 from workflows.report import plots
-from workflows.report.templates import from_template, said
+from workflows.report.templates import from_template, said, texts
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -434,19 +434,6 @@ def _known(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, Any]:
     return {"result": entries, "best": _best_keys(data, entries), "error": error, "spread": _spread(data)}
 
 
-_FIGURES = (
-    ("best_damping_ratio", "damping ratio, %", 100.0),
-    ("best_amplitude", "at an amplitude of, mm", 1e3),
-    ("cutoff", "at rest below, mm", 1e3),
-    ("verdict_useful_range_low", "at least half of the peak from, mm", 1e3),
-    ("verdict_useful_range_high", "and up to, mm", 1e3),
-    ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
-    ("ball_mass", "mass of the balls, g", 1e3),
-    ("working_error", "error of the damping ratio, %", 100.0),
-)
-"""What the page says of the best point."""
-
-
 def write(data: xr.Dataset, out: Path) -> None:
     """Write `sweep.json` and `report.html` into a study's folder.
 
@@ -465,7 +452,7 @@ def render(data: xr.Dataset) -> str:
     entries = document(data)
     known, best = _known(data, entries), None
     if entries["best"] is not None:
-        numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
+        numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in texts("sweep")["best"])
         figures = {title: significant(factor * value) for title, factor, value in numbers if value is not None}
         best = known["best"] | figures
     drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}
