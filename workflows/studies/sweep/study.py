@@ -149,8 +149,8 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
         writer, missing, count = store.Writer(place), list[store.Part](), 0
         for region in study.regions():
             content, parts = place.content(region), study.parts(region)
-            lacking = [part for part in parts if not content.done[part.points].all()]
-            if lacking and content.done.any():
+            lacking = [part for part in parts if not content[store.DONE][part.points].all()]
+            if lacking and content[store.DONE].any():
                 writer.contents[region.begin] = content
             missing += lacking
             count += len(parts)
