@@ -120,32 +120,20 @@ def capacity(results: Results) -> list[Curve]:
     return curves
 
 
-def damping_ratio(results: Results) -> list[Curve]:
-    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per speed."""
-    figures = [(point, point.damping_curve) for point in results.speeds]
-    return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
+def damping_ratio(results: Results, way: str = "") -> list[Curve]:
+    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per speed.
 
-
-def damping_ratio_of_other_starts(results: Results) -> list[Curve]:
-    """The same from other starts, where the way down differs."""
-    return [
-        _damping_curve(f"damping_ratio_{way}", point, getattr(own, way))
-        for point in results.speeds
-        if (own := point.damping_curve) is not None and own.amplitude.size and own.ways_differ
-        for way in OTHER_WAYS
-    ]
-
-
-def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
-    label, tag = f"{formatting.amount(point.rpm)} rpm", speed_tag(point)
-    return Curve(f"{name}_{tag}", label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio)
-
-
-def all_curves(results: Results) -> list[Curve]:
-    """All curves of a run."""
-    over_time = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    damping = damping_ratio(results) + damping_ratio_of_other_starts(results)
-    return campbell(results) + over_time + capacity(results) + damping
+    `way`: from another start, where the way down differs.
+    """
+    curves = []
+    for point in results.speeds:
+        own = point.damping_curve
+        if own is not None and own.amplitude.size and (own.ways_differ or not way):
+            figures: Figures = getattr(own, way) if way else own
+            name = "_".join(filter(None, ("damping_ratio", way, speed_tag(point))))
+            label, axes = f"{formatting.amount(point.rpm)} rpm", ("amplitude_m", "damping_ratio")
+            curves.append(Curve(name, label, *axes, figures.amplitude, figures.damping_ratio))
+    return curves
 
 
 def speed_tag(point: SpeedPoint) -> str:
@@ -165,7 +153,10 @@ def write_data(results: Results, folder: Path) -> None:
     variables = _variables(results)
     _write_netcdf(results, variables, folder / "results.nc")
     (folder / f"{TABLE}.csv").write_text(_table(variables), encoding="utf-8")
-    for curve in all_curves(results):
+    curves = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
+    curves += campbell(results) + capacity(results)
+    curves += [curve for way in ("", *OTHER_WAYS) for curve in damping_ratio(results, way)]
+    for curve in curves:
         rows = np.column_stack([curve.x, curve.y]) + 0.0  # no -0
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")

@@ -123,9 +123,9 @@ def as_scene_file(scene: SceneLike) -> SceneFile:
         return scene
     if isinstance(scene, str | os.PathLike):
         return load(scene)
-    if isinstance(scene, Scene | Mapping):
-        if isinstance(scene, Scene):
-            return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
+    if isinstance(scene, Scene):
+        return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
+    if isinstance(scene, Mapping):
         return _with_its_mesh(SceneFile(parse(scene), "scene", Path.cwd(), _remarks(scene), scene))
     raise TypeError(
         f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(scene).__name__}"
@@ -260,11 +260,9 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _with_its_mesh(scene: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
-    mesh, table = (scene.mesh, "plate") if scene.blade_mesh is None else (scene.blade_mesh, "blade")
-    problem = "" if mesh is None else file_problem(mesh, "mesh file")
-    if problem:
-        value = getattr(getattr(scene.scene, table), "mesh", None)
-        raise BadInput(problem, file=scene.name, key=f"[{table}] mesh", value=value)
+    for table, mesh in (("plate", scene.mesh), ("blade", scene.blade_mesh)):
+        if mesh is not None and (problem := file_problem(mesh, "mesh file")):
+            raise scene.wrong(problem, f"[{table}] mesh", getattr(scene.scene, table).mesh)
     return scene
 
 

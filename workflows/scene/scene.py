@@ -569,21 +569,18 @@ class Scene(Table):
 
         A damper without a [release] has the default one.
         """
-        if isinstance(data, Mapping) and data.get("damper") is not None and data.get("release") is None:
-            data = {**data, "release": {}}
-        if isinstance(data, Mapping) and data.get("blade") is not None:
-            for table in ("plate", "structure"):
-                if data.get(table) is not None:
-                    raise fault(table, "expected a [blade] or this: leave one out")
-        if isinstance(data, Mapping) and data.get("structure") is not None:
-            if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
-                raise fault(
-                    "structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out"
-                )
-            for table in ("plate", "material"):
-                if data.get(table) is not None:
-                    raise fault(table, "expected a plate with its material or a [structure]: leave one out")
-        return data
+        if not isinstance(data, Mapping):
+            return data
+        present = {table for table, value in data.items() if value is not None}
+        for table in ("plate", "structure") if "blade" in present else ():
+            if table in present:
+                raise fault(table, "expected a [blade] or this: leave one out")
+        if {"plate", "structure"} <= present and set(data["structure"]) == {"floor_tilt"}:
+            raise fault("structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out")
+        for table in ("plate", "material") if "structure" in present else ():
+            if table in present:
+                raise fault(table, "expected a plate with its material or a [structure]: leave one out")
+        return {**data, "release": {}} if "damper" in present and "release" not in present else data
 
     @model_validator(mode="after")
     def _check_tables(self) -> Self:
