@@ -389,11 +389,9 @@ def check_units(axes: Iterable[Axis], scene: Scene) -> None:
         numbers = axis.values or ((axis.spread.low,) if axis.spread is not None else ())
         values = [float(value) for value in numbers if not isinstance(value, str)]
         if axis.bare and own is not None and values and min(values) > _MILLIMETRES * own:
-            problem = (
-                f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here: was '{min(values):g} mm'"
-                f" meant? Give the unit, mm or m"
-            )
-            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.given)
+            problem = f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here"
+            meant = f"was '{min(values):g} mm' meant? Give the unit, mm or m"
+            raise BadInput(f"{problem}: {meant}", key=f"--vary {axis.name}", value=axis.given)
 
 
 def _own_length(key: Key, data: Data) -> float | None:

@@ -131,10 +131,8 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
     """Say below a map which colour is which level, and what is hatched."""
     from matplotlib.patches import Patch
 
-    named = [
-        Patch(color=colour, label=span(low, high))
-        for low, high, colour in zip(levels, levels[1:], colours, strict=False)
-    ]
+    bands = zip(levels, levels[1:], colours, strict=False)
+    named = [Patch(color=colour, label=span(low, high)) for low, high, colour in bands]
     if idle:
         named.insert(0, Patch(facecolor="none", edgecolor=plots.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")
@@ -165,13 +163,9 @@ def draw(data: xr.Dataset) -> list[Picture]:
         return [Picture(_map(data, name, x, y), map_caption(data, name, x, y)) for name in _drawn(data, (x, y))]
     x, others = numbers[0], [str(name) for name in data.dims if name != numbers[0]]
     series = max(others, key=lambda name: data.sizes[name], default=None)
-    names = _drawn(data, (x,) if series is None else (x, series))
-    return [
-        Picture(
-            _curves(data, name, x, series), *said("sweep/of_curves", quantity=name, others=_fixed(data, (x, series)))
-        )
-        for name in names
-    ]
+    names, others = _drawn(data, (x,) if series is None else (x, series)), _fixed(data, (x, series))
+    captions = {name: said("sweep/of_curves", quantity=name, others=others) for name in names}
+    return [Picture(_curves(data, name, x, series), *caption) for name, caption in captions.items()]
 
 
 def _drawn(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
@@ -364,8 +358,8 @@ def _uncertain(data: xr.Dataset) -> list[dict[str, Any]]:
             columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
             indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
             percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
-            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
-            entries.append(entry)
+            entry = {"quantity": quantity, "rpm": float(rpm)}
+            entries.append(entry | {"percentiles": dict(percentiles), "indices": indices})
     return entries
 
 

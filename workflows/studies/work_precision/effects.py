@@ -152,12 +152,9 @@ def _one_sided(name: str, pairs: list[_Pair]) -> dict[str, str]:
     odd = [pair for pair in pairs if _change(*pair[1:]) is None and pair[1:] != (None, None)]
     if name.startswith("frequency"):
         return {"no partner": f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"} if odd else {}
-    sides = {
-        "without": [rpm for rpm, _, without in odd if not without],
-        "with": [rpm for rpm, _, without in odd if without],
-    }
-    others = {"without": "with", "with": "without"}
-    return {f"only {others[side]} it": f"no {name} {side} it, {_at(rpm)}" for side, rpm in sides.items() if rpm}
+    sides = {"with": [each[0] for each in odd if not each[2]], "without": [each[0] for each in odd if each[2]]}
+    other = {"with": "without", "without": "with"}
+    return {f"only {side} it": f"no {name} {other[side]} it, {_at(rpm)}" for side, rpm in sides.items() if rpm}
 
 
 def _at(speeds: Iterable[float]) -> str:
