@@ -441,6 +441,12 @@ def _line(value: str) -> str:
     return value
 
 
+def _mesh_file(value: str) -> str:
+    if not value.strip():
+        raise wrong("expected the name of a mesh file")
+    return value
+
+
 def _switch(value: object) -> bool | str:
     if isinstance(value, bool) or value == "auto":
         return value
@@ -486,6 +492,7 @@ Switch = Annotated[
     bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})
 ]
 Line = Annotated[str, AfterValidator(_line)]
+MeshFile = Annotated[Line, AfterValidator(_mesh_file)]
 Positive = Field(gt=0)
 NotNegative = Field(ge=0)
 

@@ -187,7 +187,7 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: q.Line
+    mesh: q.MeshFile
     """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
@@ -196,13 +196,6 @@ class Blade(Table):
     default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
     """of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"""
-
-    @model_validator(mode="after")
-    def _named(self) -> Self:
-        """A name of a file."""
-        if not self.mesh.strip() or not self.mesh.isprintable():
-            raise fault("mesh", "expected the name of a mesh file")
-        return self
 
     @property
     def scale(self) -> float:

@@ -15,7 +15,7 @@ import shutil
 import time
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -271,14 +271,9 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
         raise BadInput(problem, key="--out", value=str(path))
 
 
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> AbstractContextManager[None]:
     """What goes wrong with the disk, in one line."""
-    try:
-        yield
-    except OSError as error:
-        problem = f"cannot be written: {error.strerror or error}; what is finished stays, and the same command goes on"
-        raise BadInput(problem, key="--out", value=str(path)) from error
+    return folder.writing(path, more="; what is finished stays, and the same command goes on")
 
 
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:
