@@ -102,19 +102,27 @@ def _chunk_shape(plan: Plan, most: int) -> tuple[int, ...]:
     return tuple(sides)
 
 
-@dataclass(frozen=True)
+SELDOM = 100.0
+"""Time between two writings of what has come, over the time that one takes."""
+
+
+@dataclass
 class Folder:
-    """A study's folder, its lock held.
+    """A study's folder, its lock held; it collects the points that come, and writes their regions from time to time.
 
     Attributes:
         path: where it is.
         user_path: the same as the user wrote it.
         arrays: of the data set, by name; `done`, which says what may be read of the others, is the last.
+        contents: of regions that are done in part, by their first point.
     """
 
     path: Path
     user_path: Path
     arrays: dict[str, Any]
+    contents: dict[int, Rows] = field(default_factory=dict)
+    _changed: dict[int, Region] = field(default_factory=dict)
+    _next: float = -math.inf
 
     def content(self, region: Region) -> Rows:
         """What is done of a region, where every byte of it is as it was written; else nothing of it is."""
@@ -127,36 +135,6 @@ class Folder:
         except (OSError, ValueError):
             return _nothing(region)
         return content
-
-    def write(self, region: Region, content: Rows) -> None:
-        """Write what is known of a region.
-
-        Raises:
-            BadInput: the disk does not take it; what is finished stays.
-        """
-        shape = tuple(each.stop - each.start for each in region.slices)
-        with writing(self.user_path):
-            for name, array in self.arrays.items():
-                array[region.slices] = content[name].reshape(shape)
-
-
-SELDOM = 100.0
-"""Time between two writings of what has come, over the time that one takes."""
-
-
-@dataclass
-class Writer:
-    """Collects the points that come, and writes their regions, from time to time while more come.
-
-    Attributes:
-        folder: of the study.
-        contents: of regions that are done in part, by their first point.
-    """
-
-    folder: Folder
-    contents: dict[int, Rows] = field(default_factory=dict)
-    _changed: dict[int, Region] = field(default_factory=dict)
-    _next: float = -math.inf
 
     def add(self, part: Part, rows: Rows, reasons: Sequence[str]) -> None:
         """Take the rows of a part, and the texts that their reasons count.
@@ -178,13 +156,16 @@ class Writer:
         """Write what has come since the last time.
 
         Raises:
-            BadInput: the disk does not take it.
+            BadInput: the disk does not take it; what is finished stays.
         """
         began = time.monotonic()
         for begin, region in list(self._changed.items()):
-            self.folder.write(region, self.contents[begin])
+            content, shape = self.contents[begin], tuple(each.stop - each.start for each in region.slices)
+            with writing(self.user_path):
+                for name, array in self.arrays.items():
+                    array[region.slices] = content[name].reshape(shape)
             del self._changed[begin]
-            if self.contents[begin][DONE].all():
+            if content[DONE].all():
                 del self.contents[begin]
         self._next = time.monotonic() + SELDOM * (time.monotonic() - began)
 
