@@ -247,9 +247,6 @@ class Plate(Table):
         return 1.0 if self.mesh_unit is None else q.to_si(f"1 {self.mesh_unit}", q.LENGTH)
 
 
-_NUMBERS = ("youngs_modulus", "poissons_ratio", "density")
-
-
 def _either(schema: dict[str, Any]) -> None:
     """Of a material: its name, or the three numbers."""
     schema["oneOf"] = [{"required": ["name"]}, {"required": schema.pop("required")}]
@@ -270,7 +267,7 @@ class Material(Table, json_schema_extra=_either):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.with_numbers(data, "name", materials.PLATES, _NUMBERS)
+        return materials.with_numbers(data, "name", materials.PLATES, materials.NUMBERS)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:

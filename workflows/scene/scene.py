@@ -611,7 +611,7 @@ class Scene(Table):
         """Plain data that can be read again: a material by its name or by its numbers, not by both."""
         data = self.model_dump(mode="json", exclude_none=True)
         for table, name, numbers in (
-            ("material", "name", ("youngs_modulus", "poissons_ratio", "density")),
+            ("material", "name", materials.NUMBERS),
             ("damper", "ball_material", ("ball_density",)),
         ):
             if name in data.get(table, {}):

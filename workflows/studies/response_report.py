@@ -51,14 +51,11 @@ def dataset(result: Response) -> xr.Dataset:
         beyond = (most - len(values), *values.shape[1:])
         return np.concatenate([values, np.full(beyond, "" if values.dtype == object else np.nan)])
 
-    heights = {
-        "units": result.excitation.unit.replace("²", "2"),
-        "long_name": f"height of the {result.excitation.kind}",
-    }
+    unit, kind = result.excitation.unit.replace("²", "2"), result.excitation.kind
     data = data.assign_coords(
         order=("crossing", [passage.crossing.order for passage in passages]),
         mode=("crossing", [passage.crossing.branch + 1 for passage in passages]),
-        force=("force", list(result.excitation.levels), heights),
+        force=("force", list(result.excitation.levels), {"units": unit, "long_name": f"height of the {kind}"}),
         start=("start", [str(start) for start in passages[0].states.starts]),
         rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
     )

@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
 from workflows.scene.load import SceneFile, error_text, instead, keys, parse, unit
-from workflows.scene.materials import KNOWN
+from workflows.scene.materials import KNOWN, NUMBERS
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
 
@@ -39,7 +39,6 @@ SAMPLE = "sample"
 MOST = 10**9
 """Points of a study, and values along an axis."""
 
-_MATERIAL = ("youngs_modulus", "poissons_ratio", "density")
 _ALTERNATIVES = {
     "damper": ("mass_ratio", "mass", "ball_density", "ball_material"),
     "release": ("displacement", "acceleration", "ratio"),
@@ -84,7 +83,7 @@ class Key:
     def alternatives(self) -> tuple[str, ...]:
         """Fields of its table that say the same in another way."""
         if self.table == "material":
-            return _MATERIAL if self.field == "name" else ("name",)
+            return NUMBERS if self.field == "name" else ("name",)
         group = _ALTERNATIVES.get(self.table, ())
         return tuple(name for name in group if name != self.field) if self.field in group else ()
 
@@ -534,8 +533,8 @@ def base(source: SceneFile, varied: Sequence[Key]) -> Data:
     """
     data = plain(source.scene)
     name = data.get("material", {}).get("name")
-    if name is not None and any(key.table == "material" and key.field in _MATERIAL for key in varied):
-        data["material"] = {number: getattr(KNOWN[name], number) for number in _MATERIAL}
+    if name is not None and any(key.table == "material" and key.field in NUMBERS for key in varied):
+        data["material"] = {number: getattr(KNOWN[name], number) for number in NUMBERS}
     for key in varied:
         if key.table not in data:
             raise BadInput(f"the scene {source.name} has no [{key.table}]", key=f"--vary {key.name}")
