@@ -269,15 +269,12 @@ def test_the_cutoff_is_that_of_the_damper():
     space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
     found = Optimum(shares, spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
-    for each in report.damping_curves(space, found, space.goal):
-        assert (
-            objectives.cutoff_of(each.damper)
-            == each.damping_curve.cutoff
-            == damping_curve(each.damper, sweeps=2, stay=8).cutoff
-        )
-        assert each.damper.floor_tilt[0] > 1.0
-        ratio = objectives.bound_of(each.damper, 3e-3)
-        assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(each.damper, (3e-3, 0.0)))
+    for case, curve in report.damping_curves(space, found, space.goal):
+        damper = case.verdict_damper
+        assert objectives.cutoff_of(damper) == curve.cutoff == damping_curve(damper, sweeps=2, stay=8).cutoff
+        assert damper.floor_tilt[0] > 1.0
+        ratio = objectives.bound_of(damper, 3e-3)
+        assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(damper, (3e-3, 0.0)))
 
 
 def test_a_design_says_what_else_moves_its_ball():
@@ -434,7 +431,7 @@ def test_the_least_amplitude_is_a_limit_where_damping_is_least_there(in_a_range)
     low = "the least amplitude" in limit.said
     narrower = (1.05 * 1.7e-3, 2.2e-3) if low else (1.7e-3, 2.2e-3 / 1.05)
     assert evaluation.amplitude == pytest.approx(1.7e-3 if low else 2.2e-3, rel=0.02)
-    (curve,) = (each.damping_curve for each in report.damping_curves(found.space, found.optimum, found.space.goal))
+    ((_, curve),) = report.damping_curves(found.space, found.optimum, found.space.goal)
     gain = objectives.least(curve, *narrower)[0] / objectives.least(curve, 1.7e-3, 2.2e-3)[0] - 1
     assert limit.gain == pytest.approx(gain, abs=2e-3)
     said = " ".join(found.document()["why"])

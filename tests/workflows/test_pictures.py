@@ -19,7 +19,7 @@ from tests.workflows.conftest import BALL, KNOWN, Command, Scene, changed, measu
 from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
-from workflows.report.page import Drawings, draw, render
+from workflows.report.page import draw, render
 from workflows.scene.load import SceneLike
 from workflows.solve import damper as damper_stage
 from workflows.solve.results import Results
@@ -37,7 +37,7 @@ class Drawn:
     """A run, the pictures of its report, and the figures that they came from, laid out as they were drawn."""
 
     results: Results
-    pictures: Drawings
+    pictures: dict[str, Any]
     figures: list[Any]
 
 

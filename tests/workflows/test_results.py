@@ -351,8 +351,8 @@ def test_every_number_of_the_document_is_in_the_data_set() -> None:
     run = Results(load("structure").scene, {}, (point,))
     document = workflows.document(run)["speeds"][0]
     numbers = sum(1 for _ in leaves(document))
-    columns = list(serialise.columns(SpeedPoint, [point], "rpm"))
-    assert sum(column.values.size for column in columns) == numbers + 1  # the duration, which JSON leaves out
+    variables = serialise.variables(SpeedPoint, [point], "rpm").values()
+    assert sum(values.size for _, values, _ in variables) == numbers + 1  # the duration, which JSON leaves out
     assert sum(variable.size for variable in workflows.dataset(run).variables.values()) == numbers + 1
     jsonschema = pytest.importorskip("jsonschema")
     schema = serialise.schema()

@@ -223,12 +223,7 @@ EFFECTS = {
         "damper", _structural_modes, "modes of the plate", refused=_modes_refused, assumed=_modes_assumed
     ),
     "cavity_mass": Definition(
-        "damper",
-        _cavity_mass,
-        "mass of the cavities",
-        refused=_cavity_refused,
-        assumed=_cavity_assumed,
-        costs=("fem.assembly.footprint",),
+        "damper", _cavity_mass, "mass of the cavities", refused=_cavity_refused, assumed=_cavity_assumed
     ),
 }
 """By their keys of a scene."""

@@ -105,7 +105,6 @@ class Definition:
             terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
         on_the_mesh: whether the mesh is chosen with it.
         spins: whether only a plate that spins is asked.
-        costs: what it calls that nothing else needs.
     """
 
     of: Literal["plate", "damper"]
@@ -118,7 +117,6 @@ class Definition:
     arguments: Callable[[Damper, float, bool], dict[str, Any]] = lambda damper, omega, on: {}
     on_the_mesh: bool = True
     spins: bool = False
-    costs: tuple[str, ...] = ()
 
 
 NO_DAMPER = Called(False, "no damper in the scene")

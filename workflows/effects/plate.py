@@ -1,4 +1,4 @@
-"""The effects of a plate: when each is called for, what rules it out, its words, what it costs."""
+"""The effects of a plate: when each is called for, what rules it out, its words."""
 
 from __future__ import annotations
 
@@ -185,12 +185,8 @@ def _rotary_inertia(case: Case) -> Called:
 
 
 EFFECTS = {
-    "stress_stiffening": Definition(
-        "plate", _stress_stiffening, "stress stiffening", costs=("fem.assembly._held", "fem.assembly._stiffening")
-    ),
-    "spin_softening": Definition(
-        "plate", _spin_softening, "spin softening", spins=True, costs=("fem.rotor.Rotor.projector",)
-    ),
+    "stress_stiffening": Definition("plate", _stress_stiffening, "stress stiffening"),
+    "spin_softening": Definition("plate", _spin_softening, "spin softening", spins=True),
     "coriolis": Definition(
         "plate",
         _coriolis,
@@ -198,7 +194,6 @@ EFFECTS = {
         after=("large_deflection",),
         spins=True,
         on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
-        costs=("fem.rotor.Rotor.spin", "fem.modes.solve_gyroscopic"),
     ),
     "large_deflection": Definition(
         "plate",
@@ -208,7 +203,6 @@ EFFECTS = {
         part_of="stress_stiffening",
         spins=True,
         assumed=_deflection_assumed,
-        costs=("fem.statics.equilibrium", "fem.statics.newton"),
     ),
     "rotary_inertia": Definition("plate", _rotary_inertia, "rotary inertia"),
 }

@@ -52,7 +52,11 @@ def called_for(
 
 
 def resolve(
-    scene: Scene, file: str | None = None, form: Planform | None = None, settled: Mapping[str, Called] | None = None
+    scene: Scene,
+    file: str | None = None,
+    form: Planform | None = None,
+    settled: Mapping[str, Called] | None = None,
+    names: tuple[str, ...] = NAMES,
 ) -> dict[str, Effect]:
     """Every effect of the scene, decided. `form`: its planform, needed where that is a mesh; settled: see `called_for`.
 
@@ -60,12 +64,12 @@ def resolve(
         BadInput: the scene insists on an effect that its own values rule out.
     """
     _check_plate(scene, file)
-    for name, kind in EFFECTS.items():
-        if getattr(scene.effects, name) is True and (refusal := kind.refused(scene)) is not None:
+    for name in names:
+        if getattr(scene.effects, name) is True and (refusal := EFFECTS[name].refused(scene)) is not None:
             key = refusal.key or f"[effects] {name}"
             raise BadInput(refusal.problem, file=file, key=key, value=refusal.value)
     effects = {}
-    for name, (called, why, moves) in called_for(scene, form, settled=settled).items():
+    for name, (called, why, moves) in called_for(scene, form, names, settled).items():
         switch = getattr(scene.effects, name)
         if switch == "auto":
             effects[name] = Effect(called, why, None if called else moves)

@@ -21,7 +21,7 @@ from workflows import formatting, versions
 from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.io.folder import put, replacing, writable
-from workflows.io.serialise import Column, columns, write_unpublished
+from workflows.io.serialise import Variable, variables, write_unpublished
 from workflows.solve.engine_orders import branches
 from workflows.solve.results import OTHER_WAYS, Figures, Floats, Results, SpeedPoint, Surface, require_results
 
@@ -120,32 +120,20 @@ def capacity(results: Results) -> list[Curve]:
     return curves
 
 
-def damping_ratio(results: Results) -> list[Curve]:
-    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per speed."""
-    figures = [(point, point.damping_curve) for point in results.speeds]
-    return [_damping_curve("damping_ratio", point, own) for point, own in figures if own and own.amplitude.size]
+def damping_ratio(results: Results, way: str = "") -> list[Curve]:
+    """The ball's equivalent damping ratio over the amplitude, tilt of the floor counted in, a curve per speed.
 
-
-def damping_ratio_of_other_starts(results: Results) -> list[Curve]:
-    """The same from other starts, where the way down differs."""
-    return [
-        _damping_curve(f"damping_ratio_{way}", point, getattr(own, way))
-        for point in results.speeds
-        if (own := point.damping_curve) is not None and own.amplitude.size and own.ways_differ
-        for way in OTHER_WAYS
-    ]
-
-
-def _damping_curve(name: str, point: SpeedPoint, figures: Figures) -> Curve:
-    label, tag = f"{formatting.amount(point.rpm)} rpm", speed_tag(point)
-    return Curve(f"{name}_{tag}", label, "amplitude_m", "damping_ratio", figures.amplitude, figures.damping_ratio)
-
-
-def all_curves(results: Results) -> list[Curve]:
-    """All curves of a run."""
-    over_time = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
-    damping = damping_ratio(results) + damping_ratio_of_other_starts(results)
-    return campbell(results) + over_time + capacity(results) + damping
+    `way`: from another start, where the way down differs.
+    """
+    curves = []
+    for point in results.speeds:
+        own = point.damping_curve
+        if own is not None and own.amplitude.size and (own.ways_differ or not way):
+            figures: Figures = getattr(own, way) if way else own
+            name = "_".join(filter(None, ("damping_ratio", way, speed_tag(point))))
+            label, axes = f"{formatting.amount(point.rpm)} rpm", ("amplitude_m", "damping_ratio")
+            curves.append(Curve(name, label, *axes, figures.amplitude, figures.damping_ratio))
+    return curves
 
 
 def speed_tag(point: SpeedPoint) -> str:
@@ -162,16 +150,19 @@ def write_data(results: Results, folder: Path) -> None:
 
     A remark in a CSV file trips its readers, so that hash and versions stand in the other files.
     """
-    variables = _variables(results)
-    _write_netcdf(results, variables, folder / "results.nc")
-    (folder / f"{TABLE}.csv").write_text(_table(variables), encoding="utf-8")
-    for curve in all_curves(results):
+    known = variables(SpeedPoint, results.speeds, _SPEED)
+    _write_netcdf(results, known, folder / "results.nc")
+    (folder / f"{TABLE}.csv").write_text(_table(known), encoding="utf-8")
+    curves = [curve for point in results.speeds for curve in velocity(point) + ball_path(point)]
+    curves += campbell(results) + capacity(results)
+    curves += [curve for way in ("", *OTHER_WAYS) for curve in damping_ratio(results, way)]
+    for curve in curves:
         rows = np.column_stack([curve.x, curve.y]) + 0.0  # no -0
         header = f"{curve.x_column},{curve.y_column}"
         np.savetxt(folder / f"{curve.name}.csv", rows, "%.10g", ",", header=header, comments="")
 
 
-def _table(variables: Mapping[str, _Variable]) -> str:
+def _table(variables: Mapping[str, Variable]) -> str:
     """What is one number, or word, a speed, or a mode and speed, each a column under its name in the data set.
 
     Unknown numbers are empty cells; the parts of the errors stand in `results.json` and `results.nc`.
@@ -188,7 +179,7 @@ def _table(variables: Mapping[str, _Variable]) -> str:
     return as_table(table, (dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)))
 
 
-def _write_netcdf(results: Results, variables: Mapping[str, _Variable], path: Path) -> None:
+def _write_netcdf(results: Results, variables: Mapping[str, Variable], path: Path) -> None:
     """All numbers of the run as one labelled data set, that of :func:`dataset`; h5netcdf writes it in half the time.
 
     It is made in memory: HDF5 may end the process where a disk is full.
@@ -223,22 +214,9 @@ def dataset(results: Results) -> xr.Dataset:
     require_results(results, "dataset")
     import xarray as xr
 
-    variables = _variables(results)
-    coordinates = {_SPEED: variables.pop(_SPEED)}
-    return xr.Dataset(variables, coords=coordinates, attrs=global_attributes(results))
-
-
-_Variable = tuple[tuple[str, ...], Any, dict[str, str]]
-"""Dimensions, values, attributes."""
-
-
-def _variables(results: Results) -> dict[str, _Variable]:
-    """Every quantity over speed by its name, all filled up to the same sizes."""
-    variables = list(columns(SpeedPoint, results.speeds, _SPEED))
-    sizes: dict[str, int] = {}
-    for each in variables:
-        sizes |= {d: max(n, sizes.get(d, 0)) for d, n in zip(each.dims, each.values.shape, strict=True)}
-    return {each.quantity.name: _variable(each, sizes) for each in variables}
+    known = variables(SpeedPoint, results.speeds, _SPEED)
+    coordinates = {_SPEED: known.pop(_SPEED)}
+    return xr.Dataset(known, coords=coordinates, attrs=global_attributes(results))
 
 
 def global_attributes(results: Results) -> dict[str, str]:
@@ -249,16 +227,6 @@ def global_attributes(results: Results) -> dict[str, str]:
         **provenance.hashes(results),
         "versions": versions.line(),
     }
-
-
-def _variable(column: Column, sizes: dict[str, int]) -> _Variable:
-    """A column as xarray takes it, filled up to the sizes of the dimensions."""
-    missing = [(0, sizes[name] - length) for name, length in zip(column.dims, column.values.shape, strict=True)]
-    unit = column.quantity.unit
-    values = (
-        np.pad(column.values, missing, constant_values=np.nan if unit else "") if np.any(missing) else column.values
-    )
-    return column.dims, values, ({"units": unit} if unit else {}) | {"long_name": column.quantity.meaning}
 
 
 def write_vtu(surface: Surface, results: Results, path: Path) -> None:

@@ -225,11 +225,12 @@ def replacing(folder: Path) -> Iterator[Path]:
     from filelock import FileLock
 
     target = check(folder)
-    scratch: Path | None = None
-    try:
+    with writing(folder), contextlib.ExitStack() as stack:
         target.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(target)
         scratch = Path(tempfile.mkdtemp(prefix=f"{_prefix(target)}{os.getpid()}-", dir=target.parent))
+        # After the swap the scratch name holds what was there before.
+        stack.callback(shutil.rmtree, scratch, ignore_errors=True)
         yield scratch
         names = "".join(f"{path.name}\n" for path in sorted(scratch.iterdir()))
         (scratch / MANIFEST).write_text(names, encoding="utf-8")
@@ -243,12 +244,15 @@ def replacing(folder: Path) -> Iterator[Path]:
             _sync(scratch)
             ignore()
             _swap(scratch, target)
+
+
+@contextmanager
+def writing(path: str | os.PathLike[str], key: str = "--out", more: str = "") -> Iterator[None]:
+    """What the disk refuses in the block is bad input; `key` named the path, `more` says what else is to be known."""
+    try:
+        yield
     except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key="--out", value=str(folder)) from error
-    finally:
-        # After the swap the scratch name holds what was there before.
-        if scratch is not None:
-            shutil.rmtree(scratch, ignore_errors=True)
+        raise BadInput(f"cannot be written: {error.strerror or error}{more}", key=key, value=str(path)) from error
 
 
 @contextmanager
@@ -270,12 +274,10 @@ def put(path: str | os.PathLike[str], write: Callable[[Path], object], key: str 
         BadInput: it cannot be written; `key` is what named it.
     """
     out = writable(path, key)
-    try:
+    with writing(path, key):
         out.parent.mkdir(parents=True, exist_ok=True)
         with replacing_file(out) as fresh:
             write(fresh)
-    except OSError as error:
-        raise BadInput(f"cannot be written: {error.strerror or error}", key=key, value=str(path)) from error
     return out
 
 

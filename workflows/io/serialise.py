@@ -165,6 +165,11 @@ class Quantity:
     end: int | None
     headline: bool
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What a data set says of it."""
+        return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
+
     def of(self, published: Mapping[str, Any]) -> Any:
         """Its value in a record that has one; None where a record on the way is not there."""
         value: Any = published
@@ -240,59 +245,58 @@ class _Listed:
     Attributes:
         each: those that there are.
         at: their places, an array for each dimension.
-        shape: of a table that holds all.
     """
 
     each: list[Any]
     at: tuple[npt.NDArray[np.int64], ...]
-    shape: tuple[int, ...]
 
     def of(self, key: str) -> _Listed:
         """What stands in each under a key, where something does."""
         values = [record.get(key) for record in self.each]
         present = [place for place, value in enumerate(values) if value is not None]
-        return _Listed([values[place] for place in present], tuple(places[present] for places in self.at), self.shape)
+        return _Listed([values[place] for place in present], tuple(places[present] for places in self.at))
 
     def within(self) -> _Listed:
         """What stands in each of lists, one dimension more."""
         lengths = np.fromiter(map(len, self.each), np.int64, len(self.each))
         inner = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
         outer = (np.repeat(places, lengths) for places in self.at)
-        longest = int(lengths.max(initial=0))
-        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner), (*self.shape, longest))
+        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner))
 
-    def table(self, nothing: float | str, end: int | None) -> npt.NDArray[Any]:
-        """The values, or one end of pairs, as one array, filled up with what stands for nothing."""
-        table = np.full(self.shape, nothing, float if isinstance(nothing, float) else object)
-        table[self.at] = self.each if end is None else [pair[end] for pair in self.each]
+    def table(self, shape: tuple[int, ...], quantity: Quantity) -> npt.NDArray[Any]:
+        """The values of a quantity as one array, with NaN, or no text, where there is none."""
+        table: npt.NDArray[Any] = np.full(shape, "", object) if quantity.kind == "string" else np.full(shape, np.nan)
+        table[self.at] = self.each if quantity.end is None else [pair[quantity.end] for pair in self.each]
         return table
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
-    """A quantity over records, with its values; where a record has none, or fewer than others, NaN, or no text."""
-
-    quantity: Quantity
-    dims: tuple[str, ...]
-    values: npt.NDArray[Any]
+Variable = tuple[tuple[str, ...], Any, dict[str, str]]
+"""Dimensions, values, attributes, as xarray takes them."""
 
 
-def columns(kind: type, records: Sequence[Any], along: str) -> Iterator[Column]:
-    """Every quantity of records of a kind; none of a part that no record has.
+def variables(kind: type, records: Sequence[Any], along: str) -> dict[str, Variable]:
+    """Every quantity of records of a kind by its name; none of a part that no record has.
 
     Args:
         kind: the class of the records.
         records: in their order.
-        along: the name of that dimension.
+        along: the name of that dimension; where a record has fewer of something than others, NaN fills it up.
     """
     rows = [adapter(kind).dump_python(record, by_alias=True, exclude_defaults=True) for record in records]
-    owners: dict[tuple[str, ...], _Listed] = {(): _Listed(rows, (np.arange(len(rows)),), (len(rows),))}
+    owners: dict[tuple[str, ...], _Listed] = {(): _Listed(rows, (np.arange(len(rows)),))}
+    sizes, known = {along: len(rows)}, list[tuple[Quantity, tuple[str, ...], _Listed]]()
     for quantity in quantities(kind):
         *path, key = quantity.path
         owner = _owner(owners, tuple(path))
         if any(key in record for record in owner.each):
-            nothing = "" if quantity.kind == "string" else math.nan
-            yield Column(quantity, (along, *quantity.dims), owner.of(key).table(nothing, quantity.end))
+            dims = (along, *quantity.dims)
+            ends = (int(places.max(initial=-1)) + 1 for places in owner.at)
+            sizes |= {name: max(sizes.get(name, 0), end) for name, end in zip(dims, ends, strict=True)}
+            known.append((quantity, dims, owner.of(key)))
+    return {
+        each.name: (dims, listed.table(tuple(sizes[name] for name in dims), each), each.attributes)
+        for each, dims, listed in known
+    }
 
 
 def _owner(owners: dict[tuple[str, ...], _Listed], path: tuple[str, ...]) -> _Listed:

@@ -423,9 +423,8 @@ def _from_above(axes: Axes, path: BallPath, cavity: tuple[float, float], radius:
 
     a, b = (1e3 * side for side in cavity)
     axes.add_patch(Rectangle((-a / 2, -b / 2), a, b, fill=False, ec=plots.INK, lw=1.3))
-    begun = Circle((1e3 * path.ball[0, 0], 1e3 * path.ball[0, 1]), 1e3 * radius)
-    begun.set(fill=False, ec=plots.MUTED, lw=0.8, ls=(0, (1.5, 2)))
-    axes.add_patch(begun)
+    look: dict[str, Any] = {"fill": False, "ec": plots.MUTED, "lw": 0.8, "ls": (0, (1.5, 2))}
+    axes.add_patch(Circle(tuple(1e3 * path.ball[0]), 1e3 * radius, **look))
     way = path.ball[path.t <= path.t[0] + line]
     axes.plot(*(1e3 * way[_apart(way, _FINE * max(cavity))].T), color=_AXES[0], lw=0.7)
     axes.plot(*(1e3 * contacts(path, radius).T), "o", ms=2.4, color=plots.CATEGORIES[1])

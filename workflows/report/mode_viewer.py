@@ -10,7 +10,6 @@ import base64
 import json
 import os
 import sys
-from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,17 +28,11 @@ _FEWEST = 300
 
 Indices = npt.NDArray[np.int64]
 
-_CORNER = 0.94
-"""Cosine of the turn from which a boundary point is a corner, and kept."""
+_BENT = 0.1
+"""Rise of the paraboloid that a plate is laid on to be thinned, over its extent: so little that no cell is upright."""
 
 _FOLD = 30.0
 """Angle [deg] between triangles from which their edge is one of the structure's."""
-
-_CLEAR = 0.6
-"""Spacings that inner points keep away from the boundary's, so that no triangle reaches across it."""
-
-_AT_ONCE = 2_000_000
-"""Pairs of points and edges that are looked at together."""
 
 ERROR = 1e-3
 """Largest departure of a packed displacement, in parts of the shape's largest."""
@@ -206,9 +199,9 @@ class Thinned:
 def thinned(surface: Surface, most: int) -> Thinned:
     """The mesh itself where it has at most so many points, or else about as many of its points in triangles."""
     cells = surface.cells[1]
-    if len(surface.points) > most:
-        return _thinned(surface, most) if surface.frame is None else _decimated(surface, most)
     triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    if len(surface.points) > most:
+        return _decimated(surface, triangles, most)
     edges = surface.lines
     if edges is None:
         sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -216,104 +209,27 @@ def thinned(surface: Surface, most: int) -> Thinned:
     return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
 
 
-def _decimated(surface: Surface, most: int) -> Thinned:
-    """A surface in space with the triangles that its curvature needs, about so many points of its own."""
+def _decimated(surface: Surface, triangles: Indices, most: int) -> Thinned:
+    """The triangles that the curvature of a surface needs, between about so many of its points.
+
+    A plate is laid on a paraboloid for it, which is as curved everywhere: else a flat part would need no point.
+    """
     import pyvista as pv
     from scipy.spatial import KDTree
 
     from fem.modal_model import edges
 
-    whole = pv.PolyData.from_regular_faces(surface.points, surface.cells[1])
-    left = whole.decimate_pro(1.0 - most / len(surface.points), feature_angle=_FOLD, preserve_topology=True)
+    points = surface.points
+    if surface.frame is None:
+        square = ((points - points.mean(axis=0)) ** 2).sum(axis=1)
+        points = np.column_stack([points[:, :2], _BENT * square / np.ptp(points, axis=0).max()])
+    whole = pv.PolyData.from_regular_faces(points, triangles)
+    left = whole.decimate_pro(1.0 - most / len(points), feature_angle=_FOLD, preserve_topology=True)
     triangles = np.asarray(left.regular_faces, dtype=np.int64)
-    nodes = np.asarray(KDTree(surface.points).query(left.points)[1], dtype=np.int64)
+    nodes = np.asarray(KDTree(points).query(left.points)[1], dtype=np.int64)
     outline = edges(surface.points[nodes], triangles)
     at_root = np.isin(nodes, surface.root)
     return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
-
-
-def _thinned(surface: Surface, most: int) -> Thinned:
-    from scipy.spatial import Delaunay, KDTree
-
-    places = surface.points[:, :2]
-    x, y = places[surface.cells[1]].transpose(2, 0, 1)
-    area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum()
-    spacing = np.sqrt(float(area) / (0.8 * most))
-    rims = [_along(places, loop, spacing) for loop in loops(surface.outline)]
-    rim = np.concatenate(rims)
-    inner = np.setdiff1d(_one_a_square(places, spacing), surface.outline)
-    inner = inner[KDTree(places[rim]).query(places[inner])[0] > _CLEAR * spacing]
-    nodes = np.concatenate([rim, inner])
-    number = {int(point): k for k, point in enumerate(nodes)}
-    outline = np.array([(number[a], number[b]) for loop in rims for a, b in zip(loop, np.roll(loop, -1), strict=True)])
-    triangles = np.asarray(Delaunay(places[nodes]).simplices, dtype=np.int64)
-    middles = places[nodes][triangles].mean(axis=1)
-    triangles = triangles[_inside(middles, places[nodes][outline])]
-    at_root = np.isin(nodes, surface.root)
-    return Thinned(nodes, triangles, None, outline, outline[at_root[outline].all(axis=1)])
-
-
-def loops(outline: Indices) -> list[Indices]:
-    """The edges (k, 2) put one after another: closed chains of points."""
-    beside: dict[int, list[int]] = defaultdict(list)
-    for a, b in outline.tolist():
-        beside[a].append(b)
-        beside[b].append(a)
-    rings = []
-    while beside:
-        start = at = next(iter(beside))
-        loop = []
-        while True:
-            loop.append(at)
-            onwards = beside[at].pop()
-            beside[onwards].remove(at)
-            for point in (at, onwards):
-                if point in beside and not beside[point]:
-                    del beside[point]
-            at = onwards
-            if at == start:
-                break
-        rings.append(np.array(loop))
-    return rings
-
-
-def _along(places: Floats, loop: Indices, spacing: float) -> Indices:
-    """Points of a loop: its corners, and others at least `spacing` apart."""
-    at = places[loop]
-    on = np.roll(at, -1, axis=0) - at
-    on /= np.linalg.norm(on, axis=1)[:, None]
-    corner = (on * np.roll(on, 1, axis=0)).sum(axis=1) < _CORNER
-    far = np.concatenate([[0.0], np.linalg.norm(np.diff(at, axis=0), axis=1).cumsum()])
-    keep, last = [], -np.inf
-    for k in range(len(loop)):
-        if corner[k] or far[k] - last >= spacing:
-            keep.append(k)
-            last = far[k]
-    if len(keep) < 3:
-        keep = np.unique(np.linspace(0, len(loop) - 1, min(len(loop), 8)).astype(int)).tolist()
-    return loop[keep]
-
-
-def _one_a_square(places: Floats, spacing: float) -> Indices:
-    """Of the points in each square of a grid, that nearest to its middle."""
-    square = np.floor((places - places.min(axis=0)) / spacing)
-    off = np.linalg.norm((places - places.min(axis=0)) / spacing - square - 0.5, axis=1)
-    order = np.lexsort((off, square[:, 1], square[:, 0]))
-    first = np.r_[True, np.any(np.diff(square[order], axis=0) != 0, axis=1)]
-    return np.asarray(order[first], dtype=np.int64)
-
-
-def _inside(points: Floats, edges: Floats) -> npt.NDArray[np.bool_]:
-    """Which points (n, 2) the edges (k, 2, 2) enclose: a ray to the right meets an odd number of them."""
-    (xa, ya), (xb, yb) = edges[:, 0].T, edges[:, 1].T
-    rise = np.where(ya == yb, 1.0, yb - ya)
-    inside = np.zeros(len(points), dtype=bool)
-    step = max(1, _AT_ONCE // len(edges))
-    for start in range(0, len(points), step):
-        x, y = points[start : start + step].T[..., None]
-        met = (ya > y) != (yb > y)
-        inside[start : start + step] = (met & (x < xa + (y - ya) / rise * (xb - xa))).sum(axis=1) % 2 == 1
-    return inside
 
 
 def _few(along: Floats) -> tuple[Floats, Floats]:

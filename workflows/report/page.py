@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -65,43 +65,36 @@ def _packed(motion: Floats) -> dict[str, Any]:
     return {"largest": 1e3 * largest, "places": mode_viewer.shorts(motion.T, largest)}
 
 
-@dataclass(frozen=True)
-class Drawings:
-    """The pictures of a report: SVG elements by name (empty for nothing to draw), a mode as PNG and in motion."""
+def draw(results: Results) -> dict[str, Any]:
+    """What the page shows that takes time to make, by the names of its template: figures, a mode still and in motion.
 
-    figures: dict[str, str]
-    css: str
-    shape: bytes | None
-    view: mode_viewer.View | None
-
-
-def draw(results: Results) -> Drawings:
-    """Make the figures; the slow part of a report."""
-    surface, css = results.surface, plots.shades_css(len(results.speeds))
+    Figures are SVG elements, empty for nothing to draw; the still picture is a PNG in base64.
+    """
+    surface, shape = results.surface, None
     with plots.style():
         drawn = figures.report(results)
-        shape = None if surface is None else figures.mode_picture(surface, surface.row(middle_speed(results.speeds)), 1)
-    return Drawings(drawn, css, shape, mode_viewer.view(results))
+        if surface is not None:
+            picture = figures.mode_picture(surface, surface.row(middle_speed(results.speeds)), 1)
+            shape = base64.b64encode(picture).decode()
+    drawn["playing"] = data(results) if drawn["path"] else ""
+    css = plots.shades_css(len(results.speeds))
+    return {**drawn, "shape": shape, "view": mode_viewer.view(results), "css": css}
 
 
-def render(results: Results, drawings: Drawings) -> str:
+def render(results: Results, drawings: dict[str, Any]) -> str:
     """The page, whose template asks for what it shows. Everything that comes from a scene is escaped."""
-    shape = drawings.shape
+    modules = (figures, paper, provenance, remarks, verdict)
+    known: dict[str, Any] = {each.__name__.rpartition(".")[2]: each for each in modules}
     return from_template(
         "report.html.j2",
-        drawings.css,
         results=results,
-        **{each.__name__.rpartition(".")[2]: each for each in (figures, paper, provenance, remarks, verdict)},
         versions=versions(),
         tilts=any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in results.speeds),
         fast=any(figures.is_fast(track) for p in results.speeds for track in files.velocity(p)),
         bands=any(figures.is_band(p.damper.sdc) for p in results.speeds if p.damper),
         shown=next((p for p in results.speeds if p.damper and p.damper.history), None),
-        playing=data(results) if drawings.figures["path"] else "",
-        shape=None if shape is None else base64.b64encode(shape).decode(),
         shape_point=results.speeds[middle_speed(results.speeds)],
-        view=drawings.view,
-        **drawings.figures,
+        **known | drawings,
     )
 
 

@@ -476,14 +476,9 @@ def dents(results: Results) -> Values:
         return None
     point, most = max(pressed, key=lambda pair: pair[1].yield_ratio)
     ball, floor = results.scene.contact_materials
-    return {
-        "ball": ball,
-        "floor": floor,
-        "point": point,
-        "most": most,
-        "flattened": made_of is not None and made_of[0].yield_strength < made_of[1].yield_strength,
-        "slope": limits.rim_slope(results.scene, point),
-    }
+    flattened = made_of is not None and made_of[0].yield_strength < made_of[1].yield_strength
+    of = {"ball": ball, "floor": floor, "point": point, "most": most, "flattened": flattened}
+    return of | {"slope": limits.rim_slope(results.scene, point)}
 
 
 _BRIEF = 0.1
@@ -545,11 +540,8 @@ def deflection(results: Results) -> Values:
     point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
     if not point.static_displacement:
         return None
-    return {
-        "omega": point.omega,
-        "displacement": point.static_displacement,
-        "turned": math.degrees(abs(point.tip_rotation or 0.0)),
-    }
+    turned = math.degrees(abs(point.tip_rotation or 0.0))
+    return {"omega": point.omega, "displacement": point.static_displacement, "turned": turned}
 
 
 @remark
@@ -561,13 +553,9 @@ def rolling(results: Results) -> Values:
     if damper is None or not beyond:
         return None
     point, _, most = max(beyond, key=lambda each: each[2])
-    return {
-        "lifts": [1e3 * math.hypot(*d.release) for _, d, _ in beyond],
-        "most": most,
-        "at": point,
-        "points": [p for p, _, _ in beyond],
-        "among": [p for p, _, _ in rolled],
-    }
+    lifts = [1e3 * math.hypot(*d.release) for _, d, _ in beyond]
+    points, among = ([p for p, _, _ in each] for each in (beyond, rolled))
+    return {"lifts": lifts, "most": most, "at": point, "points": points, "among": among}
 
 
 @remark
@@ -609,16 +597,12 @@ _LINEAR = 0.3
 def pendulum(results: Results) -> Values:
     """What a hollow floor makes of the ball, and where it is no longer linear."""
     damper = results.scene.damper
-    swings = (
-        p.damping_curve.pendulum for p, _, _ in ring_downs(results) if p.damping_curve is not None and p.load_g > 0
-    )
-    pendulum = next(filter(None, swings), None)
+    loaded = (p.damping_curve for p, _, _ in ring_downs(results) if p.load_g > 0)
+    pendulum = next((figures.pendulum for figures in loaded if figures is not None and figures.pendulum), None)
     if damper is None or damper.floor_radius is None or pendulum is None:
         return None
-    reach = max(
-        (side / 2 - damper.radius) / (radius - damper.radius)
-        for side, radius in zip(damper.cavity, damper.floor_radius, strict=True)
-    )
+    sides = zip(damper.cavity, damper.floor_radius, strict=True)
+    reach = max((side / 2 - damper.radius) / (radius - damper.radius) for side, radius in sides)
     return {"orders": pendulum.order, "reach": reach, "linear": _LINEAR}
 
 
@@ -730,11 +714,7 @@ def frequency_error(results: Results) -> Values:
     """How far the frequencies can be trusted, and by what they are off."""
     if results.diagram is None or results.theory is None:
         return None
-    plate, solid = results.scene.plate, results.theory.name == "solid"
-    return {
-        "accuracy": sentence(results),
-        "mesh": results.diagram.mesh,
-        "own": THEORIES[results.theory.name].against_solid,
-        "slanted": solid and plate is not None and plate.mesh is not None,
-        "laden": results.scene.point_mass > 0,
-    }
+    plate, own = results.scene.plate, THEORIES[results.theory.name].against_solid
+    slanted = results.theory.name == "solid" and plate is not None and plate.mesh is not None
+    of = {"accuracy": sentence(results), "mesh": results.diagram.mesh, "own": own, "slanted": slanted}
+    return of | {"laden": results.scene.point_mass > 0}

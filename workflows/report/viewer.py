@@ -49,7 +49,7 @@ def numbers(surface: Surface) -> dict[str, Any]:
         "points": len(points),
         "extent": {"x": [float(low[0]), float(high[0])], "y": [float(low[1]), float(high[1])]},
         "root": {"x": float(low[0]), "edges": len(ends), "length": float(held.sum())},
-        "holes": len(mode_viewer.loops(surface.outline)) - 1,
+        "holes": 1 - len(points) + (cells.size + len(surface.outline)) // 2 - len(cells),  # by Euler's formula
         "edges": {"shortest": float(sides.min()), "median": float(np.median(sides)), "longest": float(sides.max())},
         "angles": {"least": float(angles.min()), "greatest": float(angles.max()), "odd_cells": int(bad.sum())},
         "aspect": float((sides.max(axis=1) / sides.min(axis=1)).max()),

@@ -24,7 +24,7 @@ from workflows.errors import BadInput, did_you_mean
 from workflows.formatting import revolutions
 from workflows.scene import quantities
 from workflows.scene.materials import PLATES
-from workflows.scene.quantities import Table
+from workflows.scene.quantities import Table, hints
 from workflows.scene.scene import Scene
 
 
@@ -123,9 +123,9 @@ def as_scene_file(scene: SceneLike) -> SceneFile:
         return scene
     if isinstance(scene, str | os.PathLike):
         return load(scene)
-    if isinstance(scene, Scene | Mapping):
-        if isinstance(scene, Scene):
-            return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
+    if isinstance(scene, Scene):
+        return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
+    if isinstance(scene, Mapping):
         return _with_its_mesh(SceneFile(parse(scene), "scene", Path.cwd(), _remarks(scene), scene))
     raise TypeError(
         f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(scene).__name__}"
@@ -161,7 +161,7 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        hint = next((f": {hint}" for what, hint in _hints()["toml"].items() if what in str(error)), "")
+        hint = next((f": {hint}" for what, hint in hints()["toml"].items() if what in str(error)), "")
         raise BadInput(f"not valid TOML: {error}{hint}", file=name) from error
     except ValueError as error:  # a whole number longer than Python converts
         raise BadInput("not a scene: a number has too many digits", file=name) from error
@@ -184,12 +184,6 @@ def parse(data: Mapping[str, Any], name: str = "scene") -> Scene:
         return Scene.model_validate(plain, context={"gravity": _gravity(plain)})
     except ValidationError as error:
         raise bad_input(error, plain, name) from None
-
-
-@cache
-def _hints() -> dict[str, dict[str, str]]:
-    """What people write that a scene does not have, and what is said of it."""
-    return tomllib.loads((SHIPPED.parent / "templates" / "hints.toml").read_text(encoding="utf-8"))
 
 
 def _plain(value: Any, depth: int = 5) -> Any:
@@ -266,11 +260,9 @@ def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _with_its_mesh(scene: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
-    mesh, table = (scene.mesh, "plate") if scene.blade_mesh is None else (scene.blade_mesh, "blade")
-    problem = "" if mesh is None else file_problem(mesh, "mesh file")
-    if problem:
-        value = getattr(getattr(scene.scene, table), "mesh", None)
-        raise BadInput(problem, file=scene.name, key=f"[{table}] mesh", value=value)
+    for table, mesh in (("plate", scene.mesh), ("blade", scene.blade_mesh)):
+        if mesh is not None and (problem := file_problem(mesh, "mesh file")):
+            raise scene.wrong(problem, f"[{table}] mesh", getattr(scene.scene, table).mesh)
     return scene
 
 
@@ -348,8 +340,8 @@ def error_text(error: Any, loc: list[str]) -> str:
             value, expected = error["input"], context["expected"]
             names = expected.split("'")[1::2]
             return f"expected {expected}{did_you_mean(value, names) if isinstance(value, str) else ''}"
-        case kind if kind in _hints()["errors"]:
-            return _hints()["errors"][kind].format(**context)
+        case kind if kind in hints()["errors"]:
+            return hints()["errors"][kind].format(**context)
         case _:
             text = str(error["msg"])
             return text[:1].lower() + text[1:]
@@ -357,10 +349,10 @@ def error_text(error: Any, loc: list[str]) -> str:
 
 def _unknown(error: Any, loc: list[str]) -> str:
     """What was probably meant by an unknown key."""
-    hints = _hints()
-    shape = hints["also_called"].get(loc[-1], loc[-1])
-    if loc[0] in ("plate", "rotor") and shape in hints["shape"]:
-        return f": {hints['shape'][shape]}"
+    known = hints()
+    shape = known["also_called"].get(loc[-1], loc[-1])
+    if loc[0] in ("plate", "rotor") and shape in known["shape"]:
+        return f": {known['shape'][shape]}"
     if hint := instead(loc):
         return hint
     if loc[0] == "damper" and loc[-1] in _DIAMETERS:
@@ -372,7 +364,7 @@ def _unknown(error: Any, loc: list[str]) -> str:
 
 def instead(loc: list[str]) -> str:
     """What a scene has instead of a key that people take for one; empty where nothing is known."""
-    known = _hints()["keys"]
+    known = hints()["keys"]
     hint = known.get(".".join(loc)) or known.get(loc[-1])
     return f": {hint}" if hint else ""
 

@@ -32,6 +32,9 @@ class Substance:
     plate: bool = False
 
 
+NUMBERS = ("youngs_modulus", "poissons_ratio", "density")
+"""Of a plate, which its material's name stands for."""
+
 KGF = 9.80665e6
 """A kilogram-force per mm² [Pa], the unit of Brinell's and Vickers's numbers."""
 

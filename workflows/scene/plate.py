@@ -197,7 +197,7 @@ class Plate(Table):
         Discriminator(_kind_of_thickness),
     ]
     """through the plate, along z; or the table [plate.thickness], where it varies"""
-    mesh: q.Line | None = None
+    mesh: q.MeshFile | None = None
     """mid-surface mesh file, instead of length and width"""
     mesh_unit: q.LengthUnit | None = None
     """unit of the coordinates in the mesh file; default: m"""
@@ -220,18 +220,12 @@ class Plate(Table):
             raise fault("thickness.field", "belongs to a mesh: name a mesh, or give a table or a polynomial")
         if self.mesh is None and self.mesh_unit is not None:
             raise fault("mesh_unit", "belongs to a mesh: leave this out, or name a mesh")
-        if self.mesh is None:
-            self._rectangle()
-        else:
-            self._from_a_file(self.mesh)
-        return self
-
-    def _from_a_file(self, mesh: str) -> None:
-        for key in ("length", "width"):
+        for key in ("length", "width") if self.mesh is not None else ():
             if getattr(self, key) is not None:
                 raise fault(key, "the mesh gives the planform: leave this out, or leave out mesh")
-        if not mesh.strip() or "\0" in mesh:
-            raise fault("mesh", "expected the name of a mesh file")
+        if self.mesh is None:
+            self._rectangle()
+        return self
 
     def _rectangle(self) -> None:
         for key in ("length", "width"):
@@ -251,9 +245,6 @@ class Plate(Table):
     def mesh_scale(self) -> float:
         """Metres to the unit of the mesh file."""
         return 1.0 if self.mesh_unit is None else q.to_si(f"1 {self.mesh_unit}", q.LENGTH)
-
-
-_NUMBERS = ("youngs_modulus", "poissons_ratio", "density")
 
 
 def _either(schema: dict[str, Any]) -> None:
@@ -276,7 +267,7 @@ class Material(Table, json_schema_extra=_either):
     @model_validator(mode="before")
     @classmethod
     def _by_name(cls, data: Any) -> Any:
-        return materials.with_numbers(data, "name", materials.PLATES, _NUMBERS)
+        return materials.with_numbers(data, "name", materials.PLATES, materials.NUMBERS)
 
     @model_validator(mode="after")
     def _sense(self) -> Self:

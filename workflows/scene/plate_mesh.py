@@ -234,16 +234,12 @@ def _from_file(source: SceneFile) -> fem.Given:
     if plate.mesh_scale != 1.0:
         mesh = mesh.scaled(plate.mesh_scale)
     form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
-    _check_proportions(source, form)
+    _check_proportions(source, plate, form)
     _check_place(source, form)
     return form
 
 
-def _check_proportions(source: SceneFile, form: fem.Given) -> None:
-    plate = source.scene.plate
-    if plate is None:
-        return
-    thickness = plate.thickness if isinstance(plate.thickness, float) else None
+def _check_proportions(source: SceneFile, plate: Plate, form: fem.Given) -> None:
     try:
         least, _, greatest = thickness_range(plate, form)
     except ValueError as error:
@@ -251,12 +247,14 @@ def _check_proportions(source: SceneFile, form: fem.Given) -> None:
     odd = disproportion(least, greatest, *form.sides)
     if odd is not None:
         key, problem = odd
-        unit = "a mesh is in metres, unless mesh_unit says otherwise"
-        raise source.wrong(
-            f"{problem} ({unit if plate.mesh_unit is None else f'mesh_unit = {plate.mesh_unit!r}'})",
-            "[plate] thickness" if key == "thickness" else "[plate] mesh",
-            thickness if key == "thickness" else plate.mesh,
+        unit = (
+            f"mesh_unit = {plate.mesh_unit!r}"
+            if plate.mesh_unit
+            else "a mesh is in metres, unless mesh_unit says otherwise"
         )
+        thickness = plate.thickness if isinstance(plate.thickness, float) else None
+        at = ("[plate] thickness", thickness) if key == "thickness" else ("[plate] mesh", plate.mesh)
+        raise source.wrong(f"{problem} ({unit})", *at)
 
 
 def _check_place(source: SceneFile, form: fem.Given) -> None:

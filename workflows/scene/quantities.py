@@ -6,13 +6,12 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import tomllib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -76,12 +75,10 @@ ACCELERATION = Kind("an acceleration", "9.81 m/s^2", "m/s^2", 1e-12, 1e15)
 
 def length_power(power: int) -> Kind:
     """Lengths to a power, as a polynomial's coefficients are."""
-    if power == 1:
-        return LENGTH
-    name = "a number" if power == 0 else f"a coefficient in m^{power}"
-    return Kind(
-        name, "0.02 mm/mm" if power == 0 else f"0.5 m^{power}", "m/m" if power == 0 else f"m^{power}", 1e-30, 1e30
-    )
+    unit = f"m^{power}"
+    if power == 0:
+        return Kind("a number", "0.02 mm/mm", "m/m", 1e-30, 1e30)
+    return LENGTH if power == 1 else Kind(f"a coefficient in {unit}", f"0.5 {unit}", unit, 1e-30, 1e30)
 
 
 SLOPE = Kind("a slope over a displacement", "6.9 1/m", "1/m", 1e-30, 1e6, also="rad/m")
@@ -111,24 +108,14 @@ class UnitError(ValueError):
     """A value that is not a quantity of the kind expected; the message says what would be right."""
 
 
-@contextmanager
-def _without(package: str) -> Iterator[None]:
-    """Keep pint from loading a large package that it takes where it is installed, and that no unit here needs."""
-    if package in sys.modules:
-        yield
-        return
-    sys.modules[package] = cast("ModuleType", None)
-    try:
-        yield
-    finally:
-        del sys.modules[package]
-
-
 @cache
 def _registry() -> pint.UnitRegistry[float]:
-    with _without("dask"):
-        from pint import UnitRegistry
+    hidden = {"dask"} - sys.modules.keys()  # large, and pint loads it where it is installed; no unit here needs it
+    sys.modules |= dict.fromkeys(hidden)  # type: ignore[arg-type]
+    from pint import UnitRegistry
 
+    for package in hidden:
+        del sys.modules[package]
     return UnitRegistry(str(Path(__file__).parents[1] / "units.txt"), on_redefinition="raise")
 
 
@@ -255,6 +242,12 @@ ROUNDING = 1e-9
 def fault(key: str, problem: str) -> PydanticCustomError:
     """An error at `key` (relative to the table, or ``table.key`` for the whole scene)."""
     return PydanticCustomError("together", "{problem}", {"problem": problem, "key": key})
+
+
+@cache
+def hints() -> dict[str, dict[str, str]]:
+    """What people write that a scene does not have, and what is said of it."""
+    return tomllib.loads((Path(__file__).parents[1] / "templates" / "hints.toml").read_text(encoding="utf-8"))
 
 
 def check_one(table: BaseModel, keys: Sequence[str], expectation: str, *, blamed: int = -1) -> None:
@@ -397,20 +390,21 @@ def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(validate), WithJsonSchema({"enum": list(names)})
 
 
-def _unit_of(kind: Kind, what: str, value: object) -> str:
-    text, hint = value if isinstance(value, str) else "", ""
-    try:
-        if text.strip():
-            to_si(f"1 {text}", kind)
-            return text
-    except UnitError as error:
-        message = str(error)
-        hint = message[message.rindex(", did") :] if "did you mean" in message else ""
-    raise wrong(f"expected a unit of {what}{hint}")
+def _unit(kind: Kind, what: str, example: str) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates the name of a unit."""
 
+    def validate(value: object) -> str:
+        text, hint = value if isinstance(value, str) else "", ""
+        try:
+            if text.strip():
+                to_si(f"1 {text}", kind)
+                return text
+        except UnitError as error:
+            _, meant, unit = str(error).partition(", did you mean")
+            hint = meant + unit
+        raise wrong(f"expected a unit of {what}{hint}")
 
-_length_unit = partial(_unit_of, LENGTH, "length such as 'mm'")
-_mass_unit = partial(_unit_of, MASS, "mass such as 'kg' or 't'")
+    return BeforeValidator(validate), WithJsonSchema({"type": "string", "examples": [example]})
 
 
 def plain_number(value: object) -> float:
@@ -447,6 +441,12 @@ def _line(value: str) -> str:
     return value
 
 
+def _mesh_file(value: str) -> str:
+    if not value.strip():
+        raise wrong("expected the name of a mesh file")
+    return value
+
+
 def _switch(value: object) -> bool | str:
     if isinstance(value, bool) or value == "auto":
         return value
@@ -467,8 +467,8 @@ Pressure = Annotated[float, *_quantity(PRESSURE)]
 LineStiffness = Annotated[float, *_quantity(LINE_STIFFNESS)]
 RotationalStiffness = Annotated[float, *_quantity(ROTATIONAL_STIFFNESS)]
 Density = Annotated[float, *_quantity(DENSITY)]
-LengthUnit = Annotated[str, BeforeValidator(_length_unit), WithJsonSchema({"type": "string", "examples": ["mm"]})]
-MassUnit = Annotated[str, BeforeValidator(_mass_unit), WithJsonSchema({"type": "string", "examples": ["t"]})]
+LengthUnit = Annotated[str, *_unit(LENGTH, "length such as 'mm'", "mm")]
+MassUnit = Annotated[str, *_unit(MASS, "mass such as 'kg' or 't'", "t")]
 Acceleration = Annotated[float, *_quantity(ACCELERATION)]
 Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
@@ -492,6 +492,7 @@ Switch = Annotated[
     bool | str, BeforeValidator(_switch), WithJsonSchema({"enum": ["auto", True, False], "default": "auto"})
 ]
 Line = Annotated[str, AfterValidator(_line)]
+MeshFile = Annotated[Line, AfterValidator(_mesh_file)]
 Positive = Field(gt=0)
 NotNegative = Field(ge=0)
 

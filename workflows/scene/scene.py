@@ -187,7 +187,7 @@ class KnownModes(Table):
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
-    mesh: q.Line
+    mesh: q.MeshFile
     """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
@@ -196,13 +196,6 @@ class Blade(Table):
     default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
     """of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"""
-
-    @model_validator(mode="after")
-    def _named(self) -> Self:
-        """A name of a file."""
-        if not self.mesh.strip() or not self.mesh.isprintable():
-            raise fault("mesh", "expected the name of a mesh file")
-        return self
 
     @property
     def scale(self) -> float:
@@ -534,35 +527,6 @@ def _check_count(damper: Damper, mass: float | None) -> None:
         raise fault("damper.count", f"{problem}: more would be lighter than {LIGHTEST:g} kg/m^3, the lightest foam")
 
 
-_OF_A_PLATE = {
-    "rotor.hub_radius": "a [structure] takes radius alone",
-    "rotor.stagger": "a [structure] takes radius alone",
-    "rotor.precone": "a [structure] takes radius alone",
-    "rotor.modes": "the one frequency of a [structure] is given",
-    "accuracy.frequency": "the one frequency of a [structure] is given",
-    "excitation.pressure": "a [structure] takes force or base",
-    "damper.at": "a [structure] takes [rotor] radius",
-    "damper.housing": "the mass of a [structure] includes it",
-}
-"""Keys that a scene without a plate leaves as they are, and why."""
-
-
-_OF_A_MESH = {
-    "rotor.radius": "the file knows where its nodes are: give origin, a point on the axis",
-    "excitation.pressure": "modes do not describe the surface that a pressure acts on: expected force or base",
-    "damper.housing": "the modes already include all that the structure carries: leave this out",
-    "design.place": "only plates allow a range of places: leave this out",
-}
-"""Keys that a structure of known modes leaves as they are, and why."""
-
-
-_OF_SPACE = dict.fromkeys(
-    ("rotor.axis", "rotor.origin", "damper.direction", "damper.normal", "excitation.at"),
-    "belongs to a structure in space, such as one of known modes",
-)
-"""Keys of structures in space alone, and what is said of them elsewhere."""
-
-
 class Scene(Table):
     """A whole scene: a plate or a structure, a rotor, and perhaps a damper."""
 
@@ -598,21 +562,18 @@ class Scene(Table):
 
         A damper without a [release] has the default one.
         """
-        if isinstance(data, Mapping) and data.get("damper") is not None and data.get("release") is None:
-            data = {**data, "release": {}}
-        if isinstance(data, Mapping) and data.get("blade") is not None:
-            for table in ("plate", "structure"):
-                if data.get(table) is not None:
-                    raise fault(table, "expected a [blade] or this: leave one out")
-        if isinstance(data, Mapping) and data.get("structure") is not None:
-            if data.get("plate") is not None and set(data["structure"]) == {"floor_tilt"}:
-                raise fault(
-                    "structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out"
-                )
-            for table in ("plate", "material"):
-                if data.get(table) is not None:
-                    raise fault(table, "expected a plate with its material or a [structure]: leave one out")
-        return data
+        if not isinstance(data, Mapping):
+            return data
+        present = {table for table, value in data.items() if value is not None}
+        for table in ("plate", "structure") if "blade" in present else ():
+            if table in present:
+                raise fault(table, "expected a [blade] or this: leave one out")
+        if {"plate", "structure"} <= present and set(data["structure"]) == {"floor_tilt"}:
+            raise fault("structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out")
+        for table in ("plate", "material") if "structure" in present else ():
+            if table in present:
+                raise fault(table, "expected a plate with its material or a [structure]: leave one out")
+        return {**data, "release": {}} if "damper" in present and "release" not in present else data
 
     @model_validator(mode="after")
     def _check_tables(self) -> Self:
@@ -650,7 +611,7 @@ class Scene(Table):
         """Plain data that can be read again: a material by its name or by its numbers, not by both."""
         data = self.model_dump(mode="json", exclude_none=True)
         for table, name, numbers in (
-            ("material", "name", ("youngs_modulus", "poissons_ratio", "density")),
+            ("material", "name", materials.NUMBERS),
             ("damper", "ball_material", ("ball_density",)),
         ):
             if name in data.get(table, {}):
@@ -683,7 +644,7 @@ class Scene(Table):
         for name in ("stagger", "precone") if self.rotor.axis is not None else ():
             if getattr(self.rotor, name):
                 raise fault(f"rotor.{name}", f"axis says how the spin axis lies: leave {name} out")
-        self._require_defaults(_OF_A_MESH)
+        self._require_defaults("not_known")
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
         if self.damper is not None and self.damper.at is None:
@@ -694,8 +655,8 @@ class Scene(Table):
         for table in ("plate", "material"):
             if getattr(self, table) is None:
                 raise fault(table, "the table is missing (or give [blade] or [structure] instead of a plate)")
-        self._require_defaults({"rotor.radius": "belongs to a [structure]; a plate takes hub_radius and [damper] at"})
-        self._require_defaults(_OF_SPACE)
+        self._require_defaults("not_plate")
+        self._require_defaults("only_in_space")
         at = None if self.damper is None else self.damper.at
         if at is not None and (not isinstance(at, tuple) or len(at) != 2):
             raise fault("damper.at", "expected a list of two lengths, the place (x, y) on the plate")
@@ -713,18 +674,18 @@ class Scene(Table):
             raise fault("damper", "the table is missing: a [structure] alone has nothing to solve")
         if self.rotor.radius is None:
             raise fault("rotor.radius", "missing: a [structure] needs the radius at which the damper turns")
-        self._require_defaults(_OF_SPACE)
+        self._require_defaults("only_in_space")
         self._check_tilt(self.damper, structure)
         check_weight(self.damper, structure.mass)
-        self._require_defaults(_OF_A_PLATE, "belongs to a plate; ")
+        self._require_defaults("not_given")
 
-    def _require_defaults(self, keys: Mapping[str, str], why: str = "") -> None:
-        """Keys that have their defaults, with what is said where one has not."""
-        for key, instead in keys.items():
+    def _require_defaults(self, keys: str) -> None:
+        """See that keys, a table of `hints.toml`, which the structure does not take have their defaults."""
+        for key, why in q.hints()[keys].items():
             table, name = key.split(".")
             value = getattr(self, table)
             if value is not None and getattr(value, name) != type(value).model_fields[name].default:
-                raise fault(key, f"{why}{instead}")
+                raise fault(key, why)
 
     def _check_tilt(self, damper: Damper, structure: Structure) -> None:
         if max(map(abs, structure.floor_tilt)) * damper.radius >= 1:

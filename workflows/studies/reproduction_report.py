@@ -33,17 +33,10 @@ def document(reproduction: Reproduction) -> dict[str, Any]:
 @plots.style()
 def draw(reproduction: Reproduction) -> list[Picture]:
     """All six."""
-    families = reproduction.sweeps
-    capacity = {
-        3: ("Seven centrifugal loads; the grey band is what the paper reports.", families["load"]),
-        4: ("Mass ratios at 21932 g.", families["mass"]),
-        5: ("Clearances of the cavity at 21932 g, mass ratio 1.2 %.", families["cavity"]),
-        6: ("Initial displacements at 21932 g, mass ratio 0.6 %.", families["release"]),
-        7: ("Radii of the particle at 21932 g, mass ratio 1 %.", families["radius"]),
-    }
-    drawn = {2: ("Velocity over time at 10000 rpm. Dashed: from here on the ball rests.", _velocity(reproduction))}
-    drawn |= {number: (caption, _capacity(family, number)) for number, (caption, family) in capacity.items()}
-    return [Picture(svg, f"As Fig. {number} of the paper. {caption}") for number, (caption, svg) in drawn.items()]
+    families = enumerate(reproduction.sweeps.values(), 3)
+    drawn = [_velocity(reproduction), *(_capacity(family, number) for number, family in families)]
+    captions = zip(drawn, TEXTS["figures"], strict=True)
+    return [Picture(svg, f"As Fig. {k} of the paper. {caption}") for k, (svg, caption) in enumerate(captions, 2)]
 
 
 def _velocity(reproduction: Reproduction) -> str:

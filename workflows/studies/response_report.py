@@ -31,22 +31,6 @@ if TYPE_CHECKING:
 
 NAME = "response"
 
-_OF_STATES = {
-    "least": ("m", "least amplitude of a cycle"),
-    "mean": ("m", "mean amplitude of the cycles"),
-    "rms": ("m", "root mean square of the amplitudes of the cycles"),
-    "greatest": ("m", "greatest amplitude of a cycle"),
-    "error": ("m", "error of the mean amplitude"),
-    "hits_per_cycle": ("1", "wall hits in a cycle"),
-    "repeats": ("1", "cycles after which the motion repeats itself, 0 where it does not"),
-    "power_in": ("W", "power put in by the force"),
-    "power_lost": ("W", "power lost"),
-    "stored": ("W", "rate at which the stored energy changes over the window"),
-    "power_error": ("W", "standard error of the power put in"),
-    "divergence": ("1", "rate at which neighbouring motions diverge, per cycle"),
-    "cycles": ("1", "cycles followed"),
-}
-
 
 def tag(passage: Passage) -> str:
     """A crossing as part of a file name."""
@@ -67,18 +51,15 @@ def dataset(result: Response) -> xr.Dataset:
         beyond = (most - len(values), *values.shape[1:])
         return np.concatenate([values, np.full(beyond, "" if values.dtype == object else np.nan)])
 
-    heights = {
-        "units": result.excitation.unit.replace("²", "2"),
-        "long_name": f"height of the {result.excitation.kind}",
-    }
+    unit, kind = result.excitation.unit.replace("²", "2"), result.excitation.kind
     data = data.assign_coords(
         order=("crossing", [passage.crossing.order for passage in passages]),
         mode=("crossing", [passage.crossing.branch + 1 for passage in passages]),
-        force=("force", list(result.excitation.levels), heights),
+        force=("force", list(result.excitation.levels), {"units": unit, "long_name": f"height of the {kind}"}),
         start=("start", [str(start) for start in passages[0].states.starts]),
         rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
     )
-    for name, (unit, description) in _OF_STATES.items():
+    for name, (unit, description) in templates.texts("response")["states"].items():
         values = np.array([padded(t.shaped(getattr(t.states, name))) for t in passages], dtype=float)
         data[name] = (dims, values, {"units": unit, "long_name": description})
     regimes = np.array([padded(t.shaped(t.states.regime)).astype(str).astype(object) for t in passages])

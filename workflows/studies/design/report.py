@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from damper import DampingCurve, ParticleDamper
+from damper import DampingCurve
 from workflows.formatting import fixed, significant, turning
 from workflows.io.files import StudyResult, finite
 from workflows.report import plots, templates
@@ -22,7 +22,7 @@ from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstacle
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
-from workflows.studies.sweep.evaluate import PlateCache, damper_cases, damper_curve, empty
+from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, damper_curve, empty
 from workflows.studies.sweep.plan import Axis, Spread, as_plain
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
@@ -316,43 +316,30 @@ def draw(result: DesignResult) -> list[Picture]:
     return pictures
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The damper at a speed [rad/s], and its figures."""
-
-    omega: float
-    damper: ParticleDamper
-    damping_curve: DampingCurve
-
-
-def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[Curve]:
+def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[tuple[DamperCase, DampingCurve]]:
     """A curve for each speed at which the best ball moves below the highest amplitude of the goal, up to there."""
     plan = space.plan(optimum.shares[None])
     cases = damper_cases(space.source, plan, 0, PlateCache(), empty(plan.size), [])
-    curves = [
-        Curve(each.point.omega, each.verdict_damper, damper_curve(each.verdict_damper, {}, reach=goal.high))
-        for each in cases
-        if objectives.cutoff_of(each.verdict_damper) < goal.high
-    ]
-    return [curve for curve in curves if curve.damping_curve.amplitude.size]
+    moving = [each for each in cases if objectives.cutoff_of(each.verdict_damper) < goal.high]
+    curves = [(each, damper_curve(each.verdict_damper, {}, reach=goal.high)) for each in moving]
+    return [(each, curve) for each, curve in curves if curve.amplitude.size]
 
 
 @plots.style()
-def _curves(goal: LeastDamping, curves: list[Curve]) -> str:
+def _curves(goal: LeastDamping, curves: list[tuple[DamperCase, DampingCurve]]) -> str:
     figure, (axes,) = plots.canvas(3.1)
-    colours = map_spread(len(curves) + 1)
-    for curve, colour in zip(curves, colours, strict=False):
-        shown = curve.damping_curve.damping_ratio > 0
-        at, ratio = curve.damping_curve.amplitude[shown], curve.damping_curve.damping_ratio[shown]
-        axes.plot(1e3 * at, 100 * ratio, color=colour, label=turning(curve.omega))
-        grid = np.geomspace(goal.low, goal.high, 30)
-        bound = [objectives.bound_of(curve.damper, float(amplitude)) for amplitude in grid]
+    grid = np.geomspace(goal.low, goal.high, 30)
+    for (case, curve), colour in zip(curves, map_spread(len(curves) + 1), strict=False):
+        shown = curve.damping_ratio > 0
+        label = turning(case.point.omega)
+        axes.plot(1e3 * curve.amplitude[shown], 100 * curve.damping_ratio[shown], color=colour, label=label)
+        bound = [objectives.bound_of(case.verdict_damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
     axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
     for end in (goal.low, goal.high):
         axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
-    top = max(100 * curve.damping_curve.peak for curve in curves)
+    top = max(100 * curve.peak for _, curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
     plots.legend(figure, axes, title="speed")
     return plots.svg(figure, "best", "Damping ratio of the damper over amplitude")

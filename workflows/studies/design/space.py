@@ -183,13 +183,12 @@ def design_space(source: SceneFile, stages: Stages | None = None) -> Space:
     if design.place is not None and scene.plate is None:
         raise source.wrong("belongs to a plate", "[design] place")
     if design.wall and not has_thickness(scene):
-        known = "the thickness at the damper is known only of a plate with length and width"
-        known += ", not of a housing" if damper.housing is not None else ""
-        problem = f"{known}: leave the key out, and limit ball_diameter and clearance to what fits"
+        housed = ", not of a housing" if damper.housing is not None else ""
+        why = f"the thickness at the damper is known only of a plate with length and width{housed}"
+        problem = f"{why}: leave the key out, and limit ball_diameter and clearance to what fits"
         if scene.blade is not None:
-            problem = (
-                "on a solid blade the cavity itself has to fit, and walls beside it are not known: leave the key out"
-            )
+            why = "on a solid blade the cavity itself has to fit, and walls beside it are not known"
+            problem = f"{why}: leave the key out"
         raise source.wrong(problem, "[design] wall", design.wall)
     axes = _axes(design)
     if design.amplitude is not None:
@@ -289,27 +288,24 @@ def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool |
 
 def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluation | None:
     """A design on its structure at every speed."""
-    scene = cases[0].scene
-    mass = max(each.damper.ball_mass for each in cases)
+    scene, fastest = cases[0].scene, max(cases, key=lambda each: each.point.omega)
+    known: dict[str, Any] = {"mass": max(each.damper.ball_mass for each in cases)}
     if (why := _no_verdict(space, cases)) is not None:
-        return Evaluation(0.0, -objectives.NONE, mass=mass, why=why)
-    fastest = max(cases, key=lambda each: each.point.omega)
-    shares = limit_shares(space.design, scene, mass, fastest.point)
-    used, over = tuple(shares.items()), exceeded(shares)
-    if over is not None:
+        return Evaluation(0.0, -objectives.NONE, why=why, **known)
+    shares = limit_shares(space.design, scene, known["mass"], fastest.point)
+    known["used"] = tuple(shares.items())
+    if (over := exceeded(shares)) is not None:
         name, ratio = over
-        score, why = -objectives.BEYOND - math.log(ratio), Obstacle("limit", text=name)
-        return Evaluation(0.0, score, mass=mass, used=used, why=why)
-    sticks_out = fastest.point.sticks_out
-    if space.has_to_fit and scene.blade is not None and sticks_out > 0:
-        score, why = -objectives.BEYOND - math.log1p(1e3 * sticks_out), Obstacle("sticks_out", value=sticks_out)
-        return Evaluation(0.0, score, mass=mass, used=used, sticks_out=sticks_out, why=why)
+        return Evaluation(0.0, -objectives.BEYOND - math.log(ratio), why=Obstacle("limit", text=name), **known)
+    known["sticks_out"] = out = fastest.point.sticks_out
+    if space.has_to_fit and scene.blade is not None and out > 0:
+        score, why = -objectives.BEYOND - math.log1p(1e3 * out), Obstacle("sticks_out", value=out)
+        return Evaluation(0.0, score, why=why, **known)
     endured = limits.endured(fastest.results)
-    endured = math.inf if endured is None else endured
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    return evaluation and replace(evaluation, mass=mass, used=used, endured=endured, sticks_out=sticks_out)
+    return evaluation and replace(evaluation, endured=math.inf if endured is None else endured, **known)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:

@@ -1,9 +1,10 @@
 """Many points at once: scenes, structures, dampers, and the headline numbers of each, a row for every point."""
 
 import json
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import groupby
 from threading import Lock
 from typing import Any
@@ -14,9 +15,7 @@ import numpy.typing as npt
 from damper import DampingCurve, ParticleDamper, ringdowns
 from damper.curve_measurement import undamped
 from damper.model import PARAMETERS
-from fem.meshes.mesh_sequence import Planform
 from workflows.effects import selection
-from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
 from workflows.formatting import interval, turning
@@ -87,7 +86,7 @@ class PlateCache:
     """The plates that were solved last, for as long as their dampers need them; for several threads."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[str, tuple[StructureSolver, deque[PlateSolution]]] = OrderedDict()
+        self._plate = lru_cache(maxsize=_PLATES)(_solver_of)
         self._lock = Lock()
 
     def state(self, source: SceneFile) -> StructureState:
@@ -98,9 +97,9 @@ class PlateCache:
         """
         if source.scene.plate is None:
             return StructureSolver(source, Stages(visible=False)).at()
-        solver, solutions = self._plate(source)
+        solver, solutions = self._plate(_Plate(plate_key(source.scene), source))
         effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
-        effects |= damper_effects(source.scene, solver.choice.form)
+        effects |= selection.resolve(source.scene, source.name, solver.choice.form, names=OF_THE_DAMPER)
         with self._lock:
             known = tuple(solutions)
         solution = solver.with_cavities_of(source, effects, known)
@@ -112,19 +111,18 @@ class PlateCache:
         surface = None if source.mesh is None else solution.first_surface
         return StructureState(source, effects, points, solution, surface)
 
-    def _plate(self, source: SceneFile) -> tuple[StructureSolver, deque[PlateSolution]]:
-        """What solves the plate of a scene, and its solutions with the cavities of the last dampers."""
-        key = plate_key(source.scene)
-        with self._lock:
-            if key in self._known:
-                self._known.move_to_end(key)
-                return self._known[key]
-        plate = StructureSolver(source, Stages(visible=False)), deque[PlateSolution](maxlen=_CAVITIES)
-        with self._lock:
-            self._known[key] = plate
-            while len(self._known) > _PLATES:
-                self._known.popitem(last=False)
-        return plate
+
+@dataclass(frozen=True)
+class _Plate:
+    """The plate of a scene, known by what it depends on."""
+
+    key: str
+    source: SceneFile = field(compare=False)
+
+
+def _solver_of(plate: _Plate) -> tuple[StructureSolver, deque[PlateSolution]]:
+    """What solves a plate, and its solutions with the cavities of the last dampers."""
+    return StructureSolver(plate.source, Stages(visible=False)), deque(maxlen=_CAVITIES)
 
 
 def plate_key(scene: Scene) -> str:
@@ -133,15 +131,6 @@ def plate_key(scene: Scene) -> str:
     damper = scene.damper
     place = None if damper is None else {"at": damper.at, "housing": damper.housing}
     return json.dumps(data | {"damper": place}, sort_keys=True)
-
-
-def damper_effects(scene: Scene, form: Planform | None) -> dict[str, Effect]:
-    """The effects of a scene's damper, decided as in a run."""
-    effects = {}
-    for name, (called, why, _) in selection.called_for(scene, form, OF_THE_DAMPER).items():
-        switch = getattr(scene.effects, name)
-        effects[name] = Effect(called if switch == "auto" else switch is True, why)
-    return effects
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
 from workflows.scene.load import SceneFile, error_text, instead, keys, parse, unit
-from workflows.scene.materials import KNOWN
+from workflows.scene.materials import KNOWN, NUMBERS
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
 
@@ -39,7 +39,6 @@ SAMPLE = "sample"
 MOST = 10**9
 """Points of a study, and values along an axis."""
 
-_MATERIAL = ("youngs_modulus", "poissons_ratio", "density")
 _ALTERNATIVES = {
     "damper": ("mass_ratio", "mass", "ball_density", "ball_material"),
     "release": ("displacement", "acceleration", "ratio"),
@@ -84,7 +83,7 @@ class Key:
     def alternatives(self) -> tuple[str, ...]:
         """Fields of its table that say the same in another way."""
         if self.table == "material":
-            return _MATERIAL if self.field == "name" else ("name",)
+            return NUMBERS if self.field == "name" else ("name",)
         group = _ALTERNATIVES.get(self.table, ())
         return tuple(name for name in group if name != self.field) if self.field in group else ()
 
@@ -389,11 +388,9 @@ def check_units(axes: Iterable[Axis], scene: Scene) -> None:
         numbers = axis.values or ((axis.spread.low,) if axis.spread is not None else ())
         values = [float(value) for value in numbers if not isinstance(value, str)]
         if axis.bare and own is not None and values and min(values) > _MILLIMETRES * own:
-            problem = (
-                f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here: was '{min(values):g} mm'"
-                f" meant? Give the unit, mm or m"
-            )
-            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.given)
+            problem = f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here"
+            meant = f"was '{min(values):g} mm' meant? Give the unit, mm or m"
+            raise BadInput(f"{problem}: {meant}", key=f"--vary {axis.name}", value=axis.given)
 
 
 def _own_length(key: Key, data: Data) -> float | None:
@@ -536,8 +533,8 @@ def base(source: SceneFile, varied: Sequence[Key]) -> Data:
     """
     data = plain(source.scene)
     name = data.get("material", {}).get("name")
-    if name is not None and any(key.table == "material" and key.field in _MATERIAL for key in varied):
-        data["material"] = {number: getattr(KNOWN[name], number) for number in _MATERIAL}
+    if name is not None and any(key.table == "material" and key.field in NUMBERS for key in varied):
+        data["material"] = {number: getattr(KNOWN[name], number) for number in NUMBERS}
     for key in varied:
         if key.table not in data:
             raise BadInput(f"the scene {source.name} has no [{key.table}]", key=f"--vary {key.name}")

@@ -16,7 +16,7 @@ from workflows.formatting import interval, readable, significant, span, whole
 from workflows.io.files import as_json, finite
 from workflows.io.folder import replacing_file
 from workflows.report import plots
-from workflows.report.templates import from_template, said
+from workflows.report.templates import from_template, said, texts
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
@@ -131,10 +131,8 @@ def colour_key(figure: Any, levels: list[float], colours: list[str], title: str,
     """Say below a map which colour is which level, and what is hatched."""
     from matplotlib.patches import Patch
 
-    named = [
-        Patch(color=colour, label=span(low, high))
-        for low, high, colour in zip(levels, levels[1:], colours, strict=False)
-    ]
+    bands = zip(levels, levels[1:], colours, strict=False)
+    named = [Patch(color=colour, label=span(low, high)) for low, high, colour in bands]
     if idle:
         named.insert(0, Patch(facecolor="none", edgecolor=plots.MUTED, lw=0.4, hatch=_HATCH, label=idle))
     figure.legend(handles=named[::-1], title=title, loc="outside lower left", ncols=3, alignment="left")
@@ -165,13 +163,9 @@ def draw(data: xr.Dataset) -> list[Picture]:
         return [Picture(_map(data, name, x, y), map_caption(data, name, x, y)) for name in _drawn(data, (x, y))]
     x, others = numbers[0], [str(name) for name in data.dims if name != numbers[0]]
     series = max(others, key=lambda name: data.sizes[name], default=None)
-    names = _drawn(data, (x,) if series is None else (x, series))
-    return [
-        Picture(
-            _curves(data, name, x, series), *said("sweep/of_curves", quantity=name, others=_fixed(data, (x, series)))
-        )
-        for name in names
-    ]
+    names, others = _drawn(data, (x,) if series is None else (x, series)), _fixed(data, (x, series))
+    captions = {name: said("sweep/of_curves", quantity=name, others=others) for name in names}
+    return [Picture(_curves(data, name, x, series), *caption) for name, caption in captions.items()]
 
 
 def _drawn(data: xr.Dataset, along: tuple[str, ...]) -> list[str]:
@@ -364,8 +358,8 @@ def _uncertain(data: xr.Dataset) -> list[dict[str, Any]]:
             columns = zip(data["parameter"].values, *(point[index].values for index in INDICES), strict=True)
             indices = [{"parameter": str(n)} | dict(zip(INDICES, map(finite, row), strict=True)) for n, *row in columns]
             percentiles = zip(map(str, PERCENTILES), map(finite, point["percentiles"].values), strict=True)
-            entry = {"quantity": quantity, "rpm": float(rpm), "percentiles": dict(percentiles), "indices": indices}
-            entries.append(entry)
+            entry = {"quantity": quantity, "rpm": float(rpm)}
+            entries.append(entry | {"percentiles": dict(percentiles), "indices": indices})
     return entries
 
 
@@ -434,19 +428,6 @@ def _known(data: xr.Dataset, entries: dict[str, Any]) -> dict[str, Any]:
     return {"result": entries, "best": _best_keys(data, entries), "error": error, "spread": _spread(data)}
 
 
-_FIGURES = (
-    ("best_damping_ratio", "damping ratio, %", 100.0),
-    ("best_amplitude", "at an amplitude of, mm", 1e3),
-    ("cutoff", "at rest below, mm", 1e3),
-    ("verdict_useful_range_low", "at least half of the peak from, mm", 1e3),
-    ("verdict_useful_range_high", "and up to, mm", 1e3),
-    ("cutoff_ratio", "cut-off of the ring-down over the load", 1.0),
-    ("ball_mass", "mass of the balls, g", 1e3),
-    ("working_error", "error of the damping ratio, %", 100.0),
-)
-"""What the page says of the best point."""
-
-
 def write(data: xr.Dataset, out: Path) -> None:
     """Write `sweep.json` and `report.html` into a study's folder.
 
@@ -465,7 +446,7 @@ def render(data: xr.Dataset) -> str:
     entries = document(data)
     known, best = _known(data, entries), None
     if entries["best"] is not None:
-        numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in _FIGURES)
+        numbers = ((title, factor, entries["best"]["values"][name]) for name, title, factor in texts("sweep")["best"])
         figures = {title: significant(factor * value) for title, factor, value in numbers if value is not None}
         best = known["best"] | figures
     drawn = {str(name): data[str(name)].values for name in data["parameter"].values} if "ST" in data else {}

@@ -109,29 +109,24 @@ def with_indices(data: xr.Dataset, seed: int = 0) -> xr.Dataset:
         The data set with ``percentiles`` (quantity, percentile, speed), and ``S1``, ``S1_conf``, ``ST``, ``ST_conf``
         (quantity, parameter, speed).
     """
-    import xarray as xr
-
     names = [name for name in store.keys_of(data) if data[name].dims == (SAMPLE,)]
-    speeds, table = data.sizes[SPEEDS], data[list(QUANTITIES)].transpose(SAMPLE, SPEEDS)
-    spread = np.full((len(QUANTITIES), len(PERCENTILES), speeds), np.nan)
-    shares = {name: np.full((len(QUANTITIES), len(names), speeds), np.nan) for name in INDICES}
-    for q, quantity in enumerate(QUANTITIES):
-        for k, values in enumerate(table[quantity].values.T.astype(float)):
-            known = independent(values, len(names))
-            if np.isfinite(known).any():
-                spread[q, :, k] = np.nanpercentile(known, PERCENTILES)
-            for name, estimates in indices(values, len(names), seed).items():
-                shares[name][q, :, k] = estimates
-    along = ("quantity", "parameter", SPEEDS)
-    return (
-        data.assign({name: (along, values) for name, values in shares.items()})
-        .assign(percentiles=(("quantity", "percentile", SPEEDS), spread))
-        .assign_coords(
-            quantity=np.array(QUANTITIES, dtype=object),
-            percentile=np.array(PERCENTILES),
-            parameter=xr.DataArray(np.array(names, dtype=object), dims="parameter"),
-        )
-    )
+
+    def percentiles(values: Floats) -> Floats:
+        known = independent(values, len(names))
+        if not np.isfinite(known).any():
+            return np.full(len(PERCENTILES), np.nan)
+        return np.asarray(np.nanpercentile(known, PERCENTILES))
+
+    def shares(values: Floats) -> Floats:
+        return np.stack([*indices(values, len(names), seed).values()])
+
+    table = np.stack([data[quantity].transpose(SPEEDS, SAMPLE).values.astype(float) for quantity in QUANTITIES])
+    spread, estimates = (np.moveaxis(np.apply_along_axis(of, 2, table), 1, -1) for of in (percentiles, shares))
+    along = {name: (("quantity", "parameter", SPEEDS), estimates[:, k]) for k, name in enumerate(INDICES)}
+    added = data.assign(along | {"percentiles": (("quantity", "percentile", SPEEDS), spread)})
+    words = {"quantity": np.array(QUANTITIES, dtype=object), "parameter": np.array(names, dtype=object)}
+    known = {name: (name, values) for name, values in (words | {"percentile": np.array(PERCENTILES)}).items()}
+    return added.assign_coords(known)
 
 
 def worth_measuring(data: xr.Dataset, quantity: str, k: int) -> list[tuple[str, float, float]]:

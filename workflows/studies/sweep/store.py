@@ -15,13 +15,12 @@ import shutil
 import time
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from workflows.errors import BadInput
 from workflows.formatting import listed, rounded_rpm
@@ -67,19 +66,18 @@ class Part:
         return slice(self.begin - self.region.begin, self.end - self.region.begin)
 
 
-@dataclass(frozen=True)
-class Content:
-    """What is known of a region's points: rows, why there is no answer (empty where there is one), which are done."""
+_STORED = np.dtype([*((quantity.name, quantity.kind) for quantity in QUANTITIES), ("reason", object), (DONE, bool)])
+"""What is known of a point: its columns, why there is no answer (empty where there is one), whether it is done."""
 
-    rows: Rows
-    reasons: npt.NDArray[np.object_]
-    done: npt.NDArray[np.bool_]
 
-    @classmethod
-    def none(cls, region: Region) -> Self:
-        """That nothing is known yet."""
-        count = region.end - region.begin
-        return cls(empty(count), np.full(count, "", dtype=object), np.zeros(count, dtype=bool))
+def _nothing(region: Region) -> Rows:
+    """That nothing is known yet of a region's points."""
+    rows = empty(region.end - region.begin)
+    content = np.zeros(len(rows), _STORED)
+    for quantity in QUANTITIES:
+        content[quantity.name] = rows[quantity.name]
+    content["reason"] = ""
+    return content
 
 
 def regions(plan: Plan, most: int) -> list[Region]:
@@ -104,66 +102,39 @@ def _chunk_shape(plan: Plan, most: int) -> tuple[int, ...]:
     return tuple(sides)
 
 
-@dataclass(frozen=True)
-class Folder:
-    """A study's folder, its lock held.
-
-    Attributes:
-        path: where it is.
-        user_path: the same as the user wrote it.
-        arrays: of the data set, by name.
-    """
-
-    path: Path
-    user_path: Path
-    arrays: dict[str, Any]
-
-    def content(self, region: Region) -> Content:
-        """What is done of a region, where every byte of it is as it was written; else nothing of it is."""
-        content = Content.none(region)
-        try:
-            for name in self.arrays:
-                if not self.path.joinpath(DATA, name, "c", *map(str, region.chunk)).is_file():
-                    return content  # Zarr reads what is missing as empty
-            values = {name: np.asarray(array[region.slices]).ravel() for name, array in self.arrays.items()}
-        except (OSError, ValueError):
-            return content
-        for quantity in QUANTITIES:
-            content.rows[quantity.name] = values[quantity.name]
-        return Content(content.rows, values["reason"].astype(object), values[DONE])
-
-    def write(self, region: Region, content: Content) -> None:
-        """Write what is known of a region.
-
-        Raises:
-            BadInput: the disk does not take it; what is finished stays.
-        """
-        shape = tuple(each.stop - each.start for each in region.slices)
-        with writing(self.user_path):
-            for name, array in self.arrays.items():
-                if name != DONE:
-                    values = content.reasons if name == "reason" else content.rows[name]
-                    array[region.slices] = values.reshape(shape)
-            self.arrays[DONE][region.slices] = content.done.reshape(shape)
-
-
 SELDOM = 100.0
 """Time between two writings of what has come, over the time that one takes."""
 
 
 @dataclass
-class Writer:
-    """Collects the points that come, and writes their regions, from time to time while more come.
+class Folder:
+    """A study's folder, its lock held; it collects the points that come, and writes their regions from time to time.
 
     Attributes:
-        folder: of the study.
+        path: where it is.
+        user_path: the same as the user wrote it.
+        arrays: of the data set, by name; `done`, which says what may be read of the others, is the last.
         contents: of regions that are done in part, by their first point.
     """
 
-    folder: Folder
-    contents: dict[int, Content] = field(default_factory=dict)
+    path: Path
+    user_path: Path
+    arrays: dict[str, Any]
+    contents: dict[int, Rows] = field(default_factory=dict)
     _changed: dict[int, Region] = field(default_factory=dict)
     _next: float = -math.inf
+
+    def content(self, region: Region) -> Rows:
+        """What is done of a region, where every byte of it is as it was written; else nothing of it is."""
+        content = _nothing(region)
+        try:
+            for name, array in self.arrays.items():
+                if not self.path.joinpath(DATA, name, "c", *map(str, region.chunk)).is_file():
+                    return _nothing(region)  # Zarr reads what is missing as empty
+                content[name] = np.asarray(array[region.slices]).ravel()
+        except (OSError, ValueError):
+            return _nothing(region)
+        return content
 
     def add(self, part: Part, rows: Rows, reasons: Sequence[str]) -> None:
         """Take the rows of a part, and the texts that their reasons count.
@@ -172,10 +143,11 @@ class Writer:
             BadInput: the disk does not take what is written.
         """
         region = part.region
-        content = self.contents.setdefault(region.begin, Content.none(region))
-        content.rows[part.points] = rows
-        content.reasons[part.points] = np.array([*reasons, ""], dtype=object)[rows["reason"]]
-        content.done[part.points] = True
+        points = self.contents.setdefault(region.begin, _nothing(region))[part.points]
+        for quantity in QUANTITIES:
+            points[quantity.name] = rows[quantity.name]
+        points["reason"] = np.array([*reasons, ""], dtype=object)[rows["reason"]]
+        points[DONE] = True
         self._changed[region.begin] = region
         if time.monotonic() >= self._next:
             self.write()
@@ -184,13 +156,16 @@ class Writer:
         """Write what has come since the last time.
 
         Raises:
-            BadInput: the disk does not take it.
+            BadInput: the disk does not take it; what is finished stays.
         """
         began = time.monotonic()
         for begin, region in list(self._changed.items()):
-            self.folder.write(region, self.contents[begin])
+            content, shape = self.contents[begin], tuple(each.stop - each.start for each in region.slices)
+            with writing(self.user_path):
+                for name, array in self.arrays.items():
+                    array[region.slices] = content[name].reshape(shape)
             del self._changed[begin]
-            if self.contents[begin].done.all():
+            if content[DONE].all():
                 del self.contents[begin]
         self._next = time.monotonic() + SELDOM * (time.monotonic() - began)
 
@@ -277,14 +252,9 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
         raise BadInput(problem, key="--out", value=str(path))
 
 
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> AbstractContextManager[None]:
     """What goes wrong with the disk, in one line."""
-    try:
-        yield
-    except OSError as error:
-        problem = f"cannot be written: {error.strerror or error}; what is finished stays, and the same command goes on"
-        raise BadInput(problem, key="--out", value=str(path)) from error
+    return folder.writing(path, more="; what is finished stays, and the same command goes on")
 
 
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:

@@ -146,12 +146,12 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
         folder.resumable(_GOES_ON),
         store.open_folder(out, study.plan, study.size, study.attributes) as place,
     ):
-        writer, missing, count = store.Writer(place), list[store.Part](), 0
+        missing, count = list[store.Part](), 0
         for region in study.regions():
             content, parts = place.content(region), study.parts(region)
-            lacking = [part for part in parts if not content.done[part.points].all()]
-            if lacking and content.done.any():
-                writer.contents[region.begin] = content
+            lacking = [part for part in parts if not content[store.DONE][part.points].all()]
+            if lacking and content[store.DONE].any():
+                place.contents[region.begin] = content
             missing += lacking
             count += len(parts)
         done = study.plan.size - sum(part.end - part.begin for part in missing)
@@ -160,11 +160,11 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
                 with pool as workers:
                     try:
                         for part, rows in executor.results(workers, partial(compute, study), missing):
-                            writer.add(part, *rows)
+                            place.add(part, *rows)
                             done += part.end - part.begin
                             step.advance(f"{done} of {study.plan.size} points")
                     finally:
-                        writer.write()
+                        place.write()
         return store.open_dataset(place.path / store.DATA)
 
 

@@ -16,12 +16,12 @@ from workflows.formatting import whole
 from workflows.io.files import StudyResult, as_table
 from workflows.progress import Stages
 from workflows.report import plots
-from workflows.report.templates import from_template
+from workflows.report.templates import from_template, texts
 from workflows.scene.load import SceneFile
 from workflows.solve import blade, limits, structure
 from workflows.solve.model_choice import choose_model
 from workflows.solve.results import Figures, Mode, Pair, SpeedPoint
-from workflows.studies.work_precision.timing import POLICY_OF_DIFFERENCES, compared, entry, machine
+from workflows.studies.work_precision.timing import compared, entry, machine
 
 
 @dataclass(frozen=True)
@@ -152,12 +152,9 @@ def _one_sided(name: str, pairs: list[_Pair]) -> dict[str, str]:
     odd = [pair for pair in pairs if _change(*pair[1:]) is None and pair[1:] != (None, None)]
     if name.startswith("frequency"):
         return {"no partner": f"{name} has no partner of its family {_at(rpm for rpm, *_ in odd)}"} if odd else {}
-    sides = {
-        "without": [rpm for rpm, _, without in odd if not without],
-        "with": [rpm for rpm, _, without in odd if without],
-    }
-    others = {"without": "with", "with": "without"}
-    return {f"only {others[side]} it": f"no {name} {side} it, {_at(rpm)}" for side, rpm in sides.items() if rpm}
+    sides = {"with": [each[0] for each in odd if not each[2]], "without": [each[0] for each in odd if each[2]]}
+    other = {"with": "without", "without": "with"}
+    return {f"only {side} it": f"no {name} {other[side]} it, {_at(rpm)}" for side, rpm in sides.items() if rpm}
 
 
 def _at(speeds: Iterable[float]) -> str:
@@ -239,7 +236,7 @@ def document(result: EffectStudy) -> dict[str, Any]:
         "title": result.title,
         "asked": result.target,
         "machine": machine(),
-        "noise": POLICY_OF_DIFFERENCES,
+        "noise": texts("accuracy")["policy_of_differences"],
         "rows": [entry(row) | {"within_noise": row.within_noise} for row in result.rows],
     }
 
@@ -430,8 +427,8 @@ def files(switches: EffectStudy) -> dict[str, str | bytes]:
     quantities = dict.fromkeys(name for row in switches.rows for name in row.changes)
     more = dict.fromkeys(name for row in switches.rows for name in _more(row))
     columns = ("effect", "on", "called_for", *times, *quantities, *more, "remarks", "failed")
-    constant: dict[str, Any] = {"policy": POLICY_OF_DIFFERENCES, "spent": _spent, "scattered": _scattered}
-    constant |= {"largest": _largest, "whole": whole, "size": _size}
+    constant: dict[str, Any] = {"policy": texts("accuracy")["policy_of_differences"], "spent": _spent}
+    constant |= {"scattered": _scattered, "largest": _largest, "whole": whole, "size": _size}
     return {
         "effects.svg": plots.standalone(figure),
         "effects.csv": as_table(columns, map(_flat, switches.rows)),

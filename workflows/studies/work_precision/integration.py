@@ -1,387 +1,208 @@
-"""The ball's equations, from the Lagrangian, integrated by SciPy's `solve_ivp`; they share no code with `damper`.
+"""The ball's equations on a level floor, integrated by SciPy's `solve_ivp`; they share no code with `damper`.
 
-The coordinates z = (q, s) are the structure's modes and the ball's place in its cavity. The mass matrix is assembled
-from the velocities, the forces are gradients of the potentials, a stuck ball is a constraint, an impact an impulse on
-s; only the paper's printed equations, which have no Lagrangian, are written as they stand. Between events all is
-linear. The tests step the same equations by matrix exponentials (`tests/damper/reference.py`).
+Along each axis the structure's displacement q and the ball's place s in its cavity; an impact is an impulse between the
+two. The tests have the equations of all floors, modes and forces (`tests/damper/reference.py`).
 """
 
 import math
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, Literal
 
 import numpy as np
 
-from damper import Formulation, Harmonic, Mode, ParticleDamper
+from damper import Formulation, ParticleDamper
 from workflows.solve.results import Floats
 
 Integrator = Literal["RK45", "DOP853", "LSODA", "Radau"]
 
-Event = tuple[float, int, str]
-"""Time [periods 2 pi / omega_1], axis and kind."""
+LEVEL = ("break_away", "floor_tilt", "floor_radius", "lateral_acceleration", "rotation", "modes")
+"""Fields of a damper that keep the default here: the paper's fixed steps know no other value either."""
+
+_DEFAULT = (*LEVEL, "floor_friction", "restitution_by_speed")
 
 _MOST_EVENTS = 20_000
 
 
-class Guard(NamedTuple):
-    """Its event happens along an axis once the least of `rows @ x` exceeds `threshold`."""
-
-    axis: int
-    kind: str
-    heading: int
-    rows: Floats
-    threshold: float
-
-    def value(self, x: Floats) -> Any:
-        """Rises through zero when it happens; of one state or of many."""
-        return (x @ self.rows.T).min(axis=-1) - self.threshold
-
-
 class Integration:
-    """Follows a ball for some periods, 2 pi / omega_1, from a release: one amplitude [m] for each mode.
+    """Follows a ball for some periods, 2 pi / omega_1, from a release [m] along both axes.
 
-    place: of the ball at the release [m].
-
-    Read `events`, `impacts`, `evaluations` of the equations; energies [J]: `initial`, `final`, and `structure`, what
-    the structure's own dashpots took.
+    Read `impacts`, `evaluations` of the equations; energies [J]: `initial`, `final`, and `structure`, what the
+    structure's own dashpots took.
 
     Raises:
-        ValueError: the restitution depends on the speed, or the ball may slip.
+        ValueError: a field of the damper is not part of this integration.
         ArithmeticError: the integrator gives up, or events without end.
     """
 
     def __init__(
         self,
         damper: ParticleDamper,
-        release: tuple[float, ...],
+        release: tuple[float, float],
         cycles: float,
         method: Integrator = "DOP853",
         rtol: float = 1e-9,
-        harmonic: Harmonic | None = None,
-        place: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        if damper.restitution_by_speed:
-            raise ValueError("restitution_by_speed is not part of this integration")
-        self.damper, self.release, self.cycles, self.harmonic = damper, release, cycles, harmonic
-        self.method, self.rtol = method, rtol
-        self.events: list[Event] = []
+        for field in fields(damper):
+            if field.name in _DEFAULT and getattr(damper, field.name) != field.default:
+                raise ValueError(f"{field.name} is not part of this integration")
+        self.damper = d = damper
+        self.printed = d.formulation is Formulation.PRINTED
+        self.free, self.m, self.load = d.modal_mass, d.ball_mass, d.centrifugal_acceleration
+        self.spring = np.array(d.stiffness)
+        damped = 2 * d.damping_ratio * np.sqrt(self.spring)
+        self.stuck_mass = self.free + self.m
+        self.dashpot = damped * math.sqrt(self.free)
+        self.stuck_dashpot = damped * math.sqrt(self.stuck_mass) if self.printed else self.dashpot
+        # A rolling ball follows by beta: of the acceleration of a solid sphere 5/7, without a floor all; printed: 5/2.
+        self.beta = 1.0 if self.load == 0 else 5 / 2 if self.printed else 5 / 7
+        self.rolling_mass = self.free + (0.0 if self.printed else self.m * (1 - self.beta))
+        self.resistance = d.rolling_friction / d.ball_radius * self.load
+        self.drag = self.resistance * self.m * (1.0 if self.printed else self.beta)
+        self.gap = np.array(d.cavity) / 2 - d.ball_radius
+        rate = math.sqrt(d.stiffness[0] / self.stuck_mass)
+        self.least_speed = 1e-9 * rate * max(map(abs, release))
+        length, speed = max(map(abs, release)), max(map(abs, release)) * rate
+        self.how: dict[str, Any] = {"method": method, "rtol": rtol}
+        self.how["atol"] = 1e-4 * rtol * np.repeat([length, speed, self.free * speed**2], [4, 4, 1])
         self.impacts = self.evaluations = 0
         self.structure = 0.0
-        d = damper
-        modes = d.modes or (
-            Mode(d.modal_mass, d.stiffness[0], (1.0, 0.0), (d.floor_tilt[0], 0.0)),
-            Mode(d.modal_mass, d.stiffness[1], (0.0, 1.0), (0.0, d.floor_tilt[1])),
-        )
-        self.k = k = len(modes)
-        self.m, self.load, self.printed = d.ball_mass, d.centrifugal_acceleration, d.formulation is Formulation.PRINTED
-        self.spring, masses = (np.array([getattr(mode, name) for mode in modes]) for name in ("stiffness", "mass"))
-        zeta = np.array([d.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes])
-        self.dashpot = 2 * zeta * np.sqrt(self.spring * masses)
-        self.stuck_dashpot = 2 * zeta * np.sqrt(self.spring * (masses + (self.m if self.printed else 0.0)))
-        self.shape, self.slope, drawn = (
-            np.array([getattr(mode, name) for mode in modes]).T for name in ("shape", "slope", "participation")
-        )
-        ride = np.hstack([self.shape, np.eye(2)])  # velocity of the ball's centre
-        self.mass = self.m * ride.T @ ride
-        self.mass[range(k), range(k)] += masses
-        self.push = np.zeros(k + 2)
-        if harmonic is not None:
-            self.push[:k] = np.array(harmonic.force) @ self.shape + np.array(harmonic.modal or 0.0)
-            self.push[:k] -= np.array(harmonic.base) @ drawn
-            self.push -= self.m * np.array(harmonic.base) @ ride
-        unit = np.eye(k + 2)
-        v = [[self.potential(a + b) - self.potential(a) - self.potential(b) for b in unit] for a in unit]
-        self.gradient = np.array(v)  # the potential is a quadratic form
-        self.a_r = d.rolling_friction / d.ball_radius * self.load
-        self.hold = self.a_r + d.break_away * self.load  # of a ball at rest, while it lies in its dent
-        self.grip = (d.floor_friction or 0.0) * self.load
-        self.gap = [c / 2 - d.ball_radius for c in d.cavity]
-        self.rate = math.sqrt(d.stiffness[0] / (d.modal_mass + d.ball_mass))
-        self.floor = 1e-9 * self.rate * float(np.abs(self.shape @ release).max())
-        self.regime, self.direction = ["stuck", "stuck"], [0, 0]
-        self.s, self.w, self.spin = ([start, start + 1] for start in (k, 2 * k + 2, 2 * k + 4))
-        self.one, self.wave = 2 * k + 6, 2 * k + 7
-        phase = 0.0 if harmonic is None else harmonic.phase
-        turn = [1.0, math.cos(phase), math.sin(phase)]
-        self.known: dict[tuple[object, ...], Floats] = {}
-        self.x: Floats = np.concatenate([release, place, np.zeros(k + 2 + 2), turn])
-        self.time, self.initial = 0.0, self.energy()
-        for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
-            self.settle(i)
-        self.go_on()
+        self.direction = np.zeros(2, dtype=int)
+        """In which the ball rolls along each axis; 0: stuck."""
+        self.y: Floats = np.array([*release, *[0.0] * 7])
+        """q, s, q', s' along both axes, and the energy that the dashpots took."""
+        self.initial = self.energy()
+        for axis in (0, 1):
+            self.settle(axis)
+        self.follow(cycles * 2 * math.pi / rate)
 
     @property
     def final(self) -> float:
         """Energy at present [J]."""
         return self.energy()
 
-    def potential(self, z: Floats) -> float:
-        """Of the structure, the load on the tilting and curved floor, and the spin in its plane of rotation."""
-        d, q, s = self.damper, z[: self.k], z[self.k :]
-        v = 0.5 * self.spring @ q**2 + self.m * self.load * (self.slope @ q) @ s
-        if d.floor_radius is not None:
-            v += 0.5 * self.m * self.load * sum(s[i] ** 2 / (d.floor_radius[i] - d.ball_radius) for i in range(2))
-        out = self.outward(self.shape @ q + s) - self.outward(self.shape @ q)  # the rest is in the stiffness
-        return float(v - 0.5 * self.m * d.rotation**2 * out - self.m * np.array(d.lateral_acceleration) @ s)
-
-    def outward(self, at: Floats) -> float:
-        """Square of the distance from the axis of rotation in x (flap) and y (chord)."""
-        z, y, sine, cosine = *at, math.sin(self.damper.stagger), math.cos(self.damper.stagger)
-        return float(y**2 * cosine**2 + z**2 * sine**2 - 2 * y * z * sine * cosine)
-
     def energy(self) -> float:
         """Of structure and ball [J]."""
-        z, rate, spin = np.split(self.x[: self.one], [self.k + 2, 2 * self.k + 4])
-        turning = 0.0 if self.load == 0 or self.printed else 0.2 * self.m * float(spin @ spin)
-        return float(0.5 * rate @ self.mass @ rate) + self.potential(z) + turning
+        q, _, v, w = self.y[:8].reshape(4, 2)
+        spin = 0.0 if self.load == 0 or self.printed else 0.2 * self.m
+        kinetic = 0.5 * self.free * v @ v + 0.5 * self.m * (v + w) @ (v + w) + spin * w @ w
+        return float(kinetic + 0.5 * self.spring @ q**2)
 
-    def accelerations(self, regime: list[str]) -> Floats:
-        """Rows of z'' over x."""
-        k, n, mass = self.k, self.k + 2, self.mass.copy()
-        force = self.forces()
-        for i in range(2):
-            if regime[i] == "roll":
-                mass[k + i, k + i] += 0.0 if self.load == 0 else 0.4 * self.m
-                force[k + i, self.one] -= self.m * self.a_r * self.direction[i]
-            elif regime[i] == "slide":
-                force[k + i, self.one] -= self.m * self.grip * self.direction[i]
-        free = [*range(k), *(k + i for i in range(2) if regime[i] != "stuck")]
-        rows = np.zeros((n, len(self.x)))
-        rows[free] = np.linalg.solve(mass[np.ix_(free, free)], force[free])
-        if self.printed:
-            beta = 1.0 if self.load == 0 else 2.5
-            for i in range(2):
-                rows[[i, k + i]] = 0.0
-                held, push = regime[i] == "stuck", self.a_r * self.direction[i]
-                rows[i, i], rows[i, n + i] = -self.spring[i], -(self.stuck_dashpot if held else self.dashpot)[i]
-                rows[i, self.one] = 0.0 if held else self.m * push
-                rows[i] /= self.damper.modal_mass + (self.m if held else 0.0)
-                if not held:
-                    rows[k + i] = -beta * rows[i]
-                    rows[k + i, self.one] -= beta * push
-        return rows
+    def motion(self) -> Callable[[float, Floats], Floats]:
+        """Rates of the state until the next event."""
+        rolls = self.direction != 0
+        dashpot = np.where(rolls, self.dashpot, self.stuck_dashpot)
+        mass = np.where(rolls, self.rolling_mass, self.stuck_mass)
+        matrix, constant = np.zeros((9, 9)), np.zeros(9)
+        matrix[:4, 4:8] = np.eye(4)
+        matrix[4:6, :2], matrix[4:6, 4:6] = np.diag(-self.spring / mass), np.diag(-dashpot / mass)
+        constant[4:6] = self.drag * self.direction / mass
+        follows = np.where(rolls, -self.beta, 0.0)
+        matrix[6:8] = follows[:, None] * matrix[4:6]
+        constant[6:8] = follows * (constant[4:6] + self.resistance * self.direction)
 
-    def forces(self) -> Floats:
-        """Rows of the generalised forces on z over x, without what floor and walls do to the ball."""
-        n = self.k + 2
-        rows = np.zeros((n, len(self.x)))
-        rows[:, :n] = -self.gradient
-        rows[range(self.k), range(n, n + self.k)] = -self.dashpot
-        rows[:, self.wave] = self.push
-        rows[self.k :, self.one] = self.m * np.array(self.damper.lateral_acceleration)
-        return rows
+        def rates(_: float, y: Floats) -> Floats:
+            self.evaluations += 1
+            changed: Floats = matrix @ y + constant
+            changed[8] = dashpot @ y[4:6] ** 2
+            return changed
 
-    def pull(self, i: int) -> Floats:
-        """Rows of the force on s, per unit of the ball's mass, that would hold a ball stuck."""
-        regime = list(self.regime)
-        regime[i] = "stuck"
-        key = (i, *regime, *self.direction)
-        if key not in self.known:
-            self.known[key] = self.held(i, regime)
-        return self.known[key]
+        return rates
 
-    def held(self, i: int, regime: list[str]) -> Floats:
-        """The rows of `pull`."""
-        if self.printed:  # by the stuck and by the rolling law's dashpot
-            rows = np.zeros((2, len(self.x)))
-            rows[:, i], rows[:, self.k + 2 + i] = self.spring[i], (self.stuck_dashpot[i], self.dashpot[i])
-            return rows / (self.damper.modal_mass + self.m)
-        row: Floats = self.forces()[self.k + i] - self.mass[self.k + i] @ self.accelerations(regime)
-        return row[None] / self.m
-
-    def matrix(self) -> Floats:
-        """A in x' = A x."""
-        key = (*self.regime, *self.direction, *np.sign(self.x[self.spin]))
-        if key in self.known:
-            return self.known[key]
-        n, a = self.k + 2, np.zeros((len(self.x), len(self.x)))
-        a[:n, n : 2 * n] = np.eye(n)
-        a[n : 2 * n] = self.accelerations(self.regime)
-        for i in range(2):
-            if self.regime[i] == "roll":
-                a[self.spin[i]] = a[self.w[i]]
-            elif self.regime[i] == "slide":
-                a[self.spin[i], self.one] = 2.5 * self.direction[i] * self.grip
-            elif self.x[self.spin[i]] != 0.0:
-                a[self.spin[i], self.one] = -2.5 * math.copysign(self.grip, self.x[self.spin[i]])
-        if self.harmonic is not None:
-            a[self.wave, self.wave + 1], a[self.wave + 1, self.wave] = -self.harmonic.frequency, self.harmonic.frequency
-        self.known[key] = a
-        return a
-
-    def guards(self) -> list[Guard]:
-        """What can end the present flight."""
-        found, unit = [], np.eye(len(self.x))
-        for i in range(2):
-            s, w, spin, d = unit[self.s[i]], unit[self.w[i]], unit[self.spin[i]], self.direction[i]
-            at, turning = self.x[self.s[i]], self.x[self.spin[i]]
-            if self.regime[i] == "stuck" and turning != 0:
-                side = math.copysign(1, at)
-                found.append(Guard(i, "away", 0, -side * self.pull(i), side * math.copysign(self.grip, turning)))
-                found.append(Guard(i, "grip", 0, -math.copysign(1, turning) * spin[None], 0.0))
-            elif self.regime[i] == "stuck":
-                ways = [way for way in (-1, 1) if way * at < self.gap[i]]
-                found += [Guard(i, "start", way, way * self.pull(i), self.hold) for way in ways]
-            elif self.regime[i] == "roll":
-                found += [Guard(i, "hit", d, d * s[None], self.gap[i]), Guard(i, "reversal", 0, -d * w[None], 0.0)]
-            else:
-                found += [Guard(i, "hit", side, side * s[None], self.gap[i]) for side in (-1, 1)]
-                found.append(Guard(i, "grip", 0, -d * (w - spin)[None], 0.0))
+    def guards(self) -> list[tuple[int, str, int, Callable[[Floats], float]]]:
+        """What can end the present flight: axis, kind, direction, and what rises through zero when it happens."""
+        found = []
+        for i, direction in enumerate(self.direction):
+            ways = (-1, 1) if direction == 0 else (int(direction),)
+            for kind in ("start",) if direction == 0 else ("hit", "reversal"):
+                found += [(i, kind, way, self.guard(i, kind, way)) for way in ways]
         return found
 
-    def go_on(self) -> None:
-        """Until the end."""
-        while self.step():
-            if len(self.events) > _MOST_EVENTS:
-                raise ArithmeticError(f"more than {_MOST_EVENTS} events")
+    def guard(self, i: int, kind: str, way: int) -> Callable[[Floats], float]:
+        """Of one event."""
+        if kind == "hit":
+            return lambda y: float(way * y[2 + i] - self.gap[i])
+        if kind == "reversal":
+            return lambda y: float(-way * y[6 + i])
 
-    def step(self) -> bool:
-        """To the next event or to the end; whether it was an event."""
-        period = 2 * math.pi / self.rate
-        left = self.cycles * period - self.time
-        if left <= 0:
-            return False
-        guards = self.guards()
-        now = [g for g in guards if (g.kind in ("start", "away") and g.value(self.x) > 0) or self.pushed(g)]
-        lag, guard, x = (0.0, now[0], self.x) if now else self.fly(self.matrix(), guards, left)
-        self.x = x.copy()
-        self.time += left if guard is None else lag
-        if guard is not None:
-            self.events.append((self.time / period, guard.axis, guard.kind))
-            self.happen(guard)
-        return guard is not None
+        def start(y: Floats) -> float:
+            """By which the floor fails to hold a stuck ball, by the stuck and by the rolling law's dashpot."""
+            pulls = (self.spring[i] * y[i] + dashpot[i] * y[4 + i] for dashpot in (self.stuck_dashpot, self.dashpot))
+            held = way * self.y[2 + i] >= self.gap[i]
+            return -1.0 if held else min(way * pull for pull in pulls) / self.stuck_mass - self.resistance
 
-    def fly(self, a: Floats, guards: list[Guard], left: float) -> tuple[float, Guard | None, Floats]:
-        """When the first guard's event happens, which, and the state then; or that at the end."""
+        return start
+
+    def follow(self, end: float) -> None:
+        """From event to event until a time [s]."""
         from scipy.integrate import solve_ivp
 
-        if self.damper.floor_friction is not None:
-            raise ValueError("floor_friction is not part of this integration: hits of one wall may be two in a step")
-        beyond = [guard for guard in guards if guard.value(self.x) > 0]
-        if beyond:  # another event at the same instant
-            return 0.0, beyond[0], self.x
-        velocities, dashpot, extended = slice(self.k + 2, 2 * self.k + 2), self.dashpot, np.pad(a, (0, 1))
-        if self.printed:
-            dashpot = np.where([regime == "stuck" for regime in self.regime], self.stuck_dashpot, dashpot)
+        time, events = 0.0, 0
+        while time < end:
+            guards = self.guards()
+            now = [each for each in guards if each[3](self.y) > 0]
+            if not now:
+                watched = [_watched(value) for *_, value in guards]
+                solved: Any = solve_ivp(self.motion(), (0.0, end - time), self.y, events=watched, **self.how)
+                if solved.status < 0:
+                    raise ArithmeticError(solved.message)
+                self.y = solved.y[:, -1].copy()
+                self.structure = float(self.y[8])
+                time += float(solved.t[-1])
+                now = [each for each, times in zip(guards, solved.t_events, strict=True) if len(times)]
+                if not now:
+                    return
+            self.happen(*now[0][:3])
+            events += 1
+            if events > _MOST_EVENTS:
+                raise ArithmeticError(f"more than {_MOST_EVENTS} events")
 
-        def motion(_: float, y: Floats) -> Floats:
-            self.evaluations += 1
-            rates: Floats = extended @ y
-            rates[-1] = dashpot @ y[velocities] ** 2
-            return rates
-
-        def watch(guard: Guard) -> Any:
-            def event(_: float, y: Floats) -> float:
-                return float(min(guard.rows @ y[:-1])) - guard.threshold
-
-            event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-            return event
-
-        length = max(map(abs, self.release))
-        speed, n = length * self.rate, self.k + 2
-        scale = np.repeat([length, speed, 1.0, self.damper.modal_mass * speed**2], [n, n + 2, 3, 1])
-        how: dict[str, Any] = {"rtol": self.rtol, "atol": 1e-4 * self.rtol * scale}
-        solved: Any = solve_ivp(motion, (0.0, left), [*self.x, 0.0], self.method, events=[*map(watch, guards)], **how)
-        if solved.status < 0:
-            raise ArithmeticError(solved.message)
-        self.structure += float(solved.y[-1, -1])
-        found = [guard for guard, times in zip(guards, solved.t_events, strict=True) if len(times)]
-        return float(solved.t[-1]), found[0] if found else None, solved.y[:-1, -1].copy()
-
-    def pushed(self, guard: Guard) -> bool:
-        """Whether a hit of the other wall has just pushed the ball into the wall that it was on."""
-        at, rate = guard.heading * self.x[self.s[guard.axis]], guard.heading * self.x[self.w[guard.axis]]
-        return bool(guard.kind == "hit" and at >= guard.threshold and rate > 0)
-
-    def happen(self, guard: Guard) -> None:
-        """Change velocities and regimes at an event."""
-        i, x = guard.axis, self.x
-        if guard.kind == "hit":
+    def happen(self, i: int, kind: str, way: int) -> None:
+        """Change velocities and directions at an event."""
+        if kind == "hit":
             self.impacts += 1
-            x[self.s[i]] = guard.heading * self.gap[i]
+            self.y[2 + i] = way * self.gap[i]
             self.hit(i)
-        elif guard.kind == "reversal":
+        elif kind == "reversal":
             self.settle(i)
-        elif guard.kind == "grip":
-            x[self.spin[i]] = x[self.w[i]]
-            if self.regime[i] != "stuck":
-                self.roll(i, int(np.sign(x[self.w[i]])))
-        elif guard.kind == "away":
-            self.slide(i)
         else:
-            self.roll(i, guard.heading)
-
-    def roll(self, i: int, direction: int) -> None:
-        """From now on, to one side; 0: stuck."""
-        self.regime[i], self.direction[i] = ("roll" if direction else "stuck"), direction
-        if direction:  # out of the dent, along both axes
-            self.hold = self.a_r
-
-    def slide(self, i: int) -> None:
-        """From now on, to the side to which the ball's surface moves on the floor."""
-        self.regime[i], self.direction[i] = "slide", 1 if self.x[self.w[i]] > self.x[self.spin[i]] else -1
-        self.hold = self.a_r
+            self.direction[i] = way
 
     def settle(self, i: int) -> None:
         """Stuck, or off the way that the ball is driven."""
-        self.x[self.w[i]] = self.x[self.spin[i]] = 0.0
-        self.roll(i, 0)
-        for guard in self.guards():
-            if guard.axis == i and guard.value(self.x) > 0:
-                self.roll(i, guard.heading)
+        self.y[6 + i] = self.direction[i] = 0
+        for way in (-1, 1):
+            if self.guard(i, "start", way)(self.y) > 0:
+                self.direction[i] = way
 
     def impulse(self, i: int, w: float) -> float:
-        """Give s_i the velocity w by an impulse on it: the floor has no time to act."""
-        n = self.k + 2
-        jump = np.linalg.solve(self.mass, np.eye(n)[self.k + i])
-        size = (w - self.x[self.w[i]]) / jump[self.k + i]
-        self.x[n : 2 * n] += size * jump
-        self.x[self.w[i]] = w
-        j = 1 - i
-        if self.regime[j] == "stuck" and abs(self.x[self.w[j]]) <= 1e-7 * self.floor:
-            self.x[self.w[j]] = 0.0  # two walls that push the ball to each other in turn: the limit of the series
+        """Give s_i' the value w by an impulse between ball and structure: the floor has no time to act."""
+        size = (w - self.y[6 + i]) / (1 / self.free + 1 / self.m)
+        self.y[4 + i] -= size / self.free
+        self.y[6 + i] = w
         return float(size)
 
     def hit(self, i: int) -> None:
         """Restitution along the wall's normal, capped friction along the wall, sticking."""
-        d, k, j, x = self.damper, self.k, 1 - i, self.x
-        moved = x[self.w[j]]
-        normal = abs(self.impulse(i, -d.restitution * x[self.w[i]]))
-        if self.grip > 0:  # the ball's surface rubs up or down the wall, at most until it no longer slides there
-            lift = min(d.friction * normal, 2 / 7 * self.m * abs(x[self.spin[i]]))
-            x[self.spin[i]] -= math.copysign(2.5 * lift / self.m, x[self.spin[i]])
-        if x[self.w[j]] != moved:
-            self.after(j)
-        if self.regime[j] != "stuck" and d.friction > 0:
-            slides = x[self.w[j]]
-            give = np.linalg.inv(self.mass)[k + j, k + j]
+        d, j, y = self.damper, 1 - i, self.y
+        normal = abs(self.impulse(i, -d.restitution * y[6 + i]))
+        if self.direction[j] != 0 and d.friction > 0:
+            slides, give = y[6 + j], 1 / self.free + 1 / self.m
             spun = 0.0 if self.printed else 2.5 / self.m  # of the surface, as the ball turns about the vertical
-            change = give * min(d.friction * normal, abs(slides) / (give + spun))
-            left = slides - math.copysign(change, slides)
+            left = slides - math.copysign(give * min(d.friction * normal, abs(slides) / (give + spun)), slides)
             self.impulse(j, 0.0 if abs(left) < 1e-15 * abs(slides) else left)
-            if self.grip > 0 and x[self.w[j]] != x[self.spin[j]]:
-                self.slide(j)
-                if x[self.w[j]] == 0 and abs(x[self.s[j]]) >= self.gap[j]:
-                    self.roll(j, 0)
-            else:
-                x[self.spin[j]] = x[self.w[j]]
-                if x[self.w[j]] == 0:
-                    self.settle(j)
-        structure = self.shape[i] @ x[k + 2 : 2 * k + 2]
-        if abs(x[self.w[i]]) <= max(d.sticking_ratio * abs(structure), self.floor):
-            moved = x[self.w[j]]
+            if y[6 + j] == 0:
+                self.settle(j)
+        if abs(y[6 + i]) <= max(d.sticking_ratio * abs(y[4 + i]), self.least_speed):
             self.impulse(i, 0.0)
-            self.roll(i, 0)
-            if self.grip == 0:
-                x[self.spin[i]] = 0.0
-            if x[self.w[j]] != moved:
-                self.after(j)
-        else:
-            self.after(i)
+        self.direction[i] = np.sign(y[6 + i])
 
-    def after(self, i: int) -> None:
-        """The spin follows at once, or the ball slides."""
-        if self.grip > 0:
-            self.slide(i)
-        else:
-            self.x[self.spin[i]] = self.x[self.w[i]]
-            self.roll(i, int(np.sign(self.x[self.w[i]])))
+
+def _watched(value: Callable[[Floats], float]) -> Any:
+    """An event of `solve_ivp` that ends it where a value rises through zero."""
+
+    def event(_: float, y: Floats) -> float:
+        return value(y)
+
+    event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
+    return event

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from workflows import formatting
 from workflows.io.files import as_table
 from workflows.report import plots
-from workflows.report.templates import from_template, said
-from workflows.studies.work_precision.timing import POLICY, ConvergenceStudy, Setting, WorkPrecision, entry, machine
+from workflows.report.templates import from_template, said, texts
+from workflows.studies.work_precision.timing import ConvergenceStudy, Setting, WorkPrecision, entry, machine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ def document(result: WorkPrecision) -> dict[str, Any]:
         "title": result.title,
         "asked": result.targets,
         "machine": machine(),
-        "noise": POLICY,
+        "noise": texts("accuracy")["policy"],
         "ladders": [asdict(study) | {"rows": list(map(entry, study.rows))} for study in result.studies],
         "chosen": {stage: asdict(chosen) for stage, chosen in result.chosen.items()},
         "left_out": result.left_out,
@@ -86,7 +86,7 @@ def files(work_precision: WorkPrecision) -> dict[str, str | bytes]:
         milliseconds=_milliseconds,
         result=work_precision,
         figures=figures,
-        policy=POLICY,
+        policy=texts("accuracy")["policy"],
         verdict=verdict(work_precision),
         not_drawn=not_drawn,
     )

@@ -22,7 +22,7 @@ from workflows.solve.damper import particle_damper
 from workflows.solve.model_choice import ModelChoice, choose_model
 from workflows.solve.results import Discrete, Floats, Results, SpeedPoint, middle_speed
 from workflows.solve.structure import discretise
-from workflows.studies.work_precision.integration import Integration, Integrator
+from workflows.studies.work_precision.integration import LEVEL, Integration, Integrator
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision, ladder, measure
 
 CYCLES = 20
@@ -44,13 +44,9 @@ _NOTHING = 1e-9
 """Share of the initial energy below which what the ball takes drowns in rounding."""
 
 
-_LEVEL = ("break_away", "floor_tilt", "floor_radius", "lateral_acceleration", "rotation", "modes")
-"""Fields in which a study's damper keeps the default: the paper's fixed steps know no other value."""
-
-
 def level(system: damper.ParticleDamper) -> damper.ParticleDamper:
     """The damper on a level floor with one mode along each axis, which is what the other methods know."""
-    defaults: dict[str, Any] = {each.name: each.default for each in fields(system) if each.name in _LEVEL}
+    defaults: dict[str, Any] = {each.name: each.default for each in fields(system) if each.name in LEVEL}
     return replace(system, **defaults)
 
 

@@ -24,18 +24,6 @@ TOO_LONG = 4.0
 PAIRS, FEWER, FEWEST = 7, 3, 2
 """Pairs of runs by which two pieces of work are compared: of short ones, of long ones, of those that take too long."""
 
-POLICY = (
-    "Each time is the median of up to five runs after a warm-up, its spread the least and the most; what takes a second"
-    " runs once more, what takes four seconds only once. Rows of one table follow each other in one process, so that"
-    " ratios hold better than seconds do."
-)
-
-POLICY_OF_DIFFERENCES = (
-    "What an effect takes is the median difference of seven pairs of runs, with and without it, in turns after a"
-    " warm-up; of three pairs where a run takes a second, of two where it takes four. Its spread is the least and the"
-    " most of them; where these are not of one sign the difference is called within noise."
-)
-
 
 @dataclass(frozen=True)
 class Timing(Generic[T]):
