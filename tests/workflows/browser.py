@@ -217,8 +217,8 @@ def opened(
 
 
 def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Any:
-    """What a script returns that a page runs once it stands."""
-    with opened(path, width=width, gl=gl) as page:
+    """What a script returns that a page runs once it stands; nothing in it moves by itself."""
+    with opened(path, width=width, gl=gl, motion="reduce") as page:
         return page.returned(script)
 
 
