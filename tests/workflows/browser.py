@@ -177,9 +177,10 @@ class Page:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def prefers(self, scheme: str) -> None:
-        """Have it shown as to readers who prefer `light` or `dark`."""
-        self.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    def prefers(self, scheme: str, motion: str = "no-preference") -> None:
+        """Have it shown as to readers who prefer `light` or `dark`, and perhaps to `reduce` what moves."""
+        values = {"prefers-color-scheme": scheme, "prefers-reduced-motion": motion}
+        self.ask("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in values.items()])
 
     def words(self) -> list[dict[str, Any]]:
         """Whatever it had to say on the console."""
@@ -191,7 +192,9 @@ _running = cache(Browser)
 
 
 @contextmanager
-def opened(path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Iterator[Page]:
+def opened(
+    path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL, motion: str = "no-preference"
+) -> Iterator[Page]:
     """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console."""
     browser = _running(gl)
     browser.events.clear()
@@ -202,7 +205,7 @@ def opened(path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) 
     for domain in ("Page", "Runtime", "Log"):
         page.ask(f"{domain}.enable")
     page.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
-    page.prefers("light")
+    page.prefers("light", motion)
     page.ask("Page.navigate", url=path.as_uri())
     browser.wait("Page.loadEventFired", session)
     try:
@@ -214,31 +217,34 @@ def opened(path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) 
 
 
 def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Any:
-    """What a script returns that a page runs once it stands."""
-    with opened(path, width=width, gl=gl) as page:
+    """What a script returns that a page runs once it stands; nothing in it moves by itself."""
+    with opened(path, width=width, gl=gl, motion="reduce") as page:
         return page.returned(script)
 
 
 def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
     """What hinders readers on a screen as wide as a phone: a page that is wider, and all that axe-core finds.
 
-    Nothing where there is no browser; its width alone where there is no axe-core.
+    Nothing where there is no browser; its width alone where there is no axe-core. Of further schemes only colours are
+    looked at: nothing else depends on them. What moves stands still, as it would take most of the time.
     """
     if CHROMIUM is None:
         return []
-    with opened(path, width=PHONE) as page:
+    with opened(path, width=PHONE, motion="reduce") as page:
         across = page.returned("return document.documentElement.scrollWidth")
         found = [] if across <= PHONE else [f"{across} pixels across"]
         if AXE is None or AXE.origin is None:
             return found
         axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8")
         page.ask("Runtime.evaluate", expression=axe)
-        look = "const { violations } = await axe.run(document, { resultTypes: ['violations'] });"
-        look += "const seen = v => v.nodes.slice(0, 3).map(n => n.html.slice(0, 90));"
-        look += "return violations.map(v => [v.impact, v.id, ...seen(v)].join(' '));"
+        show = "const seen = v => v.nodes.slice(0, 3).map(n => n.html.slice(0, 90));"
+        show += "return violations.map(v => [v.impact, v.id, ...seen(v)].join(' '));"
+        rules = "{}"
         for scheme in schemes:
-            page.prefers(scheme)
-            found += page.returned(look)
+            page.prefers(scheme, "reduce")
+            look = f"const {{ violations }} = await axe.run({{ resultTypes: ['violations'], ...{rules} }});"
+            found += page.returned(look + show)
+            rules = "{ runOnly: ['color-contrast', 'link-in-text-block'] }"
     return found
 
 

@@ -374,6 +374,17 @@ def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timin
     return timing.Timing(work(), 1.0, 0.5, 2.0), 3.0, 2.0
 
 
+def switch_alone(patch: pytest.MonkeyPatch, *effects: str) -> None:
+    """Only these effects are switched, untimed; rows of the others have no numbers."""
+
+    def compared(work: Any, other: Callable[[], Any]) -> tuple[timing.Timing[Any], float, float]:
+        if not work.keywords.keys() & set(effects):
+            raise ValueError("not switched here")
+        return untimed(work, other)
+
+    patch.setattr("workflows.studies.work_precision.effects.compared", compared)
+
+
 def hurry(patch: pytest.MonkeyPatch) -> None:
     """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
     patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
@@ -445,8 +456,11 @@ def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_divergence_without_stiffening_is_said(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
+    switch_alone(monkeypatch, "stress_stiffening")
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
     plate["accuracy__frequency"] = 0.05
     scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
@@ -457,8 +471,11 @@ def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spi
 
 
 @pytest.mark.usefixtures("hasty")
-def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_what_appears_has_no_number(
+    structure: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Without rolling resistance nothing stops the ball: there is no cut-off to compare with."""
+    switch_alone(monkeypatch, "rolling_resistance")
     scene = write(changed(structure, release__cycles="auto"), tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--out", "out")
     assert outcome.status == 0, outcome.err
@@ -474,7 +491,9 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
 
 
 @pytest.mark.usefixtures("hasty")
-def test_what_needs_each_other_is_switched_together(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_what_needs_each_other_is_switched_together(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1, "accuracy__frequency": 0.05}
     both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
@@ -482,6 +501,7 @@ def test_what_needs_each_other_is_switched_together(paper: Scene, tmp_path: Path
         (both, "stress_stiffening", "together with large_deflection, which needs it"),
         (neither, "large_deflection", "together with stress_stiffening, which it needs"),
     ):
+        switch_alone(monkeypatch, effect)
         outcome = spindamp("effects", write(scene, tmp_path / "scene.toml"), "--json")
         (row,) = [row for row in json.loads(outcome.out)["rows"] if row["effect"] == effect]
         assert row["changes"]["frequency_1"] > 0
@@ -606,8 +626,9 @@ def test_a_manifold_change_is_a_factor() -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile) -> None:
+def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile, monkeypatch: pytest.MonkeyPatch) -> None:
     """At 50 rpm the ball weighs more than its load."""
+    switch_alone(monkeypatch, "floor_tilt")
     speeds = tuple(rpm * np.pi / 30 for rpm in (50, 10000))
     switches = effect_study(tilting.changed(rotor={"speeds": speeds}), QUIET)
     (row,) = [row for row in switches.rows if row.effect == "floor_tilt"]
@@ -655,7 +676,7 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
 
     Whatever is switched, a change is an effect's only beyond twice that; the damper's own figures do not scatter.
     """
-    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    switch_alone(monkeypatch, "floor_tilt")
     scene: Scene = shipped_scene("structure")
     free = {"damper__rolling_friction": "0.01 mm", "damper__restitution": 0.8, "damper__ball_density": "7850 kg/m^3"}
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
@@ -673,9 +694,9 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
 
 @pytest.fixture(scope="module")
 def switched() -> dict[str, EffectChange]:
-    """The effects of the known structure, untimed."""
+    """Effects of the known structure, untimed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+        switch_alone(patch, "floor_tilt", "rolling_resistance", "impact_friction", "ball_slip")
         return {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
 
 

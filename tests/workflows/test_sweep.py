@@ -194,7 +194,7 @@ def test_speeds_without_a_picture_are_named(here):
     """Between those at which the weight is more than the load and those at which the root is torn, some are drawn."""
     varied = {"damper.restitution": [0.2, 0.8], "damper.friction": [0.1, 0.4]}
     speeds = ["0 rpm", "20 rpm", "4000 rpm", "60000 rpm"]
-    scene = changed(shipped_scene("paper"), accuracy__frequency=0.02)
+    scene = changed(shipped_scene("paper"), accuracy__frequency=0.05)
     found = spindamp.sweep(scene, varied | {"rotor.speeds": speeds}, quick=True, executor=here)
     said = report.map_caption(found, report.HEADLINE, "damper.restitution", "damper.friction")
     assert "Not drawn: 0 rpm to 20 rpm, 60000 rpm, where no ball has a verdict or adds damping" in said
@@ -384,7 +384,7 @@ def test_few_points_with_a_verdict(here):
 def at_full_speed():
     scene = shipped_scene("paper")
     scene["effects"] = {"structural_modes": False}
-    return changed(scene, rotor__speeds=["17500 rpm"], accuracy__frequency=0.02)
+    return changed(scene, rotor__speeds=["17500 rpm"], accuracy__frequency=0.05)
 
 
 def test_what_is_uncertain_unless_it_is_said():
