@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,8 @@ def measured_quickly(system: Any) -> Any:
 
 @pytest.fixture
 def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Quick figures of the damper, where words are looked at, or what is not of the damper."""
+    """Quick figures of the damper, where words are looked at, or what is not of the damper; not in sweeps."""
+    import_module("workflows.studies.sweep.evaluate")  # has the others by then
     monkeypatch.setattr(damper, "figures", measured_quickly)
 
 
