@@ -233,11 +233,12 @@ def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
             return found
         axe = Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8")
         page.ask("Runtime.evaluate", expression=axe)
-        look = "const { violations } = await axe.run(document, { resultTypes: ['violations'] });"
-        look += "const seen = v => v.nodes.slice(0, 3).map(n => n.html.slice(0, 90));"
-        look += "return violations.map(v => [v.impact, v.id, ...seen(v)].join(' '));"
         for scheme in schemes:
             page.prefers(scheme)
+            rules = "" if scheme == schemes[0] else ", runOnly: ['color-contrast', 'link-in-text-block']"  # of colours
+            look = f"const {{ violations }} = await axe.run(document, {{ resultTypes: ['violations']{rules} }});"
+            look += "const seen = v => v.nodes.slice(0, 3).map(n => n.html.slice(0, 90));"
+            look += "return violations.map(v => [v.impact, v.id, ...seen(v)].join(' '));"
             found += page.returned(look)
     return found
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.workflows.browser import NO_GL, VIEWER, driven, needs_chromium, printed
+from tests.workflows.browser import NO_GL, PHONE, VIEWER, driven, needs_chromium, printed
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
 from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
@@ -248,7 +248,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
     form.speed.selectedIndex = form.speed.options.length - 1; form.speed.dispatchEvent(new Event('change'));
     return { found, family, then: figure.querySelector('output').textContent.split(' ')[0] };
     """
-    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script)
+    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script, width=PHONE)
     rpm = [f"{speed['rpm']:,.0f}".replace(",", "\u2009") for speed in document["speeds"]]
     said = [
         f"{mode['family']} mode at {at} rpm: {mode['frequency_hz']:.2f} Hz"
