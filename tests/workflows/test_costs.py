@@ -100,7 +100,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
     source = load.load("paper").changed(rotor={"speeds": (500.0,), "modes": 2})
     few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
-    limits = tuple(replace(method, finest=min(method.finest, 6)) for method in studies.LIMITS)
+    limits = tuple(replace(method, finest=min(method.finest, 4)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(studies, "PLATE_METHODS", few)
         patch.setattr(studies, "LIMITS", limits)
@@ -109,7 +109,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         patch.setattr(studies, "ASKED", (1e-2, 1e-3))
         patch.setattr(studies, "FINEST", 1e-4)
         patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(studies, "CYCLES", 10)
+        patch.setattr(studies, "CYCLES", 5)
         patch.setattr(timing, "TOO_LONG", 0.0)
         return study(source, QUIET).document()
 
@@ -306,9 +306,11 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
             assert ("which the scene has on" in ladder.reference) == bool(words)
 
 
-@pytest.mark.usefixtures("hasty")
-def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_effects_are_what_theory_says(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
+    hurry(monkeypatch, "spin_softening", "stress_stiffening", "rotary_inertia", "rolling_resistance")
     rotor = paper["rotor"] | {"speeds": ["10000 rpm"], "stagger": "90 deg", "modes": 2}
     alone = changed(paper, rotor=rotor, effects__coriolis=False, plate__theory="mindlin", accuracy__frequency=0.02)
     scene = write(alone, tmp_path / "scene.toml")
@@ -361,15 +363,24 @@ def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch:
     assert bool(calls) == on
 
 
-def untimed(work: Callable[[], Any], _: Callable[[], Any]) -> tuple[timing.Timing[Any], float, float]:
-    """Work that is done once, as if it took 3 s and the other 2 s."""
-    return timing.Timing(work(), 1.0, 0.5, 2.0), 3.0, 2.0
+Pair = tuple[timing.Timing[Any], float, float]
 
 
-def hurry(patch: pytest.MonkeyPatch) -> None:
-    """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
-    patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
-    patch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
+def untimed(*effects: str) -> Callable[[Any, Any], Pair]:
+    """Work that is done once, as if it took 3 s and the other 2 s; of these effects alone, or of all."""
+
+    def compared(work: Any, _: Any) -> Pair:
+        if effects and not set(work.keywords) & set(effects):
+            raise BadInput("not looked at")
+        return timing.Timing(work(), 1.0, 0.5, 2.0), 3.0, 2.0
+
+    return compared
+
+
+def hurry(patch: pytest.MonkeyPatch, *effects: str) -> None:
+    """Times, scatter and damping ratios that nobody reads: these effects, or all, are switched once, quickly."""
+    patch.setattr(effects_report, "compared", untimed(*effects))
+    patch.setattr(effects_report, "scatter_of", lambda *_: {})
     patch.setattr(damper_stage, "figures", measured_quickly)
 
 
@@ -436,9 +447,11 @@ def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
         assert (found.relative, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
 
 
-@pytest.mark.usefixtures("hasty")
-def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_divergence_without_stiffening_is_said(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
+    hurry(monkeypatch, "stress_stiffening")
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
     plate["accuracy__frequency"] = 0.05
     scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
@@ -448,9 +461,11 @@ def test_divergence_without_stiffening_is_said(paper: Scene, tmp_path: Path, spi
     assert 0.0 < row["changes"]["frequency_1"] < 0.01  # at 1000 rpm, the only speed that both have
 
 
-@pytest.mark.usefixtures("hasty")
-def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_what_appears_has_no_number(
+    structure: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Without rolling resistance nothing stops the ball: there is no cut-off to compare with."""
+    hurry(monkeypatch, "rolling_resistance")
     scene = write(changed(structure, release__cycles="auto"), tmp_path / "scene.toml")
     outcome = spindamp("effects", scene, "--out", "out")
     assert outcome.status == 0, outcome.err
@@ -465,8 +480,10 @@ def test_what_appears_has_no_number(structure: Scene, tmp_path: Path, spindamp: 
     assert "no cutoff_g without it" in cells["remarks"]
 
 
-@pytest.mark.usefixtures("hasty")
-def test_what_needs_each_other_is_switched_together(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_what_needs_each_other_is_switched_together(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hurry(monkeypatch, "stress_stiffening", "large_deflection")
     plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1, "accuracy__frequency": 0.05}
     both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
@@ -505,9 +522,9 @@ def test_no_row_is_lost(structure: Scene, tmp_path: Path, spindamp: Command) -> 
     assert "accuracy, 0.001" in drawn
 
 
-@pytest.mark.usefixtures("hasty")
 def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The one way in which solid blades are solved otherwise; either run is a run, with nothing kept from the other."""
+    hurry(monkeypatch, "large_deflection")
     make.write_inp(tmp_path / "fan.inp", make.solid(make.FAN, (12, 6, 1)), "fan")
     few = {"damper": None, "blade__mesh": str(tmp_path / "fan.inp"), "rotor__speeds": ["9000 rpm"], "rotor__modes": 2}
     source = load.as_scene_file(changed(tomllib.loads(FAN.read_text(encoding="utf-8")), **few))
@@ -597,9 +614,9 @@ def test_a_manifold_change_is_a_factor() -> None:
     assert [effects_report.text(EffectStudy("", 1e-3, (row,))).count(" × 1150 ") for row in rows] == [0, 1]
 
 
-@pytest.mark.usefixtures("hasty")
-def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile) -> None:
+def test_no_change_is_taken_from_a_speed_without_a_verdict(tilting: SceneFile, monkeypatch: pytest.MonkeyPatch) -> None:
     """At 50 rpm the ball weighs more than its load."""
+    hurry(monkeypatch, "floor_tilt")
     speeds = tuple(rpm * np.pi / 30 for rpm in (50, 10000))
     switches = effect_study(tilting.changed(rotor={"speeds": speeds}), QUIET)
     (row,) = [row for row in switches.rows if row.effect == "floor_tilt"]
@@ -647,7 +664,7 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
 
     Whatever is switched, a change is an effect's only beyond twice that; the damper's own figures do not scatter.
     """
-    monkeypatch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+    monkeypatch.setattr(effects_report, "compared", untimed("floor_tilt"))
     scene: Scene = shipped_scene("structure")
     free = {"damper__rolling_friction": "0.01 mm", "damper__restitution": 0.8, "damper__ball_density": "7850 kg/m^3"}
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
@@ -667,7 +684,7 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
 def switched() -> dict[str, EffectChange]:
     """The effects of the known structure, untimed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
+        patch.setattr(effects_report, "compared", untimed())
         return {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
 
 
