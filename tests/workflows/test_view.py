@@ -14,7 +14,7 @@ import pytest
 
 from fem import modal_model
 from fem.meshes.cells import cell, edges_of
-from tests.workflows.browser import VIEWER, driven, findings, needs_chromium
+from tests.workflows.browser import PHONE, VIEWER, driven, findings, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, refused, shipped_scene, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
@@ -284,7 +284,7 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
       if (seen[4 * (y * canvas.width + x) + 3] > 127) { drawn++; left = Math.min(left, x); right = Math.max(right, x); }
     return { drawn, length: right - left + 1 };
     """
-    found = driven(path, VIEWER + script)
+    found = driven(path, VIEWER + script, width=PHONE)
     mesh = meshio.read(MESHES / "plate_with_hole.msh")
     triangles = mesh.points[mesh.cells_dict["triangle"]][..., :2]
     (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
@@ -310,7 +310,7 @@ def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
     const axes = figure.querySelector('.triad').textContent;
     return { above: contrast(Math.PI / 2), below: contrast(-Math.PI / 2), axes };
     """
-    found = driven(tmp_path / "page.html", VIEWER + script)
+    found = driven(tmp_path / "page.html", VIEWER + script, width=PHONE)
     assert found["above"] > 50
     assert found["below"] < 20
     assert found["axes"] == "xyz"

@@ -221,7 +221,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) 
              home, plays,
              remark: figure.querySelector('.viewer-remark').textContent };
     """
-    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script)
+    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script, width=PHONE)
     assert found["live"]
     assert found["moves"]
     assert found["remark"] == ""
