@@ -178,8 +178,9 @@ class Page:
         return found["result"].get("value")
 
     def prefers(self, scheme: str) -> None:
-        """Have it shown as to readers who prefer `light` or `dark`."""
-        self.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        """Have it shown as to readers who prefer `light` or `dark`, and that nothing moves by itself."""
+        wishes = {"prefers-color-scheme": scheme, "prefers-reduced-motion": "reduce"}
+        self.ask("Emulation.setEmulatedMedia", features=[{"name": n, "value": value} for n, value in wishes.items()])
 
     def words(self) -> list[dict[str, Any]]:
         """Whatever it had to say on the console."""
