@@ -163,7 +163,7 @@ def thick(*rpm: float, **changes: Any) -> Scene:
     scene: Scene = {
         "plate": {"length": "20 cm", "width": "8 cm", "thickness": "1 cm", "theory": "kirchhoff"},
         "material": {"name": "steel"},
-        "rotor": {"speeds": [f"{each} rpm" for each in rpm]},
+        "rotor": {"speeds": [f"{each} rpm" for each in rpm], "modes": 1},
         "damper": KNOWN["damper"]
         | {"count": None, "mass_ratio": None, "radius": "1.5 mm", "rolling_friction": "0.2 mm"},
         "release": {"displacement": ["1 mm", "0 mm"], "cycles": 2},

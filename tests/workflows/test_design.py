@@ -63,6 +63,7 @@ def in_a_range(slow, here):
 def few_speeds(monkeypatch):
     """Responses that follow few of the speeds, the crossing's among them."""
     monkeypatch.setattr(response, "SPEEDS", 9)
+    monkeypatch.setattr(response, "_ROUNDS", 1)
 
 
 def space_of(scene, **design):
@@ -649,6 +650,7 @@ def crossed(shaken, here):
     """Its best design, and response, followed at few of the speeds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(response, "SPEEDS", 9)
+        patch.setattr(response, "_ROUNDS", 1)
         return spindamp.design(shaken, executor=here)
 
 
@@ -827,6 +829,7 @@ def test_the_best_by_balance_is_confirmed_by_the_motion(grazing, here):
 def test_an_optimum_that_its_motion_refutes(grazing, here, monkeypatch):
     """Were the ball that rolls to and fro overlooked: every figure is that of the motion, and the search's is named."""
     monkeypatch.setattr(objectives, "rolling", lambda *_: 0.0)
+    monkeypatch.setattr(response, "best_levels", lambda *_: set())
     found = spindamp.design(grazing, executor=here)
     best, document = found.optimum.evaluation, found.document()
     (row,) = (row for row in response.rows(found.response) if row.force == 20.0)

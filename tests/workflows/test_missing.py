@@ -53,7 +53,7 @@ def test_the_shift_of_a_beam(theory: str, place: float, share: float) -> None:
 @pytest.mark.parametrize("effects", [{}, {"coriolis": True}, {"large_deflection": True}])
 def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
     """Every frequency of a run with the effect, at rest and fast, is shifted as a positive mass shifts it back."""
-    scene = changed(paper, rotor__speeds=[0, "17500 rpm"], rotor__modes=4, release__cycles=1, effects=effects)
+    scene = changed(paper, rotor__speeds=[0, "17500 rpm"], rotor__modes=2, release__cycles=1, effects=effects)
     scene = changed(scene, effects__cavity_mass="auto", damper__count=5)
     mass, none = 7850 * 5 * 2.5e-3 * 2.4e-3 * 2e-3, {"effects__cavity_mass": False}
     on, off, heavy = (
@@ -74,7 +74,7 @@ def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
 
 @pytest.mark.usefixtures("quickly")
 def test_left_out_it_is_part_of_the_error(paper: Scene) -> None:
-    scene = changed(paper, rotor__speeds=[0], damper__count=1, accuracy={"frequency": 2e-3}, effects=None)
+    scene = changed(paper, rotor__speeds=[0], rotor__modes=2, damper__count=1, accuracy__frequency=2e-3, effects=None)
     (point,) = pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=False).points
     parts, reduced = point.modes[0].error_parts, point.reduced
     assert parts is not None
@@ -85,7 +85,7 @@ def test_left_out_it_is_part_of_the_error(paper: Scene) -> None:
 @pytest.mark.usefixtures("quickly")
 def test_plates_that_are_kept_have_the_error_of_each_damper(paper: Scene) -> None:
     """Cavities that are left out, and of those that count others of the same volume and depth, on one plate."""
-    scene = changed(paper, rotor__speeds=[0], damper__count=1, accuracy={"frequency": 2e-3}, effects=None)
+    scene = changed(paper, rotor__speeds=[0], rotor__modes=2, damper__count=1, accuracy__frequency=2e-3, effects=None)
     small, other = {"damper__cavity": ["2.5 mm", "2.2 mm"]}, {"damper__cavity": ["2.5 mm", "3 mm"]}
     on = {"effects__cavity_mass": True}
     wide = on | other | {"damper__radius": "0.8 mm"}

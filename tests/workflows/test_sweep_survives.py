@@ -315,12 +315,6 @@ def test_a_folder_with_other_things_is_refused(asked, tmp_path):
         complete(asked, tmp_path / "out")
 
 
-def test_processes_give_the_same_bits(asked, undisturbed, tmp_path):
-    """One real process of this machine: spawned, one thread, its own caches."""
-    study.complete(asked, tmp_path / "out", executor.local(1), Stages(visible=False))
-    assert contents(tmp_path / "out") == undisturbed
-
-
 def test_the_data_set_is_read_back(whole):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -347,10 +341,12 @@ def test_no_cluster(asked, tmp_path):
         study.complete(asked, tmp_path / "out", executor.cluster("nonsense://there:1"), Stages(visible=False))
 
 
-def test_a_script_without_a_guard(tmp_path: Path) -> None:
-    """Processes of this machine do not run the script again: no `if __name__ == "__main__"` is needed."""
+def test_processes_give_the_same_bits_to_a_script_without_a_guard(in_parts, tmp_path):
+    """One real process of this machine: spawned, one thread, its own caches; it does not run the script again."""
     script = tmp_path / "study.py"
-    call = 'spindamp.sweep("structure", {"damper.friction": [0.1, 0.3]}, quick=True, workers=1)'
+    call = f'spindamp.sweep("structure", {VARY}, quick=True, workers=1, out="out")'
     script.write_text(f"import spindamp\nprint(dict({call}.sizes))\n", encoding="utf-8")
-    done = python(script)
-    assert (done.returncode, done.stdout) == (0, "{'damper.friction': 2, 'rotor.speeds': 1}\n"), done.stderr
+    done = python(script, cwd=tmp_path)
+    sizes = "{'damper.friction': 4, 'damper.restitution': 2, 'rotor.speeds': 1}\n"
+    assert (done.returncode, done.stdout) == (0, sizes), done.stderr
+    assert contents(tmp_path / "out") == in_parts
