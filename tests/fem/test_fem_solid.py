@@ -210,11 +210,10 @@ COARSELY = {
 @pytest.mark.parametrize("name", COARSELY)
 def test_errors_are_covered_on_meshes_that_are_far_too_coarse(name):
     """Blades with one error of 1.2 to 1.5 times an estimate that knew neither mixed modes nor such meshes."""
-    known = {}
-    for cells in ((24, 12, 2), (6, 3, 1), (6, 3, 2)):
+    _, fine = still(COARSELY[name], (24, 12, 2), 8)
+    for cells in ((6, 3, 1), (6, 3, 2)):
         operators, modes = still(COARSELY[name], cells, 10)
-        known[cells] = modes.frequencies_hz[:8]
-        off = known[cells] / known[24, 12, 2] - 1.0
+        off = modes.frequencies_hz[:8] / fine.frequencies_hz - 1.0
         assert (off <= mesh_errors(operators, modes.shapes, modes.eigenvalues)[:8]).all(), (cells, off)
 
 
@@ -252,11 +251,9 @@ FAR_ABOVE = {
 @pytest.mark.parametrize("name", FAR_ABOVE)
 def test_modes_far_above_say_nothing_of_the_first_error(name):
     """Of 0.7 %, 77 to 510 % were said, by how many modes were asked for: those that are hardly known chained down."""
-    first = {}
-    for cells in ((20, 12, 2), (8, 4, 1)):
-        operators, modes = still(FAR_ABOVE[name], cells, 8)
-        first[cells] = modes.frequencies_hz[0]
-    off = first[8, 4, 1] / first[20, 12, 2] - 1.0
+    _, fine = still(FAR_ABOVE[name], (20, 12, 2), 1)
+    operators, modes = still(FAR_ABOVE[name], (8, 4, 1), 8)
+    off = modes.frequencies_hz[0] / fine.frequencies_hz[0] - 1.0
     errors = [mesh_errors(operators, modes.shapes[:, :k], modes.eigenvalues[:k])[0] for k in range(1, 9)]
     np.testing.assert_allclose(errors, errors[0], rtol=1e-9)
     assert off < errors[0] < 15.0 * off
@@ -512,7 +509,7 @@ def test_the_pull_of_a_ball_follows_the_metal(case):
         reduced, _ = reduced_modes(modes, floor(solved.model, at, modes, AXIS), solved.pull(at), ball_mass=0.01)
         assert reduced.f2_hz == pytest.approx(alone, rel=3e-5)
         assert reduced.f1_hz - reduced.f2_hz == pytest.approx(other - alone, abs=0.04), "by the line, 0.7 Hz off"
-    line = [pull(solved.model, at, samples).stiffness(modes)[0, 0] for samples in (48, 800)]
+    line = [pull(solved.model, at, samples).stiffness(modes)[0, 0] for samples in (48, 200)]
     assert line[1] == pytest.approx(line[0], rel=0.02)
     assert line[0] == pytest.approx(solved.pull(at).stiffness(modes)[0, 0], rel=0.25)
 
