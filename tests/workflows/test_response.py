@@ -60,7 +60,8 @@ def few_speeds(monkeypatch):
 @pytest.fixture
 def requested_alone(monkeypatch):
     """No level besides those that are asked for."""
-    monkeypatch.setattr(study, "best_levels", lambda *_: set())
+    for more in ("best_levels", "levels_above"):
+        monkeypatch.setattr(study, more, lambda *_: set())
 
 
 @pytest.fixture(scope="module")
