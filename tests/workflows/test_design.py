@@ -63,7 +63,7 @@ def in_a_range(slow, here):
 def few_speeds(monkeypatch):
     """Responses that follow few of the speeds, the crossing's among them."""
     monkeypatch.setattr(response, "SPEEDS", 9)
-    monkeypatch.setattr(response, "_ROUNDS", 1)
+    monkeypatch.setattr(response, "ROUNDS", 1)
 
 
 def space_of(scene, **design):
@@ -650,7 +650,7 @@ def crossed(shaken, here):
     """Its best design, and response, followed at few of the speeds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(response, "SPEEDS", 9)
-        patch.setattr(response, "_ROUNDS", 1)
+        patch.setattr(response, "ROUNDS", 1)
         return spindamp.design(shaken, executor=here)
 
 

@@ -297,7 +297,7 @@ _APART = 0.05
 SPEEDS, FEW_SPEEDS = 40, 12
 """Through a crossing, at first; fewer where each speed of the plate is solved by itself."""
 
-_ROUNDS = 4
+ROUNDS = 4
 """How often a further speed is evaluated for each force."""
 
 _ACCURACY = 1e-2
@@ -480,7 +480,7 @@ def _followed(
     omega = _speeds(solver, met, system)
     cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
     states = _steady_states(solver, crossing, cases(omega), axis)
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
         more = beside_peaks(omega, largest)
         others = _steady_states(solver, crossing, cases(more), axis)
