@@ -424,7 +424,7 @@ def test_further_speeds_lie_beside_the_peaks(peak):
         near = 1 / np.hypot(width, speed - peak)
         return np.stack([near, 5 * near, 1 / np.hypot(width, speed - 97.0)], axis=1)
 
-    for _ in range(study._ROUNDS):
+    for _ in range(study.ROUNDS):
         more = study.beside_peaks(omega, amplitude(omega))
         assert len(more) == 3
         assert np.abs(more[:, None] - omega).min() > 0
