@@ -215,11 +215,11 @@ def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
         return None
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
     points = []
-    for amplitude in np.geomspace(low * (1 + 1e-9), high, _POINTS):
-        ball = swinging(bare, amplitude)
-        if abs(ball[0]) > gap:
+    amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)
+    for amplitude, place, velocity in zip(amplitudes, *swinging(bare, amplitudes), strict=True):
+        if abs(place) > gap:
             break
-        run = _released(bare, amplitude, _FIRST + _FEW, ball)
+        run = _released(bare, amplitude, _FIRST + _FEW, (place, velocity))
         if run.impacts:
             break
         decrement = np.log(run.peak_velocities[_FIRST] / run.peak_velocities[-1])

@@ -358,7 +358,7 @@ def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | N
     every, ahead = [], _APART * np.arange(sweeps)
     for low, high, stay, rests, rolls in climbs:
         start = low * 2 ** (-(SETTLING + ahead) / stay)
-        place, velocity = np.array([swinging(damper, a) for a in start]).T if rolls else (rests[0], 0.0)
+        place, velocity = swinging(damper, start) if rolls else (rests[0], 0.0)
         cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
         every.append(sweeps_from(start, cycles, 4 ** (1 / stay), place, velocity, rests[1]))
     every_way = Sweeps(*map(np.concatenate, zip(*every, strict=True)))
@@ -464,7 +464,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
         amplitude, strays = amplitude[lasts], strays[lasts]
     wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
 
-    ball = np.array([swinging(wide, each) for each in amplitude]).T
+    ball = swinging(wide, amplitude)
     settling, counted = _ROLLED
     energy = _ramped(wide, sweeps_from(amplitude, settling + counted, 1.0, *ball), threads, alike=damper)[:, settling:]
     if damper.rolling_threshold > 0 and held:  # over half the clearance, by what it loses
@@ -523,7 +523,7 @@ def _strays(damper: ParticleDamper, amplitude: Floats) -> Floats:
     return far / gap
 
 
-def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
+def swinging(damper: ParticleDamper, amplitude: Floats | float) -> tuple[Floats, Floats]:
     """Place and velocity along x, at a crest of the structure, of a ball that rolls evenly to and fro.
 
     s'' = -share u'' - beta a_r sgn s' with a turn every half period: at each the structure's velocity is
@@ -532,14 +532,14 @@ def swinging(damper: ParticleDamper, amplitude: float) -> tuple[float, float]:
     does not move evenly this may be beyond the wall: it begins there.
     """
     share = damper.inertia_ratio * (1 - damper.tilt_share[0])
-    omega, push = damper.stuck_frequency, damper.inertia_ratio * damper.rolling_threshold
-    ahead = 0.5 * math.pi * push / (abs(share) * amplitude * omega**2)
-    if ahead >= 1 or math.sqrt(1 - ahead**2) * abs(share) * amplitude * omega**2 < push:
-        return 0.0, 0.0
-    way, wait = math.copysign(1.0, share), math.asin(ahead) / omega
-    place = abs(share) * amplitude * (ahead * wait * omega - 1) - 0.5 * push * wait**2
-    place = max(place, -damper.half_gap[0])
-    return way * place, way * (abs(share) * amplitude * omega * ahead - push * wait)
+    omega, push, swing = damper.stuck_frequency, damper.inertia_ratio * damper.rolling_threshold, abs(share) * amplitude
+    ahead = 0.5 * math.pi * push / (swing * omega**2)
+    lag = np.minimum(ahead, 1.0)
+    evenly = (ahead < 1) & (np.sqrt(1 - lag**2) * swing * omega**2 >= push)
+    way, wait = math.copysign(1.0, share), np.arcsin(lag) / omega
+    place = np.maximum(swing * (lag * wait * omega - 1) - 0.5 * push * wait**2, -damper.half_gap[0])
+    velocity = swing * omega * lag - push * wait
+    return np.where(evenly, way * place, 0.0), np.where(evenly, way * velocity, 0.0)
 
 
 def _rows(damper: ParticleDamper, energy: Floats) -> Floats:

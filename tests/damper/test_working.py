@@ -361,7 +361,7 @@ def test_a_ball_that_begins_at_a_wall_counts() -> None:
 
 def even(damper: ParticleDamper, amplitude: float, cycles: int, off: float = 0.0) -> RingDown:
     """A light ball on a heavy structure that begins to roll evenly, so far off the middle of its cavity [m]."""
-    place, velocity = swinging(damper, amplitude)
+    place, velocity = map(float, swinging(damper, amplitude))
     still = replace(damper, modal_mass=damper.stuck_mass, ball_mass=1e-7 * damper.ball_mass)
     start = {"ball_position": (place + off, 0.0), "ball_velocity": (velocity, 0.0)}
     return ringdown(still, (amplitude, 0.0), cycles, keep_events=True, **start)
