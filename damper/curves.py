@@ -334,14 +334,12 @@ class Tally(NamedTuple):
     """What sweeps spent and lost in bins of amplitude.
 
     Attributes:
-        first: number of the first bin.
         cycles: spent in each bin by each sweep, shape (sweeps, bins).
         lost: sums of their damping ratios, the same.
         place: and of where they were, in bins, the same.
         counts: whether a bin is above the cut-off, shape (bins,).
     """
 
-    first: int
     cycles: Floats
     lost: Floats
     place: Floats
@@ -362,7 +360,7 @@ def tally(samples: Floats, cutoff: float) -> Tally:
         before, after, sweep = before[moving], after[moving], sweep[moving]
     if not before.size:
         none = np.zeros((len(numbers), 0))
-        return Tally(0, none, none, none, np.zeros(0, bool))
+        return Tally(none, none, none, np.zeros(0, bool))
     low, high = np.minimum(before, after) / _WIDTH, np.maximum(before, after) / _WIDTH
     first = np.floor(low).astype(int)
     crossed = np.floor(high).astype(int) - first + 1  # bins that each cycle is in
@@ -378,12 +376,12 @@ def tally(samples: Floats, cutoff: float) -> Tally:
     sums = [np.bincount(which, each, size).reshape(-1, bins).astype(float) for each in weights]
     floor = math.log(cutoff) / _WIDTH if cutoff > 0 else -math.inf
     counts = origin + np.arange(1, bins + 1) > floor
-    return Tally(origin, sums[0], sums[1], sums[2], counts)
+    return Tally(sums[0], sums[1], sums[2], counts)
 
 
 def _points(found: Tally, sweeps: slice | npt.NDArray[Any] = _ALL) -> tuple[Floats, Floats]:
     """Amplitude [m] and mean damping ratio in bins, shape (n,): what sweeps lost in one over their cycles in it."""
-    cycles, lost, place = (each[sweeps].sum(axis=0) for each in found[1:4])
+    cycles, lost, place = (each[sweeps].sum(axis=0) for each in found[:3])
     met = (cycles > _LEAST_STAY) & found.counts
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 

@@ -642,7 +642,7 @@ class Plots:
 
     Each draws into the axes `ax`, or into a new current figure of pyplot: a notebook shows it, and so does
     `matplotlib.pyplot.show()`. Each raises BadInput where the run has nothing of the kind, and TypeError where `ax` is
-    none.
+    something else than axes.
     """
 
     results: Results

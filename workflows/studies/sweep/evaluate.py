@@ -3,7 +3,7 @@
 import json
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import groupby
 from threading import Lock
@@ -26,6 +26,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
 from workflows.solve.damper import QUICK, figures
+from workflows.solve.known_modes import Request
 from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint
 from workflows.solve.structure import PlateSolution, StructureSolver, StructureState
@@ -97,7 +98,7 @@ class PlateCache:
         """
         if source.scene.plate is None:
             return StructureSolver(source, Stages(visible=False)).at()
-        solver, solutions = self._plate(_Plate(plate_key(source.scene), source))
+        solver, solutions = self._plate(Request(plate_key(source.scene), source))
         effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
         effects |= selection.resolve(source.scene, source.name, solver.choice.form, names=OF_THE_DAMPER)
         with self._lock:
@@ -112,15 +113,7 @@ class PlateCache:
         return StructureState(source, effects, points, solution, surface)
 
 
-@dataclass(frozen=True)
-class _Plate:
-    """The plate of a scene, known by what it depends on."""
-
-    key: str
-    source: SceneFile = field(compare=False)
-
-
-def _solver_of(plate: _Plate) -> tuple[StructureSolver, deque[PlateSolution]]:
+def _solver_of(plate: Request) -> tuple[StructureSolver, deque[PlateSolution]]:
     """What solves a plate, and its solutions with the cavities of the last dampers."""
     return StructureSolver(plate.source, Stages(visible=False)), deque(maxlen=_CAVITIES)
 
