@@ -329,7 +329,7 @@ def test_the_data_set_is_read_back(whole):
 def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
     """A real scheduler and a worker, in threads of this process."""
     distributed = pytest.importorskip("distributed")
-    how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": ":0"}
     with distributed.LocalCluster(**how) as cluster:
         study.complete(asked, tmp_path / "out", executor.cluster(cluster.scheduler_address), Stages(visible=False))
     assert contents(tmp_path / "out") == undisturbed
