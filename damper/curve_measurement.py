@@ -22,6 +22,7 @@ from damper.curves import (
     BINNED,
     BINS,
     DampingCurve,
+    as_read,
     continued,
     differs,
     figures,
@@ -190,8 +191,8 @@ def damping_curve(
         name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
     }
     others["from_above"] = growing.descending
-    others = {name: resolved(each, rolls) for name, each in others.items()}
-    growing = replace(resolved(growing, rolls), **others)
+    others = {name: as_read(resolved(each, rolls)) for name, each in others.items()}
+    growing = replace(as_read(resolved(growing, rolls)), **others)
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
@@ -208,7 +209,7 @@ def falling(
     damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
 ) -> DampingCurve:
     """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
-    return _down(undamped(damper), _Pace(sweeps, stay), 0.0, threads)[0]
+    return as_read(_down(undamped(damper), _Pace(sweeps, stay), 0.0, threads)[0])
 
 
 def _down(

@@ -42,6 +42,12 @@ _NEAR = 2.5
 
 _ALL = slice(None)
 
+_STEEP = 0.25
+"""Relative difference between neighbouring bins from which on that is a fall, of which most bins have no part."""
+
+_FOOT = 0.01
+"""Bins, at most, between the two ends of a step from one motion to another."""
+
 _PARTED = 0.1
 """Relative difference from which on a point of the way up is another motion's than that of the way down."""
 
@@ -59,8 +65,8 @@ class DampingCurve:
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].
         error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
-            peak, or both from what faster sweeps show, or the sweeps up from each other and from what others may show
-            [-].
+            peak, or both from what faster sweeps show, or the sweeps up from each other and from what others may show,
+            or what the width of the bins may take from a narrow peak [-].
         from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
         slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
@@ -178,6 +184,22 @@ def moved(before: DampingCurve, after: DampingCurve) -> float:
         return 1.0
     was, now = np.array([before.peak, *before.half]), np.array([after.peak, *after.half])
     return float(np.abs(was / now - 1).max())
+
+
+def as_read(curve: DampingCurve) -> DampingCurve:
+    """The same, its error at least what the width of the bins may take from the peak.
+
+    Of a tent whose top lies anywhere in a bin, the mean over that bin lacks a sixth to a half of what the means on
+    either side lack of it, and of a smooth peak a sixth: a quarter counts, and of a side no more than `_STEEP`.
+    """
+    if curve.peak == 0:
+        return curve
+    place, best, lacks = np.log(curve.amplitude) / _WIDTH, int(np.argmax(curve.damping_ratio)), 0.0
+    for way in (-1, 1):
+        if 0 <= best + way < len(place) and abs(place[best + way] - place[best]) > _FOOT:
+            beside = float(np.interp(place[best] + way, place, curve.damping_ratio))
+            lacks += min(1 - beside / curve.peak, _STEEP)
+    return replace(curve, error=max(curve.error, lacks / 4))
 
 
 def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:
