@@ -373,6 +373,11 @@ def forms(matrices: Array, rows: NDArray[Any]) -> Array:
     return np.asarray(values.reshape(len(matrices), len(parts), *rows.shape[:2]).sum(axis=1))
 
 
+def symmetric(matrices: NDArray[Any]) -> NDArray[Any]:
+    """The symmetric parts of matrices (..., n, n)."""
+    return np.asarray(0.5 * (matrices + matrices.swapaxes(-1, -2)))
+
+
 def rounding(stiffness: csc_array, shapes: Array, eigenvalues: Array) -> Array:
     """What double precision leaves uncertain of frequencies, relatively.
 

@@ -35,6 +35,7 @@ from fem.linalg import (
     orthonormal,
     random_block,
     rounding,
+    symmetric,
 )
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest, linearise
@@ -242,12 +243,8 @@ def energy_shares(operators: Operators, shapes: NDArray[Any]) -> Array:
     Returns:
         Shape (5, count).
     """
-    if np.iscomplexobj(shapes):
-        both = np.hstack([shapes.real, shapes.imag])
-        energy = np.einsum("fii->fi", share_matrices(operators, both))
-        energy = energy[:, : shapes.shape[1]] + energy[:, shapes.shape[1] :]
-    else:
-        energy = np.einsum("fii->fi", share_matrices(operators, shapes))
+    parts = (shapes.real, shapes.imag) if np.iscomplexobj(shapes) else (shapes,)
+    energy = np.sum([np.einsum("fii->fi", share_matrices(operators, part)) for part in parts], axis=0)
     return np.asarray(energy / energy.sum(axis=0))
 
 
@@ -397,14 +394,9 @@ def _small(span: _Span, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
 
     With z = (x, w x) the problem is diag(K, M) z = w ((-i Omega G, M), (M, 0)) z.
     """
-    return _projected(span.vectors.T @ span.heavy, span.vectors.T @ span.turned, shift, count)
-
-
-def _projected(mass: Array, turned: Array, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
-    """The same of the mass and Coriolis matrices (r, r) in the span."""
-    squares, axes = np.linalg.eigh(_even(mass))
+    squares, axes = np.linalg.eigh(symmetric(span.vectors.T @ span.heavy))
     soft = np.maximum(1.0 - shift * squares, np.finfo(float).eps) ** -0.5
-    turning = axes.T @ turned @ axes
+    turning = axes.T @ (span.vectors.T @ span.turned) @ axes
     heavy = np.diag(soft * np.sqrt(np.maximum(squares, 0.0)))
     gyroscopic = -0.5j * soft[:, None] * (turning - turning.T) * soft
     inverse, vectors = np.linalg.eigh(np.block([[gyroscopic, heavy], [heavy, np.zeros_like(heavy)]]))
@@ -417,10 +409,6 @@ def _projected(mass: Array, turned: Array, shift: float, count: int) -> tuple[Ar
 def _product(real: Array, other: NDArray[Any]) -> NDArray[Any]:
     """Product of a real matrix and a complex one; numpy would make both complex."""
     return np.asarray(real @ other.real + 1j * (real @ other.imag))
-
-
-def _even(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))
 
 
 def _turned(shapes: NDArray[Any], mass: csc_array) -> NDArray[Any]:
@@ -448,7 +436,7 @@ def _damped(
     rates = damping_ratio * np.sqrt(still.eigenvalues)
     damping = basis.T @ (coriolis @ basis) + 2.0 * (overlap * rates) @ overlap.T
     # In energy coordinates, of x and of the velocity, the largest 1 / lambda are the lowest frequencies.
-    squares, directions = np.linalg.eigh(_even(basis.T @ heavy))
+    squares, directions = np.linalg.eigh(symmetric(basis.T @ heavy))
     root = np.sqrt(np.maximum(squares, 0.0))[:, None] * directions.T
     values, vectors = np.linalg.eig(np.block([[-damping, -root.T], [root, np.zeros_like(root)]]))
     heaviest = np.abs(values).max()

@@ -337,15 +337,12 @@ class Estimates:
 
         Where a mesh tried had no modes, two that have are not enough.
         """
-        errors = self._by_two(apart, coarse, fine)
+        errors = self._fallen(apart, self._usual, coarse, fine)
         errors[self.meshes.alive(coarse, fine) & ~self.meshes.alive(*self.meshes.sizes)] = np.inf
         before = self._before(coarse)
         if before is not None and (known := self.meshes.alive(before, coarse, fine)).any():
             errors[known] = self._by_three(self.meshes.apart(before, coarse)[known], apart[known], before, coarse, fine)
         return errors
-
-    def _by_two(self, apart: Array, coarse: int, fine: int) -> Array:
-        return self._fallen(apart, self._usual, coarse, fine)
 
     def _by_three(self, first: Array, second: Array, before: int, coarse: int, fine: int) -> Array:
         """Errors (k, count) on the finest of three meshes, of which the first two and the last two are so far apart.
@@ -383,10 +380,10 @@ class Estimates:
     def _before(self, coarse: int) -> int | None:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
         sizes = [size for size in self.meshes.sizes if size < coarse]
-        return max(
-            (s for s in sizes if self._pointed or enough_cells(self.meshes.planform, s, self.meshes.count)),
-            default=None,
-        )
+        # where a point mass pulls at a solid, its displacement there grows with the cells' inverse size
+        if not (self._pressed and kind(self.meshes.theory) is Kind.SOLID):
+            sizes = [size for size in sizes if enough_cells(self.meshes.planform, size, self.meshes.count)]
+        return max(sizes, default=None)
 
     @property
     def _is_cornered(self) -> bool:
@@ -416,11 +413,6 @@ class Estimates:
     def _pressed(self) -> bool:
         """Whether a point mass presses on the plate."""
         return self.meshes.plate.tip_mass > 0.0
-
-    @property
-    def _pointed(self) -> bool:
-        """Whether a point mass pulls at a solid: its displacement there grows with the cells' inverse size."""
-        return kind(self.meshes.theory) is Kind.SOLID and self._pressed
 
     def _unseen(self, size: int) -> float:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""

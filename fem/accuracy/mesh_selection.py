@@ -98,7 +98,8 @@ def choose_mesh(
     probes = tuple(sorted({min(speeds), max(speeds)}))
     search = Estimates(TrialMeshes(planform, build, probes, count, EXACT * tolerance))
     if len(planform.sizes) == 1 or _alone(search.meshes, most):
-        return _unknown(search, planform.sizes[0], tolerance)
+        unknown = np.full_like(search.meshes.frequencies(planform.sizes[0]), np.nan)
+        return _end(search, planform.sizes[0], unknown, tolerance)
     coarse, fine = first_pair(planform, count)
     while True:
         before, errors = search.errors(coarse, fine)
@@ -114,15 +115,11 @@ def choose_mesh(
         if between and len(search.largest) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        following = next_size(planform, fine, float(errors.max()) / tolerance, _room(search.meshes, fine, most))
+        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.unknowns(fine)
+        following = next_size(planform, fine, float(errors.max()) / tolerance, room)
         if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
         coarse, fine = fine, following
-
-
-def _room(meshes: TrialMeshes, size: int, most: int | None) -> float:
-    """How many times the unknowns of a mesh a finer one may have."""
-    return min(_most(meshes.theory), most or np.inf) / meshes.unknowns(size)
 
 
 def _trust(search: Estimates) -> float:
@@ -148,11 +145,6 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
         2.0 * np.pi * meshes.frequencies(size)[alive],
         meshes.states(size),
     )
-
-
-def _unknown(search: Estimates, size: int, tolerance: float) -> Choice:
-    """The only mesh there is, with errors that nothing tells."""
-    return _end(search, size, np.full_like(search.meshes.frequencies(size), np.nan), tolerance)
 
 
 def _alone(meshes: TrialMeshes, most: int | None) -> bool:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, vstack
 
-from fem.assembly import AtPlace, Operators, rows_at, uniform_load, with_point_mass
+from fem.assembly import Operators, rows_at, uniform_load, with_point_mass
 from fem.linalg import Array
 from fem.meshes import thickness
 from fem.modes import Divergence
@@ -69,7 +69,9 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         bases = [basis.without_coriolis for basis in diagram.bases]
         diagram = campbell(operators, diagram.omega, count, states=known, bases=bases)
     place = operators.at_place(at)
-    rows = vstack([floor_rows(place), csc_array(load_rows(operators))]).tocsc()
+    # Of the place: displacements w and v along the floor's axes, slopes w_x and -u_y.
+    floor = [place.moved[[2, 1]], place.along[[2]], -place.across[[0]]]
+    rows = vstack([*floor, csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection
     pull = None if large else place.ball[0]
@@ -88,11 +90,6 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     motion = np.concatenate(motions)
     moved, tilted, drawn, pressed = motion[:, :2], motion[:, 2:4], motion[:, 4:6], motion[:, 6]
     return ModesAtPlace(diagram.omega, np.concatenate(stiffness), moved, tilted, drawn, pressed)
-
-
-def floor_rows(place: AtPlace) -> csc_array:
-    """Rows (4, n) for a place: displacements w and v along the floor's axes, slopes w_x and -u_y."""
-    return vstack([place.moved[[2, 1]], place.along[[2]], -place.across[[0]]]).tocsc()
 
 
 def load_rows(operators: Operators) -> Array:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import linalg
-from fem.linalg import Nearby
+from fem.linalg import Nearby, symmetric
 from fem.meshes.cells import cell
 from fem.rotor import Effects
 
@@ -241,7 +241,7 @@ class SolidState:
         moved = self.operators.spread(step)
         ahead = []
         for cells, f, s in zip(self.operators.cells, self.deformation, self.stress, strict=True):
-            ahead.append(s + self.operators.stress(_symmetric(f.swapaxes(-1, -2) @ _gradient(cells, moved))))
+            ahead.append(s + self.operators.stress(symmetric(f.swapaxes(-1, -2) @ _gradient(cells, moved))))
         return ahead
 
     def stiffness(self, stress: list[Array] | None = None) -> csc_array:
@@ -286,10 +286,6 @@ def _cell_stiffness(cells: Cells, part: slice, f: Array, s: Array, lame: tuple[f
 def _gradient(cells: Cells, moved: Array) -> Array:
     """Displacement gradients (ncell, npoint, 3, 3), du_i / dX_k, of nodes moved (nnode, 3)."""
     return np.asarray(np.einsum("cpkn,cni->cpik", cells.gradients, moved[cells.nodes], optimize=True))
-
-
-def _symmetric(gradient: Array) -> Array:
-    return np.asarray(0.5 * (gradient + gradient.swapaxes(-1, -2)))
 
 
 def _add(total: Array, nodes: Indices, own: Array) -> None:
@@ -382,11 +378,11 @@ class SolidOperators:
                     np.einsum("cpjn,cni->cpji", slopes, each[nodes], optimize=True) for each in (rest, moved)
                 )
                 back = back + np.eye(3)  # F transposed
-                under = self.stress(_symmetric(back @ turned.swapaxes(-1, -2)))
+                under = self.stress(symmetric(back @ turned.swapaxes(-1, -2)))
                 wave = np.einsum("cpjn,cnik->kcpij", slopes, waves[nodes], optimize=True)
                 weighted = cells.weights[part][..., None, None]
-                strain = weighted * self.stress(_symmetric(back @ wave))
-                more = _symmetric(turned @ wave)
+                strain = weighted * self.stress(symmetric(back @ wave))
+                more = symmetric(turned @ wave)
                 both = strain.reshape(count, -1) @ more.reshape(count, -1).T
                 total += both + both.T + (wave @ (weighted * under)).reshape(count, -1) @ wave.reshape(count, -1).T
         return total

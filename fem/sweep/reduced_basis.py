@@ -28,7 +28,7 @@ from scipy.linalg import polar
 from scipy.sparse import csc_array
 
 from fem.assembly import Operators
-from fem.linalg import Array, forms, orthonormal, rounding
+from fem.linalg import Array, forms, orthonormal, rounding, symmetric
 from fem.modes import Modes, share_matrices, solve_real
 
 SAFETY = 2.0
@@ -188,7 +188,7 @@ def _project(
     energy, heavy, spinning, *turning = images
     r = vectors.shape[1]
     span = np.hstack([vectors, *representers])
-    gram = _symmetric(span.T @ np.hstack([energy, spinning, heavy, *turning]))
+    gram = symmetric(span.T @ np.hstack([energy, spinning, heavy, *turning]))
     outside = gram[r:, r:] - gram[r:, :r] @ gram[:r, r:]
     left = representers[0] - vectors @ gram[:r, r : 2 * r]
     groups, stretches, axes = _groups(gram, r), np.empty(r), np.zeros((r, r))
@@ -199,7 +199,7 @@ def _project(
         vectors=vectors,
         images=images,
         representers=representers,
-        mass=_symmetric(vectors.T @ heavy),
+        mass=symmetric(vectors.T @ heavy),
         coriolis=vectors.T @ turning[0] if turning else None,
         groups=groups,
         stretches=stretches,
@@ -220,18 +220,14 @@ def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
     return tuple(np.flatnonzero(group == number) for number in range(count))
 
 
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))
-
-
 def _extremes(a: Array, b: Array) -> tuple[float, float]:
     """Smallest and largest eigenvalue of the pencil (a, b), with b's null space left out."""
-    values, vectors = np.linalg.eigh(_symmetric(b))
+    values, vectors = np.linalg.eigh(symmetric(b))
     keep = values > 1e-12 * max(values[-1], 0.0)
     if not keep.any():
         return 0.0, 0.0
     whitened = vectors[:, keep] / np.sqrt(values[keep])
-    eigenvalues = np.linalg.eigvalsh(whitened.T @ _symmetric(a) @ whitened)
+    eigenvalues = np.linalg.eigvalsh(whitened.T @ symmetric(a) @ whitened)
     return float(eigenvalues[0]), float(eigenvalues[-1])
 
 
@@ -637,29 +633,21 @@ def answer(
     Raises:
         Divergence: when a speed is found to be beyond the critical one.
     """
-    if omega.size > FEW:
-        return _by_halves(operators, omega, count, tolerance, damping_ratio, halvings)
-    basis, solved, _ = grow(operators, omega, count, tolerance, SPARES[0])
-    return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
-
-
-def _by_halves(
-    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float, halvings: int
-) -> list[Swept]:
-    for spare in SPARES:
-        basis, solved, gapless = grow(operators, omega, count, tolerance, spare)
-        if solved.within(tolerance).all() or omega.size == 1:
-            return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
-        if not gapless:
-            break
-    if halvings == 0:
-        return [_collect(operators, basis, solved, count, tolerance, damping_ratio)]
-    half = int(np.searchsorted(omega, 0.5 * (omega[0] + omega[-1]), side="right"))
-    return [
-        part
-        for piece in (omega[:half], omega[half:])
-        for part in _by_halves(operators, piece, count, tolerance, damping_ratio, halvings - 1)
-    ]
+    few = omega.size <= FEW
+    parts, open_ranges = [], [(omega, 0 if few else halvings)]
+    while open_ranges:
+        speeds, left = open_ranges.pop()
+        for spare in SPARES[:1] if few else SPARES:
+            basis, solved, gapless = grow(operators, speeds, count, tolerance, spare)
+            done = solved.within(tolerance).all() or speeds.size == 1
+            if done or not gapless:
+                break
+        if done or left == 0:
+            parts.append(_collect(operators, basis, solved, count, tolerance, damping_ratio))
+        else:
+            half = int(np.searchsorted(speeds, 0.5 * (speeds[0] + speeds[-1]), side="right"))
+            open_ranges += [(speeds[half:], left - 1), (speeds[:half], left - 1)]
+    return parts
 
 
 def grow(

@@ -68,7 +68,7 @@ def campbell(results: Results) -> list[Curve]:
     for branch in branches(results):
         points = [(results.speeds[at].rpm, results.speeds[at].modes[place].frequency_hz) for at, place in branch.places]
         rpm, frequency = np.array(points).T
-        name = f"campbell_{''.join(c if c.isalnum() else '_' for c in branch.family)}_{branch.number}"
+        name = f"campbell_{''.join(c if c.isalnum() else '_' for c in branch.label)}"
         curves.append(Curve(name, branch.label, "speed_rpm", "frequency_hz", rpm, frequency))
     return curves
 

@@ -343,12 +343,12 @@ def _from_to(lines: list[files.Curve], ranges: list[OwnFigures]) -> tuple[float,
     return 1e3 * low / _MARGIN, 1e3 * shown.max() * _MARGIN
 
 
-def _beside(axes: Axes, limit: float | None) -> None:
+def _beside(axes: Axes, limit: float) -> None:
     """What the air does, and the amplitude [m] up to which the plate endures; the words do not meet its line."""
     low, high = (100 * ratio for ratio in limits.AIR)
     axes.axhspan(low, high, color=plots.RULE, lw=0)
     end, (left, right) = 0.99, np.log(axes.get_xlim())
-    if limit is not None and np.log(1e3 * limit) < right:
+    if np.log(1e3 * limit) < right:
         axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
         share = (np.log(1e3 * limit) - left) / (right - left)
         end = share - 0.01 if share > _MIDDLE else end

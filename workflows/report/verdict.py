@@ -31,7 +31,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ]
     able = [each for each in able if not math.isnan(each[2][0])]
     ranges, held = dict[str, list[SpeedPoint]](), dict[str, list[SpeedPoint]]()
-    limit = limits.endured(results) or math.inf
+    limit = limits.endured(results)
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
@@ -65,7 +65,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     limit = limits.endured(results)
     known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    lost = [(p, w) for p, w in known if w.peak > limits.ROUNDING and limit is not None and w.cutoff >= limit]
+    lost = [(p, w) for p, w in known if w.peak > limits.ROUNDING and w.cutoff >= limit < math.inf]
     if not lost:
         return None
     named = what_to_do(results, points) is not None  # which names both amplitudes
@@ -77,7 +77,7 @@ def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
 def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     """What would move the ball at the lowest load that holds it at all that the plate endures."""
     locked = [p for p in points if p.verdict is not None and p.verdict.reason == Reason.OUT_OF_REACH]
-    if not locked or limits.endured(results) is None or results.scene.damper is None:
+    if not locked or limits.endured(results) == math.inf or results.scene.damper is None:
         return None
     point = min(locked, key=lambda each: each.load_g)
     remedy = remedies.what_moves(results, point)

@@ -17,16 +17,11 @@ from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReductio
 
 @dataclass(frozen=True)
 class Branch:
-    """A mode followed over the speeds: its family, number there, and (speed, mode) of the run that it consists of."""
+    """A mode followed over the speeds: its family, what a legend says, (speed, mode) of the run that it consists of."""
 
     family: str
-    number: int
+    label: str
     places: tuple[tuple[int, int], ...]
-
-    @property
-    def label(self) -> str:
-        """What a legend says."""
-        return f"{self.family} {self.number}"
 
 
 def branches(results: Results) -> list[Branch]:
@@ -41,15 +36,16 @@ def branches(results: Results) -> list[Branch]:
 
 def labels(points: Sequence[SpeedPoint]) -> dict[int, str]:
     """What a legend calls the branches of some points, by their number."""
-    return {branch: f"{family} {number}" for branch, (family, number) in _names(points).items()}
+    return {branch: label for branch, (_, label) in _names(points).items()}
 
 
-def _names(points: Sequence[SpeedPoint]) -> dict[int, tuple[str, int]]:
-    """Family of each branch at the lowest speed it is seen at, and its number there."""
-    names: dict[int, tuple[str, int]] = {}
+def _names(points: Sequence[SpeedPoint]) -> dict[int, tuple[str, str]]:
+    """Family of each branch at the lowest speed it is seen at, and the same with its number there."""
+    names: dict[int, tuple[str, str]] = {}
     for mode in (mode for point in sorted(points, key=lambda each: each.rpm) for mode in point.modes):
         if mode.branch not in names:
-            names[mode.branch] = mode.family, 1 + sum(family == mode.family for family, _ in names.values())
+            number = 1 + sum(family == mode.family for family, _ in names.values())
+            names[mode.branch] = mode.family, f"{mode.family} {number}"
     return names
 
 

@@ -181,9 +181,9 @@ def largest_stress(results: Results, crossing: Crossing) -> float | None:
     return material.youngs_modulus * strain if known else None
 
 
-def endured(results: Results, crossing: Crossing) -> float | None:
-    """Amplitude at the cavity that the structure endures [m]; None where it is not known."""
-    return None if largest_stress(results, crossing) is None else limits.endured(results)
+def endured(results: Results, crossing: Crossing) -> float:
+    """Amplitude at the cavity that the structure endures [m]; inf where it is not known."""
+    return math.inf if largest_stress(results, crossing) is None else limits.endured(results)
 
 
 def refused(results: Results) -> Reason | None:
@@ -338,7 +338,6 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
     if isinstance(bare, str) or isinstance(system, str):
         return replace(none, reason=Reason.NOT_DRIVEN, detail=bare if isinstance(bare, str) else str(system))
     limit = endured(results, crossing)
-    limit = math.inf if limit is None else limit
     reason = limits.inadmissible(results, at) or (Reason.WEIGHT if limits.weight_governs(at) else None)
     if reason is None and resting is None:
         reason = Reason.OTHER_MODE

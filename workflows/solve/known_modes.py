@@ -253,14 +253,12 @@ _SPEEDS = 64
 """Speeds at which modes are kept, with what is seen of them, for other dampers."""
 
 
+_largest_strain = lru_cache(_SPEEDS)(modal_model.largest_strain)
+
+
 @lru_cache(_SPEEDS)
 def _families(model: ModalModel, modes: ModesAtSpeed) -> tuple[str, ...]:
     return tuple(modal_model.families(model, modes))
-
-
-@lru_cache(_SPEEDS)
-def _largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float | None:
-    return modal_model.largest_strain(model, modes, number)
 
 
 @dataclass(frozen=True)

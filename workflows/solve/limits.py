@@ -193,11 +193,11 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
     limit = endured(results)
-    if figures is not None and figures.cutoff < (limit or math.inf) <= figures.drives_from:
+    if figures is not None and figures.cutoff < limit <= figures.drives_from:
         return Reason.SIDEWAYS
     if figures is None or math.isinf(figures.drives_from):
         return Reason.TILT
-    if figures.peak > ROUNDING and limit is not None and figures.cutoff >= limit:
+    if figures.peak > ROUNDING and figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
     lossless = damper is not None and damper.lossless and figures.cutoff == 0
     return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
@@ -209,7 +209,6 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
     if figures is None or not figures.peak > ROUNDING or is_torn(results, point):
         return None
     limit = endured(results)
-    limit = math.inf if limit is None else limit
     if limit <= figures.drives_from:
         return None
     low, high = figures.half
@@ -303,14 +302,14 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
     return (float(volumes.sum()), float((volumes * x[triangles].mean(axis=1)).sum())), section
 
 
-def endured(results: Results) -> float | None:
-    """Amplitude at the cavity [m] that strains the structure by what metals endure; None where the strain is not known.
+def endured(results: Results) -> float:
+    """Amplitude at the cavity [m] that strains the structure by what metals endure; inf where the strain is not known.
 
     Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
     """
     strain, length = largest_strain(results, 1.0), span(results)
     if strain is None:
-        return None
+        return math.inf
     if length is None:
         return ENDURED / strain
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
@@ -331,14 +330,14 @@ def room(scene: Scene) -> float:
 
 def deflection_governs(results: Results) -> bool:
     """Whether a plate would bend beyond small deflections before its root is strained by what metals endure."""
-    strain, limit = largest_strain(results, 1.0), endured(results)
-    return strain is not None and limit is not None and limit * strain < ENDURED * (1 - 1e-9)
+    strain = largest_strain(results, 1.0)
+    return strain is not None and endured(results) * strain < ENDURED * (1 - 1e-9)
 
 
 def is_beyond(results: Results, point: SpeedPoint) -> bool:
     """Whether the damper's peak lies at an amplitude that the plate does not endure."""
-    limit, own = endured(results), point.damping_curve
-    return own is not None and own.peak > 0 and limit is not None and own.peak_amplitude > limit
+    own = point.damping_curve
+    return own is not None and own.peak > 0 and own.peak_amplitude > endured(results)
 
 
 def largest_strain(results: Results, amplitude: float) -> float | None:

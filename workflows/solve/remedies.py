@@ -41,7 +41,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     damper, figures, reduced, limit = results.scene.damper, point.damping_curve, point.reduced, endured(results)
     if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
         return None
-    if limit is None:
+    if limit == math.inf:
         return Remedy(figures.drives_from)
     ease = limit / figures.drives_from
     dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius

@@ -186,7 +186,7 @@ def is_beyond(result: Response, row: Row) -> bool:
     """Whether the plate endures neither the amplitude of a row nor, at any amplitude, its speed."""
     limit = excitation.endured(result.results, row.passage.crossing)
     torn = (limits.root_stress(result.results, row.passage.crossing.omega) or 0.0) > limits.STRONGEST
-    return torn or (limit is not None and row.greatest > limit)
+    return torn or row.greatest > limit
 
 
 _RINGS = 5.0

@@ -357,7 +357,7 @@ def _damper(result: Response, passage: Passage) -> dict[str, Any]:
         "at_amplitude": finite(figures.peak_amplitude),
         "range": [finite(end) for end in figures.range],
         "cutoff": finite(figures.cutoff),
-        "endured_amplitude": endured(result.results, c),
+        "endured_amplitude": finite(endured(result.results, c)),
         "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
     }
 

@@ -301,11 +301,10 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if space.has_to_fit and scene.blade is not None and out > 0:
         score, why = -objectives.BEYOND - math.log1p(1e3 * out), Obstacle("sticks_out", value=out)
         return Evaluation(0.0, score, why=why, **known)
-    endured = limits.endured(fastest.results)
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    return evaluation and replace(evaluation, endured=math.inf if endured is None else endured, **known)
+    return evaluation and replace(evaluation, endured=limits.endured(fastest.results), **known)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
@@ -318,8 +317,7 @@ def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
         return Obstacle("root_stress", omega, limits.root_stress(fastest.results, omega) or 0.0)
     if not isinstance(space.goal, LeastDamping):
         return None
-    endured = limits.endured(fastest.results)
-    if endured is not None and space.goal.low > endured:
+    if space.goal.low > limits.endured(fastest.results):
         kind = "deflection" if limits.deflection_governs(fastest.results) else "strain"
         return Obstacle(kind, text=limits.strained(fastest.results.scene))
     friction = limits.friction_demand(slowest.results, slowest.point, space.goal.high)
