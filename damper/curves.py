@@ -43,7 +43,7 @@ _NEAR = 2.5
 _ALL = slice(None)
 
 _STEEP = 0.25
-"""Relative difference between neighbouring bins from which on that is a fall, of which most bins have no part."""
+"""Most that either side counts for, relative: steeper is a fall, of which little lies in the bin of the peak."""
 
 _FOOT = 0.01
 """Bins, at most, between the two ends of a step from one motion to another."""
