@@ -305,7 +305,7 @@ def krylov(
         projected = np.pad(projected, ((0, b), (0, b)))
         projected[m - b :] = column.T
         projected[:, m - b :] = column
-        values, vectors = np.linalg.eigh(0.5 * (projected + projected.T))
+        values, vectors = np.linalg.eigh(symmetric(projected))
         order = np.argsort(-rank(values))[:count]
         residual = np.linalg.norm(coupling @ vectors[m - b :, order], axis=0)
         size = np.maximum(np.abs(values[order]), np.finfo(float).tiny)
@@ -345,7 +345,7 @@ def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> 
         gram = vectors.T @ heavy
         before = np.sqrt(np.maximum(gram.diagonal(), 0.0) + np.einsum("ij,ij->j", again, again))
         scale = np.where((before > 0.0) & (number == 0), before, 1.0)
-        values, rotation = np.linalg.eigh(0.5 * (gram + gram.T) / scale / scale[:, None])
+        values, rotation = np.linalg.eigh(symmetric(gram) / scale / scale[:, None])
         keep = (values > null) & (np.arange(values.size)[::-1] < basis.shape[0] - basis.shape[1])
         root = np.sqrt(values[keep])
         column = column + again @ coupling
@@ -426,7 +426,7 @@ def lowest_modes(
     pushed = stiffness @ basis
     for _ in range(ROUNDS):
         reduced = basis.T @ pushed
-        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+        values, vectors = np.linalg.eigh(symmetric(reduced))
         values, vectors = values[:count], vectors[:, :count]
         residual = pushed @ vectors - (image @ vectors) * values
         step = factor.solve(residual)
@@ -460,7 +460,7 @@ def refine(
     basis, image, _, _ = orthonormal(start, empty, empty, mass)
     for _ in range(STEPS):
         reduced = basis.T @ (stiffness @ basis)
-        values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+        values, vectors = np.linalg.eigh(symmetric(reduced))
         pick = most_alike(wanted @ basis, basis.T @ (measure @ basis), vectors)
         value, shape = float(values[pick]), basis @ vectors[:, pick]
         residual = stiffness @ shape - value * (mass @ shape)

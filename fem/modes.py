@@ -187,7 +187,7 @@ def _from_strains(operators: Operators, omega: float, values: Array, vectors: Ar
         return values, vectors
     if omega != 0.0 and not (operators.geometric is None and operators.softening is None):
         energies += omega**2 * (vectors.T @ (operators.spinning @ vectors))
-    corrected, mixed = np.linalg.eigh(0.5 * (energies + energies.T))
+    corrected, mixed = np.linalg.eigh(symmetric(energies))
     moved = float(np.abs(np.sqrt(np.maximum(corrected, 0.0) / np.sort(values)) - 1.0).max())
     if not moved <= MOVED:
         raise Unresolved(operators.model.theory, moved)

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.linalg import symmetric
 from fem.meshes.cells import cell
 from fem.solid.assembly import AT_ONCE, mapped, rule
 
@@ -148,7 +149,7 @@ def _stress(operators: SolidOperators, slopes: Array, moved: Array, rest: Array)
     turned = np.einsum("cpan,cnik->cpkia", slopes, moved, optimize=True)
     deformation = np.einsum("cpan,cni->cpia", slopes, rest, optimize=True) + np.eye(3)
     turned = np.einsum("cpia,cpkib->cpkab", deformation, turned, optimize=True)
-    return operators.stress(0.5 * (turned + turned.swapaxes(-1, -2)))
+    return operators.stress(symmetric(turned))
 
 
 def _strain(operators: SolidOperators, stress: Array) -> Array:
