@@ -1,4 +1,4 @@
-"""Whether a particle damper works on a spinning plate, how much, and up to what load.
+"""Whether a particle damper works on a spinning plate or blade, how well, and up to what load.
 
     import spindamp
 
@@ -8,16 +8,16 @@
     spindamp.load_results("out")                 # the same results again
     spindamp.report(results, "report.html")      # the page alone
 
-    spindamp.campbell("blade.toml")              # the plate alone
+    spindamp.campbell("blade.toml")              # the structure alone
     spindamp.modes("blade.toml", "blade.npz")    # its modes as a file for [structure] modes
     spindamp.ringdown("blade.toml", rpm=6000)    # the damper at one speed
     spindamp.response("paper")                   # forced response at the crossings of engine orders
-    spindamp.accuracy("paper")                   # cost of accuracy in time
+    spindamp.accuracy("paper")                   # computing time against accuracy
     spindamp.effects("paper")                    # change and cost of each effect
     spindamp.reproduce()                         # the paper, claim by claim
     spindamp.sweep("paper", {"damper.restitution": [0.3, 0.5, 0.7]})     # any keys of a scene, as an xarray data set
     spindamp.compare("out", "paper")             # runs side by side
-    spindamp.design()                            # the best damper within what a scene's [design] allows
+    spindamp.design()                            # the best damper within the limits of [design]
 
 Each function does the same as the command of its name, writes only the files requested, and returns its results. It
 raises `ImpossibleResult` if a figure violates a law of physics. The plate alone is in `fem`, the damper alone in

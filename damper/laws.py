@@ -130,8 +130,8 @@ EXACT, TINY = 1e-9, 1e-11
 NOT_REACHED = -1.0
 """Stands for the losses of a cycle that a sweep did not reach."""
 
-_FINITE, _CLOSED, _INSIDE = "every figure is finite", "the energy books close", "the ball stays in its cavity"
-_LOSSES, _WORK = "every loss removes energy", "the ball takes at most the work of its drive along its cavity"
+_FINITE, _CLOSED, _INSIDE = "every figure is finite", "the energy balance closes", "the ball stays in its cavity"
+_LOSSES, _WORK = "every loss removes energy", "the ball dissipates at most the work of its drive along its cavity"
 
 
 class LawViolation(Exception):
@@ -236,7 +236,7 @@ def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes
     if structures.mass.shape[1] > 2:  # velocity maxima then stand for the energy of all modes: `damper.cycles`
         riding = (1 + rows["ball_mass"] * bounds.mobility) / (rows["modal_mass"] + rows["ball_mass"])
     most = np.where(consistent, np.sqrt(riding) * speed * (1 + EXACT), np.inf)
-    require("no velocity exceeds what all energy gives", "velocity maximum [m/s]", extremes.velocity, most, where)
+    require("no velocity exceeds that of the total energy", "velocity maximum [m/s]", extremes.velocity, most, where)
     if damper.modes is not None and structures.dashpot.any():
         return  # the last term of the bound on the work has no bound there
     with np.errstate(invalid="ignore"):
@@ -501,7 +501,7 @@ def check_steady_states(m: Motions, figures: dict[str, Any]) -> None:
     power = np.where(np.isnan(power), np.inf, power)  # nothing is known of a motion that took all its events
     require("a force works along its displacement", "power put in [W]", put_in, power * (1 + BOOKS) + rounding, where)
     floor = EXACT * (most + run["axes"]["excursion"].max(axis=1))
-    require("an amplitude costs its dashpots power", "rms amplitude [m]", rms, amplitude * (1 + BOOKS) + floor, where)
+    require("the power lost bounds the amplitude", "rms amplitude [m]", rms, amplitude * (1 + BOOKS) + floor, where)
 
 
 @lru_cache(maxsize=64)

@@ -66,7 +66,7 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
         return rows
     for name, values in varied.items():
         if name not in (PARAMETERS.names or ()) or name == "printed":
-            raise ValueError(f"{name} is no field of ParticleDamper that can be varied")
+            raise ValueError(f"{name} is not a field of ParticleDamper that can be varied")
         array = table(name, values)
         if array.shape[:1] != (size,) or array.shape[1:] not in {(), rows[name].shape[1:]}:
             raise ValueError(f"{name} must have {size} values, one for each release, got shape {array.shape}")
@@ -343,7 +343,7 @@ class Harmonic:
         if not 0 < number("frequency", self.frequency) < math.inf:
             raise ValueError(f"the harmonic's frequency must be positive, got {self.frequency:g}")
         if self.modal is not None and not isinstance(self.modal, tuple | list):
-            raise ValueError(f"modal must be as many numbers as there are modes, or None, got {self.modal!r}")
+            raise ValueError(f"modal must be one number for each mode, or None, got {self.modal!r}")
         modal = [number("modal", value) for value in self.modal or ()]
         values = [*pair("force", self.force), *pair("base", self.base), *modal, number("phase", self.phase)]
         if not all(map(math.isfinite, values)):
@@ -446,7 +446,7 @@ class ParticleDamper:
         if self.modes is not None and not any(any(mode.shape) for mode in self.modes):
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
-            raise ValueError("floor_tilt belongs to a structure without modes; these have slopes of their own")
+            raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
         validate(self.parameters)
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash

@@ -140,7 +140,9 @@ def moved_by(damper: ParticleDamper, amplitudes: npt.ArrayLike, count: int) -> t
     shapes = np.array([mode.shape for mode in damper.modes or ()]).reshape(-1, 2)
     modal = table("amplitudes", amplitudes)
     if damper.modes is None or modal.shape != (count, len(shapes)):
-        raise ValueError(f"amplitudes must be {len(shapes)} a ring-down, one for each mode, got shape {modal.shape}")
+        raise ValueError(
+            f"amplitudes must be {len(shapes)} for each ring-down, one for each mode, got shape {modal.shape}"
+        )
     return modal, modal @ shapes
 
 
@@ -156,7 +158,7 @@ class Outcome(StrEnum):
     AT_REST = "the ball came to rest for good"
     TREMBLES = "the ball no longer hits and only trembles at the rolling threshold"
     DIED_OUT = "the vibration died out while the ball still moved"
-    CYCLES_DONE = "the asked number of cycles was done"
+    CYCLES_DONE = "the requested number of cycles was completed"
     CYCLE_CAP = "the cap on cycles was reached while the ball still moved"
     EVENT_CAP = "the cap on events was reached while the ball still moved"
 

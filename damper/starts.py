@@ -168,7 +168,7 @@ def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, lo
     np.put_along_axis(spring, systems["place"], 0.0, axis=1)
     energy = (spring * np.abs(answer.z) ** 2).sum(axis=1)
     if not (energy > 0).all():
-        raise ValueError("a harmonic puts no force on any mode")
+        raise ValueError("a harmonic exerts no force on any mode")
     with np.errstate(divide="ignore", invalid="ignore"):
         static = np.where(spring > 0, systems["power"][:, :size] ** 2 / spring, 0.0).sum(axis=1)
         cap = np.minimum(1.0, _HIGHEST * np.sqrt(static / energy))

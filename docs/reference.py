@@ -11,8 +11,8 @@ SCHEMA = HERE.parent / "workflows" / "scene.schema.json"
 
 HEAD = """# Scenes: every table and key
 
-Made from the published JSON Schema, which the package carries as `workflows/scene.schema.json`.
-A number is in the unit named, a string carries its unit, an unknown key is an error.
+Generated from the JSON Schema published with the package as `workflows/scene.schema.json`.
+A bare number is in the unit given, a string includes its unit, and an unknown key is an error.
 
 """
 
@@ -54,9 +54,9 @@ def _table(schema: dict[str, Any], key: dict[str, Any]) -> dict[str, Any] | None
 
 def _rows(schema: dict[str, Any], table: dict[str, Any]) -> str:
     required = table.get("required", [])
-    lines = ["| key | says | takes | default |", "|---|---|---|---|"]
+    lines = ["| key | meaning | values | default |", "|---|---|---|---|"]
     for name, key in table["properties"].items():
-        default = "needed" if name in required else _code(key["default"]) if key.get("default") is not None else ""
+        default = "required" if name in required else _code(key["default"]) if key.get("default") is not None else ""
         lines.append(f"| `{name}` | {_words(key.get('description', ''))} | {_takes(schema, key)} | {default} |")
     return "\n".join(lines) + "\n"
 

@@ -58,7 +58,7 @@ def read(path: Path) -> Raw:
         try:
             data = gzip.decompress(data)
         except (OSError, EOFError, zlib.error) as error:
-            raise ModesFileError(f"not a whole .gz file: {error}") from error
+            raise ModesFileError(f"not a complete .gz file: {error}") from error
     if not data.strip():
         raise ModesFileError("the file is empty")
     try:
@@ -98,16 +98,16 @@ def _checked(raw: Raw) -> Raw:
         if frequencies.min() <= 0.0:
             number = int(frequencies.argmin()) + 1
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a structure that is held"
-                " and does not diverge"
+                f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a constrained structure"
+                " that does not diverge"
             )
         if frequencies.max() > _HIGHEST:
             raise ModesFileError(f"a mode has {frequencies.max():g} Hz: expected frequencies in Hz")
         if frequencies.min() < _LOOSE * frequencies.max():
             number = int(frequencies.argmin()) + 1
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz beside {frequencies.max():g} Hz: it is a rigid body's;"
-                " expected the modes of a structure that is held"
+                f"mode {number} has {frequencies.min():g} Hz beside {frequencies.max():g} Hz: it is a rigid-body mode;"
+                " expected the modes of a constrained structure"
             )
         for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
             if values is not None and not np.isfinite(values).all():
@@ -177,7 +177,9 @@ def _frd(data: bytes) -> ModalModel:
     if head[0].split()[-1] == b"2" or any(byte > 127 for byte in data[head.end() : head.end() + 4000]):
         raise ModesFileError("a binary .frd: expected ASCII, which CalculiX writes unless the deck asks for OUTPUT=…")
     if not re.search(rb"^ *9999\s*$", data[-200:], re.M):
-        raise ModesFileError("the file ends before its last line, '9999': it was cut off, or the analysis did not end")
+        raise ModesFileError(
+            "the file ends before its last line, '9999': it is truncated, or the analysis did not finish"
+        )
     labels, points = _table(data, head.end(), int(head[0].split()[1]), "the block of nodes")
     order = np.argsort(labels, kind="stable")
     if np.unique(labels).size < labels.size:
@@ -195,13 +197,13 @@ def _table(data: bytes, begin: int, count: int, what: str) -> tuple[Ints, Array]
         begin = data.index(b"\n", begin) + 1
     end = data.find(b"\n -3", begin)
     if end < 0:
-        raise ModesFileError(f"{what} has no end (' -3'): the file was cut off")
+        raise ModesFileError(f"{what} has no end (' -3'): the file is truncated")
     lines = data[begin : end + 1].split(b"\n")[:-1]
     if len(lines) != count:
         raise ModesFileError(f"{what} has {len(lines)} lines of the {count} that its header names: nodes are missing")
     width = {len(line) for line in lines}
     if len(width) != 1 or width.pop() < 49 or any(line[:3] != b" -1" for line in lines):
-        raise ModesFileError(f"{what} has lines that are not of 49 letters: ' -1', a number, three values")
+        raise ModesFileError(f"{what} has lines that are not of 49 characters: ' -1', a number, three values")
     letters = np.frombuffer(b"".join(line[:49] for line in lines), dtype="S1").reshape(count, 49)
     try:
         labels = np.ascontiguousarray(letters[:, 3:13]).view("S10")[:, 0].astype(np.int64)
@@ -218,7 +220,7 @@ def _rows(labels: Ints, lookup: tuple[Ints, Ints], what: str) -> Ints:
     at = np.minimum(np.searchsorted(known, labels), known.size - 1)
     unknown = labels[known[at] != labels]
     if unknown.size:
-        raise ModesFileError(f"{what} names node {int(unknown[0])}, which the file does not have")
+        raise ModesFileError(f"{what} names node {int(unknown[0])}, which is not in the file")
     return np.asarray(order[at])
 
 
@@ -229,7 +231,7 @@ def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints],
         return ()
     end = data.find(b"\n -3", head.end())
     if end < 0:
-        raise ModesFileError("the block of elements has no end (' -3'): the file was cut off")
+        raise ModesFileError("the block of elements has no end (' -3'): the file is truncated")
     by_kind: dict[str, list[list[int]]] = {}
     try:
         for part in data[head.end() : end].split(b"\n -1")[1:]:
@@ -312,7 +314,9 @@ def _norm(before: bytes, frequency: float, number: int) -> float:
     """Root of the modal mass that an .frd says a mode has, once stiffness and frequency belong together."""
     mass, stiffness = _parameter(before, b"1PGM", 0), _parameter(before, b"1PGK", 0)
     if mass is None or stiffness is None:
-        raise ModesFileError(f"mode {number} has no modal mass (1PGM) and stiffness (1PGK): its shape has no scale")
+        raise ModesFileError(
+            f"mode {number} has no modal mass (1PGM) and stiffness (1PGK): the scale of its shape is unknown"
+        )
     m, k = float(mass), float(stiffness)
     if not (np.isfinite([m, k]).all() and m > 0.0):
         raise ModesFileError(f"mode {number} has a modal mass of {m:g}: expected more than 0")
@@ -360,12 +364,12 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
 
 def _npz(data: bytes) -> dict[str, Any]:
     if not data.startswith(b"PK"):
-        raise ModesFileError("not an .npz file: expected one that numpy.savez has written")
+        raise ModesFileError("not an .npz file: expected one written by numpy.savez")
     try:
         with np.load(io.BytesIO(data)) as file:
             return {name: file[name] for name in file.files}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError, RuntimeError, zlib.error) as error:
-        raise ModesFileError(f"not a whole .npz file of plain arrays: {error}") from error
+        raise ModesFileError(f"not a complete .npz file of plain arrays: {error}") from error
 
 
 def _json(data: bytes) -> dict[str, Any]:
@@ -545,7 +549,7 @@ def joined(models: Sequence[ModalModel]) -> ModalModel:
     speeds = sorted((modes for model in models for modes in model.speeds), key=lambda modes: modes.omega)
     for one, other_modes in pairwise(speeds):
         if other_modes.omega - one.omega <= SAME_SPEED * max(other_modes.omega, 1.0):
-            raise ModesFileError(f"two files are of one speed, {in_rpm(one.omega):g} rpm")
+            raise ModesFileError(f"two files have the same speed, {in_rpm(one.omega):g} rpm")
     if any(modes.static is not None for modes in speeds):
         zero = np.zeros_like(first.points)
         speeds = [replace(m, static=zero) if m.static is None and m.omega == 0.0 else m for m in speeds]

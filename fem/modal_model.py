@@ -454,7 +454,7 @@ def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Arr
     distances = np.linalg.norm(points - point, axis=1)
     order = np.argsort(distances, kind="stable")
     if order.size < 2:
-        raise OffTheStructure("one node alone has no slope: two at least are needed, or rotations")
+        raise OffTheStructure("one node alone gives no slope: expected at least two nodes, or rotations")
     near = order[: min(order.size, _PER_TERM * 10)]
     frame, spread = _local_frame(points[near])
     dimension = spread.size
@@ -480,7 +480,7 @@ def _local_frame(points: Array) -> tuple[Array, Array]:
     local = middle @ frame
     spread = np.abs(local).max(axis=0)
     if spread[0] == 0.0:
-        raise OffTheStructure("all nodes around it lie in one point")
+        raise OffTheStructure("all nodes around it coincide")
     dimension = int((spread > _THIN * spread[0]).sum())
     while dimension > 1:
         others, last = local[:, : dimension - 1] / spread[: dimension - 1], local[:, dimension - 1]
@@ -654,7 +654,7 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Ar
             ).tolist():
                 nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
                 raise BadCells(
-                    f"a cell {name} is partly inside out, with the nodes {', '.join(map(str, nodes.tolist()))}:"
+                    f"a cell {name} is partly inverted, with the nodes {', '.join(map(str, nodes.tolist()))}:"
                     " expected them in the order of meshio"
                 )
             sizes = np.abs(sizes) * weights

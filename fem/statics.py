@@ -43,12 +43,12 @@ class Unresolved(ArithmeticError):
     """
 
     def __init__(self, theory: str, uncertain: float, loose: ElasticRoot | None = None) -> None:
-        left = f"rounding may be {100 * uncertain:.2g} % of" if uncertain < 1.0 else "rounding leaves nothing of"
+        left = f"rounding may be {100 * uncertain:.2g} % of" if uncertain < 1.0 else "rounding leaves no digits of"
         thin = (
             f"too thin for theory {theory!r} in double precision: {left} the lowest frequency at rest; "
             "of the theories, kirchhoff loses the fewest digits and solid the most"
         )
-        soft = f"too soft in double precision: the plate is all but loose, and {left} its lowest frequency at rest"
+        soft = f"too soft in double precision: the plate is almost free, and {left} its lowest frequency at rest"
         super().__init__(thin if loose is None else soft)
         self.uncertain = uncertain
         self.loose = loose

@@ -87,7 +87,7 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     from fem.output import modal_model
 
     if source.scene.given is not None:
-        problem = "the table is missing: modes are those of a plate, or of [structure] modes"
+        problem = "the table is missing: modes requires [plate], [blade] or [structure] modes"
         raise source.wrong(problem, "[plate]")
     real = source.changed(effects={"coriolis": False})
     solver = StructureSolver(real, stages)

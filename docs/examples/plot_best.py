@@ -2,8 +2,8 @@
 Which damper is best?
 =====================
 
-`spindamp sweep` varies any keys of a scene; `spindamp design` searches the best within what a table `[design]` frees and
-limits. Here a sweep in Python, over the clearance and the restitution.
+`spindamp sweep` varies any keys of a scene; `spindamp design` searches for the best damper within the ranges and
+limits of a table `[design]`. This example is a sweep in Python over clearance and restitution.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -31,7 +31,7 @@ with ThreadPoolExecutor(1) as one:  # in a script of your own, leave it out and 
 print(data)
 
 # %%
-# The largest damping ratio by the ball, over both:
+# The largest damping ratio of the ball over clearance and restitution:
 
 peaks = 100 * data.damping_ratio_peak.squeeze()
 print(peaks.to_pandas())
@@ -44,8 +44,9 @@ peaks.plot.line(ax=shown, x=peaks.dims[0], marker="o")
 shown.set_ylabel("damping ratio by the ball at its best, %")
 
 # %%
-# However it bounces, a ball can do no more work in a cycle than 4 (m/M) (d/A) of the vibration's energy, with d the clearance
-# and A the amplitude; 4π ζ of it is lost at a damping ratio ζ. These do 60 to 90 % of that:
+# However it bounces, a ball can dissipate at most 4 (m/M) (d/A) of the vibration's energy in a cycle, with d the
+# clearance and A the amplitude; a damping ratio ζ corresponds to a loss of 4π ζ. These balls reach 60 to 90 % of the
+# bound:
 
 bound = 4 * 0.006 * data["damper.clearance"] / data.at_amplitude.squeeze() / (4 * 3.14159265)
 share = peaks / 100 / bound

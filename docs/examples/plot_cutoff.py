@@ -2,8 +2,8 @@
 What is my cut-off?
 ===================
 
-The ball rests until the structure's acceleration is large enough to roll it. On a level floor rolling resistance
-holds it: the ball of radius :math:`r` sets off where the acceleration along the floor exceeds
+The ball stays at rest until the structure's acceleration is large enough to roll it. On a level floor, rolling
+resistance holds it: a ball of radius :math:`r` sets off where the acceleration along the floor exceeds
 :math:`\\mu_r / r` of the load that presses it down.
 """
 
@@ -28,13 +28,13 @@ results = spindamp.run(scene)
 print(results)
 
 # %%
-# The cut-off over the load is 0.1 = 0.1 mm / 1 mm, within one cycle of the ring-down, which is its resolution.
+# The cut-off over the load is 0.1 = 0.1 mm / 1 mm, within the resolution of one cycle of the ring-down.
 
 for point in results.speeds:
     print(f"{point.rpm:6.0f} rpm: {point.damper.cutoff_g:7.0f} g, {point.damper.cutoff_ratio:.3f} of the load")
     assert 0.09 < point.damper.cutoff_ratio < 0.13
 
 # %%
-# How much the ball damps, and over which amplitudes:
+# Damping by the ball over amplitude:
 
 shown = results.plot.damping()

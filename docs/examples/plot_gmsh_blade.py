@@ -2,8 +2,8 @@
 My blade as a Gmsh mesh
 =======================
 
-Any planar mesh of the mid-surface that meshio reads will do: the plate is clamped along its edge at the smallest x.
-First look at what is understood of the file.
+Any planar mesh of the mid-surface that meshlane reads is accepted; the plate is clamped along its edge at the
+smallest x. First check what is read from the file.
 """
 
 from pathlib import Path
@@ -16,7 +16,7 @@ for name, words in viewer.data_of_mesh(meshes / "plate_with_hole.msh").facts:
     print(f"{name:15} {words}")
 
 # %%
-# `spindamp view meshes/plate_with_hole.msh` says the same and shows it. A scene names the mesh in the place of length
+# `spindamp view meshes/plate_with_hole.msh` prints the same and shows the mesh. In a scene the mesh replaces length
 # and width.
 
 scene = {
@@ -30,8 +30,8 @@ results = spindamp.campbell(scene)
 print(results)
 
 # %%
-# At rest and without the hole, beam theory has the first frequency at 1.875² / (2π l²) √(E h² / 12ρ). The hole near the tip
-# takes away a little of the mass:
+# At rest and without the hole, beam theory gives the first frequency 1.875² / (2π l²) √(E h² / 12ρ). The hole near
+# the tip removes a little mass:
 
 steel = results.scene.material
 beam = 1.875**2 / (2 * 3.1416 * 0.2**2) * (steel.youngs_modulus * 0.01**2 / (12 * steel.density)) ** 0.5
@@ -40,6 +40,6 @@ print(f"{first:.1f} Hz, a beam without a hole {beam:.1f} Hz")
 assert 1.0 < first / beam < 1.1
 
 # %%
-# The mesh that was solved, refined from the file's as far as the accuracy asked for needs:
+# The mesh that was solved, refined from that of the file as far as the requested accuracy needs:
 
 shown = results.plot.mesh()

@@ -2,9 +2,9 @@
 What happens at order 3?
 ========================
 
-At a crossing an engine order drives the mode at its own frequency. The steady state is followed event by event, from three
-starts, since several answers may stand side by side: here a damper on a structure of 1 kg, the frequency of the force
-through the resonance.
+At a crossing, an engine order excites the mode at its natural frequency. The steady state is computed event by event,
+from three starts, since several steady states may coexist. In this example a damper sits on a structure of 1 kg, and
+the frequency of the force runs through the resonance.
 """
 
 import numpy as np
@@ -28,14 +28,14 @@ without = np.abs(found.without)
 print("without the ball at most", f"{without.max():.3g}", "with it", f"{found.mean.max():.3g}")
 
 # %%
-# Without the ball it is the textbook's oscillator, F / √((k - m ω²)² + (c ω)²):
+# Without the ball it is the textbook oscillator, F / √((k - m ω²)² + (c ω)²):
 
 textbook = 0.03 / np.abs(1 - frequencies**2 + 2j * 5e-3 * frequencies)
 assert np.allclose(without.reshape(len(frequencies), -1)[:, 0], textbook, rtol=1e-9)
 assert found.mean.max() < 0.7 * without.max()
 
 # %%
-# With the ball the peak is lower. Dots side by side are the three starts.
+# With the ball the peak is lower. Adjacent dots are the three starts.
 
 shown = Figure(figsize=(7, 4), layout="constrained").subplots()
 shown.plot(frequencies, without.reshape(len(frequencies), -1)[:, 0], color="black", label="without the ball")
@@ -44,5 +44,5 @@ shown.set(xlabel="frequency of the force over the structure's", ylabel="amplitud
 shown.legend()
 
 # %%
-# For a blade, `spindamp response blade.toml` does this at every crossing of the orders and forces that the scene's
-# `[excitation]` names, and writes a page.
+# For a blade, `spindamp response blade.toml` does this at every crossing, for the orders and forces in the scene's
+# `[excitation]`, and writes a page.

@@ -2,8 +2,8 @@
 Where do engine orders meet my modes?
 =====================================
 
-A crossing is a speed at which a multiple of the rotation's frequency excites a mode. Between the speeds of a run
-f² goes with Ω² along a straight line.
+A crossing is a speed at which a multiple of the rotation frequency excites a mode. Between the speeds of a run,
+f² is interpolated linearly over Ω².
 """
 
 import spindamp
@@ -22,7 +22,7 @@ for meeting in crossings(results):
         print(f"{meeting.order}x meets {meeting.label:8} at {meeting.rpm:7.0f} rpm, {meeting.frequency_hz:6.1f} Hz")
 
 # %%
-# Is that line straight enough? The plate solved anew, at the very speed where order 3 meets the first mode:
+# Is linear interpolation accurate enough? The plate solved again, at the speed where order 3 meets the first mode:
 
 meeting = next(each for each in crossings(results) if each.order == 3)
 there = spindamp.campbell(scene | {"rotor": {"speeds": [f"{meeting.rpm} rpm"], "modes": 4}})

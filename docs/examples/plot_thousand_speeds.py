@@ -2,7 +2,7 @@
 A thousand speeds
 =================
 
-One reduced basis answers all speeds, with a bound on what it adds to each frequency.
+One reduced basis serves all speeds, with a bound on the error that it adds to each frequency.
 """
 
 import numpy as np
@@ -15,15 +15,15 @@ diagram = campbell(operators, np.linspace(0.0, 1800.0, 1000), count=6)  # rad/s
 print(diagram.frequencies_hz.shape, f"bound {diagram.bounds.max():.1e}")
 
 # %%
-# One of them solved by itself, without the basis: the bound holds.
+# One of the speeds solved directly, without the basis: the bound holds.
 
 alone = solve_modes(operators, float(diagram.omega[617]), 6).frequencies_hz
 assert (np.abs(diagram.frequencies_hz[617] / alone - 1) <= diagram.bounds[617] + 1e-12).all()
 assert diagram.bounds.max() < 1e-6
 
 # %%
-# A mode that keeps its shape has a squared frequency that grows with the squared speed along a straight line. How far
-# the first mode departs from one says how little its shape changes:
+# The squared frequency of a mode that keeps its shape grows linearly with the squared speed. The small deviation of
+# the first mode from a straight line shows how little its shape changes:
 
 squares = diagram.frequencies_hz[:, 0] ** 2
 line = np.polyfit(diagram.omega**2, squares, 1)

@@ -2,8 +2,8 @@
 Does it agree with another solver?
 ==================================
 
-CalculiX, with 3-D bricks, on the paper's plate with E = 200 GPa: six modes at seven speeds. Held against this
-code's answers, and against the error that stands beside each.
+CalculiX, with 3-D bricks, on the paper's plate with E = 200 GPa: six modes at seven speeds, compared with the
+frequencies of this code and their error estimates.
 """
 
 import csv
@@ -18,7 +18,7 @@ with table.open(encoding="utf-8") as lines:
     rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 # %%
-# The same plate here, at stagger 0; Coriolis forces are left out there, and so here.
+# The same plate in this code, at stagger 0. Both omit Coriolis forces.
 
 theirs = {}
 for row in rows:
@@ -35,7 +35,7 @@ results = spindamp.campbell(scene)
 print(results)
 
 # %%
-# Differences, and the errors that this code states:
+# Differences, and the error estimates of this code:
 
 worst = 0.0
 for point in results.speeds:

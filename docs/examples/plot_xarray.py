@@ -2,8 +2,8 @@
 Read the results with xarray
 ============================
 
-A run leaves `results.nc`; `spindamp.dataset` gives the same without a file. Dimensions are rpm, mode and cycle,
-units stand in the attributes.
+A run writes `results.nc`; `spindamp.dataset` returns the same data without a file. Dimensions are rpm, mode and cycle;
+units are in the attributes.
 """
 
 import spindamp
@@ -19,7 +19,7 @@ data = spindamp.dataset(spindamp.campbell(scene))
 print(data)
 
 # %%
-# The first frequency at every speed, and how far each can be trusted:
+# The first frequency at every speed, with its error estimate:
 
 first = data.isel(mode=0)
 for rpm in data.rpm.values:
@@ -27,7 +27,8 @@ for rpm in data.rpm.values:
     print(f"{rpm:6.0f} rpm: {float(at.frequency_hz):.2f} Hz, good to {float(at.error_estimate):.1%}")
 
 # %%
-# At rest a beam of this section has 1.875² / (2π l²) √(E h² / 12ρ); a plate, which cannot bulge freely across, has a little more.
+# At rest a beam of this section has 1.875² / (2π l²) √(E h² / 12ρ); a plate, which cannot contract freely across, has a
+# slightly higher frequency.
 
 beam = 1.875**2 / (2 * 3.1416 * 0.2**2) * (200e9 * 0.01**2 / (12 * 7850.0)) ** 0.5
 ratio = float(first.frequency_hz[0]) / beam

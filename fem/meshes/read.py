@@ -82,7 +82,7 @@ def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float
     """Values of point data at some of the file's points."""
     if field not in raw.point_data:
         known = ", ".join(sorted(raw.point_data)) or "none"
-        raise FieldError(f"the mesh file holds no point data {field!r}: it holds {known}")
+        raise FieldError(f"the mesh file has no point data {field!r}: it has {known}")
     values = np.asarray(raw.point_data[field])
     if values.size != len(raw.points) or values.dtype.kind not in "fiu":
         raise FieldError(f"point data {field!r} is of shape {values.shape}: expected one number for each point")
@@ -172,7 +172,7 @@ def _unknown(named: list[tuple[str, int, str]], nodes: Mapping[int, str]) -> str
     return ""
 
 
-_DAMAGED = "damaged or cut short, or its cells lack some of their nodes"
+_DAMAGED = "damaged or truncated, or its cells lack some of their nodes"
 
 GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES", ".brep": "BREP"}
 """Geometry that is to be meshed, by the ending of its files."""
@@ -184,11 +184,11 @@ def _check_kind(path: Path) -> None:
     """Refuse geometry without a mesh, and a part of a Nastran file that readers would search to its end."""
     kind = GEOMETRY.get(path.suffix.lower())
     if path.suffix.lower() in (".html", ".htm"):
-        raise MeshError("a page, no mesh: open it in a browser")
+        raise MeshError("a page, not a mesh: open it in a browser")
     if kind is not None:
         raise MeshError(f"{kind} is geometry without a mesh: mesh the mid-surface, or the volume (with Gmsh, say)")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
-        raise MeshError("a file of modes or results, no mesh: a scene takes it, as [structure] modes = 'blade.frd'")
+        raise MeshError("a file of modes or results, not a mesh: use it in a scene as [structure] modes = 'blade.frd'")
     if path.suffix.lower() in NASTRAN and _BULK not in path.read_bytes().upper():
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 
@@ -221,17 +221,17 @@ def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     others = ", ".join(sorted(kinds - set(TRIANGLES + QUADS + IGNORED)))
     if others:
         raise MeshError(
-            f"a plate needs a mesh of its mid-surface, but the file holds {others}: mesh the surface half-way through"
-            " the thickness with triangles or quadrilaterals, or name the volume's mesh as [blade] mesh"
+            f"a plate needs a mesh of its mid-surface, but the file has {others}: mesh the surface at mid-thickness"
+            " with triangles or quadrilaterals, or name the volume's mesh as [blade] mesh"
         )
     triangles = _cells(raw, TRIANGLES, 3)
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
-        raise MeshError("the file holds no triangles and no quadrilaterals")
+        raise MeshError("the file has no triangles and no quadrilaterals")
     if min(triangles.min(initial=0), quads.min(initial=0)) < 0 or (
         max(triangles.max(initial=0), quads.max(initial=0)) >= len(raw.points)
     ):
-        raise MeshError("a cell names a point that the file does not hold")
+        raise MeshError("a cell refers to a point that is not in the file")
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
     used, renumbered = np.unique(cells, return_inverse=True)
@@ -431,7 +431,7 @@ def _members(where: str, part: str, sets: dict[str, list[str]]) -> list[str]:
     for known in (name, name.rpartition(".")[2]):  # an instance's name before it
         if known in sets:
             return sets[known]
-    raise MeshError(f"{where}: a set of nodes holds {part!r}, which is no number and no set above it")
+    raise MeshError(f"{where}: a set of nodes holds {part!r}, which is neither a number nor a set defined above")
 
 
 def _nastran(lines: Lines) -> Iterator[str]:

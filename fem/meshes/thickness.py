@@ -70,7 +70,7 @@ class Bilinear:
             raise ValueError(f"values must be {len(self.x)} rows, one for each x, of {len(self.y)} numbers")
         for name in ("x", "y"):
             if not (np.diff(getattr(self, name)) > 0.0).all():
-                raise ValueError(f"{name} must ascend, got {getattr(self, name)!r}")
+                raise ValueError(f"{name} must be in ascending order, got {getattr(self, name)!r}")
 
     def at(self, points: Array) -> Array:
         """The thickness (ncell, npoint); ValueError outside the table."""
@@ -116,7 +116,7 @@ class Nodal:
 
     def __post_init__(self) -> None:
         if self.values.shape != self.mesh.p.shape[1:]:
-            raise ValueError(f"expected {self.mesh.p.shape[1]} values, one a point, got {self.values.shape}")
+            raise ValueError(f"expected {self.mesh.p.shape[1]} values, one for each point, got {self.values.shape}")
 
     def at(self, points: Array) -> Array:
         """The thickness (ncell, npoint); ValueError for cells that are not in those of the mesh."""
@@ -124,7 +124,7 @@ class Nodal:
         x, y = _reference(self.mesh.p[:, self.mesh.t[:, cells]], points)
         most = x + y if self.mesh.t.shape[0] == 3 else np.maximum(x, y)
         if not (min(x.min(), y.min()) >= -TOLERANCE and most.max() <= 1.0 + TOLERANCE):
-            raise ValueError("the cells of the plate's mesh do not lie in those that the thickness belongs to")
+            raise ValueError("the cells of the plate's mesh do not lie within those of the thickness")
         corners = self.values[self.mesh.t[:, cells]][:, :, None]
         return np.asarray((corner_shapes(x, y, len(corners)) * corners).sum(axis=0))
 
@@ -147,7 +147,7 @@ def of(thickness: float | Profile, points: Array) -> float | Array:
         worst = int(np.argmin(np.nan_to_num(values, nan=-np.inf)))
         (x, y), least = points.reshape(2, -1)[:, worst], values.ravel()[worst]
         raise ValueError(
-            f"the thickness must be above 0 all over the plate, but it is {least:.6g} m at ({x:.6g}, {y:.6g}) m"
+            f"the thickness must be above 0 everywhere on the plate, but it is {least:.6g} m at ({x:.6g}, {y:.6g}) m"
         )
     return values
 

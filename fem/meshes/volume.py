@@ -64,7 +64,7 @@ class VolumeMesh:
         _check_kinds([kind for kind, _ in self.cells])
         every = np.concatenate([cells.ravel() for _, cells in self.cells])
         if every.min() < 0 or every.max() >= len(self.points):
-            raise MeshError("a cell names a node that the mesh does not hold")
+            raise MeshError("a cell refers to a node that is not in the mesh")
         if not np.isfinite(self.points).all():
             raise MeshError("some nodes have coordinates that are not finite")
         self._check_places()
@@ -173,7 +173,7 @@ class VolumeMesh:
         if sizes.size > 1:
             raise MeshError(
                 f"the mesh is in {sizes.size} pieces, of {', '.join(map(str, sizes[:4]))} nodes"
-                f"{' ...' * bool(sizes.size > 4)}: a blade is one; merge their nodes or leave the others out"
+                f"{' ...' * bool(sizes.size > 4)}: a blade is one piece; merge their nodes or remove the others"
             )
 
 
@@ -272,7 +272,7 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
         if path.suffix.lower() in GEOMETRY:
             return volume_of(path, _meshed(path, scale, size), 1.0)
         if size is not None:
-            raise MeshError(f"the cells of a mesh have their size: it belongs to geometry ({', '.join(GEOMETRY)})")
+            raise MeshError(f"a mesh has its own cell size: size belongs to geometry ({', '.join(GEOMETRY)})")
         return volume_of(path, raw_mesh(path), scale)
     except MeshError as error:
         raise type(error)(f"{path}: {error}") from None
@@ -283,7 +283,7 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
     if size is None:
         raise MeshError("this is geometry without a mesh: give the size of its cells, or a mesh of its volume")
     if scale != 1.0:
-        raise MeshError("geometry has a unit of its own: leave out `unit`")
+        raise MeshError("geometry files state their unit: leave out `unit`")
     try:
         import gmsh
     except (ImportError, OSError) as error:  # its libraries of the system are missing
@@ -319,7 +319,7 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
     _check_kinds(kinds)
     points = scale * np.asarray(raw.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise MeshError(deck_fault(path) or "its nodes have no three coordinates")
+        raise MeshError(deck_fault(path) or "its nodes do not have three coordinates")
     cells = [
         (kind, np.vstack([block.data for block in solid if block.type == kind]).astype(np.int64)) for kind in kinds
     ]
@@ -328,7 +328,7 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
             raise MeshError(f"it gives {kind} cells {nodes.shape[1]} nodes: some of their lines are not read")
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes in cells]))
     if used[0] < 0 or used[-1] >= len(points):
-        raise MeshError("a cell names a node that the file does not hold")
+        raise MeshError("a cell refers to a node that is not in the file")
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]

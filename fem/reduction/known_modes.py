@@ -92,7 +92,7 @@ def floor(model: ModalModel, at: Place, modes: ModesAtSpeed, direction: Array, g
     arm = model.load(point)
     radius = float(np.linalg.norm(arm))
     if radius <= STILL * model.size:
-        raise NoMotion("the place is on the spin axis, where there is no load and no floor faces it")
+        raise NoMotion("the place is on the spin axis, where there is no load to define a floor")
     normal = arm / radius
     if given is not None:
         turned = np.linalg.solve(deformed.T, given)
@@ -134,8 +134,8 @@ def frame(normal: Array, direction: Array, name: str = "load") -> Array:
     if angle < LEAST_ACROSS:
         near, least = (f"{np.round(np.degrees(each), 1):g}°" for each in (angle, LEAST_ACROSS))
         raise NoMotion(
-            f"axis 1 of the cavity lies across the {name}, but its direction is only {near} from that: expected {least}"
-            " or more",
+            f"axis 1 of the cavity must be perpendicular to the {name}, but its direction is only {near} from it:"
+            f" expected {least} or more",
             "direction",
         )
     first = first / length
@@ -158,7 +158,7 @@ def bending_direction(model: ModalModel, at: Place, modes: ModesAtSpeed) -> Arra
     square = float(arm @ arm)
     across = moved - (moved @ arm) / square * arm if square > 0.0 else moved
     if np.linalg.norm(across) <= _HARDLY * np.linalg.norm(modes.shapes[0], axis=1).max():
-        raise NoMotion("the first mode does not move this place across the load: no axis of the cavity follows from it")
+        raise NoMotion("the first mode does not move this place across the load: it gives no axis of the cavity")
     largest = across[np.abs(across).argmax()]
     across = np.where(np.abs(across) <= STILL * abs(largest), 0.0, across) * np.sign(largest)
     return np.asarray(across / np.linalg.norm(across))

@@ -49,12 +49,12 @@ class Blade:
 
     def __post_init__(self) -> None:
         if self.root.size == len(self.mesh.points):
-            raise MeshError("the root holds every node: nothing is left to move")
+            raise MeshError("the root contains every node: nothing is left to move")
         spread = self.mesh.points[self.root] - self.mesh.points[self.root].mean(axis=0) if self.root.size else None
         sides = np.zeros(3) if spread is None or len(spread) < 3 else np.linalg.svd(spread, compute_uv=False)
         if sides[1] <= FLAT * sides[0] or sides[0] == 0.0:
             raise MeshError(
-                f"the root's {self.root.size} nodes do not hold the blade: it takes three that lie on no line"
+                f"the root's {self.root.size} nodes do not constrain the blade: expected three or more, not collinear"
             )
 
     @property

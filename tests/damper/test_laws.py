@@ -76,7 +76,7 @@ VIOLATIONS = {
     "every figure is finite": energy(impact=math.nan),
     "energy gained from impact": energy(impact=-0.01, final=0.01),
     "energy gained from rolling": energy(rolling=-0.01, final=0.01),
-    "energy books close": energy(final=1e-7),
+    "energy balance closes": energy(final=1e-7),
     "excursion beyond the wall": reached("excursion", 1 + 1e-4),
     "every hit is an event": lambda f: (f[0], replace(f[1], impacts=f[1].events + 1), f[2]),
     "no velocity exceeds": reached("velocity", 1.01),
@@ -206,7 +206,7 @@ def energies() -> np.ndarray:
     [
         (lambda e: e.__setitem__((0, 3, 0), math.nan), "every figure is finite"),
         (lambda e: e.__setitem__((0, 3, 3), math.nan), "every figure is finite"),
-        (lambda e: e.__setitem__((0, 3, 3), 1.001 * e[0, 3, 3]), "energy books close"),
+        (lambda e: e.__setitem__((0, 3, 3), 1.001 * e[0, 3, 3]), "energy balance closes"),
     ],
 )
 def test_impossible_sweeps(energies: np.ndarray, change: Callable[[np.ndarray], object], said: str) -> None:
@@ -348,12 +348,12 @@ PUSH = Harmonic(DRIVEN.stuck_frequency, (3e3, 0.0))
 @pytest.mark.parametrize(
     ("name", "factor", "said"),
     [
-        ("power_lost", 1.00001, "energy books close"),
+        ("power_lost", 1.00001, "energy balance closes"),
         ("power_lost", math.nan, "every figure is finite"),
         ("mean", 1.1, "means lie between"),
         ("least", 1.1, "means lie between"),
         (("least", "mean", "rms", "greatest"), 0.7, "works along its displacement"),
-        (("least", "mean", "rms", "greatest"), 1.2, "costs its dashpots power"),
+        (("least", "mean", "rms", "greatest"), 1.2, "the power lost bounds the amplitude"),
         (("power_in", "power_lost", "stored"), 1.5, "works along its displacement"),
         (("power_in", "power_lost", "stored"), -1.0, "every loss removes energy"),
     ],
@@ -397,7 +397,7 @@ def test_wrong_energies_leave_no_public_call(monkeypatch: pytest.MonkeyPatch) ->
             runs["books"]["final"] *= 1 + 1e-6 * each
 
     monkeypatch.setattr(engine, "run_block", run_block)
-    with pytest.raises(LawViolation, match=r"energy books close.* in a ring-down$"):
+    with pytest.raises(LawViolation, match=r"energy balance closes.* in a ring-down$"):
         ringdown(DAMPER, RELEASE, 20)
     each = np.arange(3)
     with pytest.raises(LawViolation, match="in ring-down 2 of 3"):

@@ -130,7 +130,7 @@ def test_places_off_the_structure_or_without_a_slope_are_refused(plate: ModalMod
     assert near.distance == pytest.approx(1e-3)
     assert near.point == pytest.approx([0.2, 0.0, 0.0])
     one = cloud(np.array([[0.1, 0.0, 0.0], [0.1, 0.0, 0.0]]), np.ones((1, 2, 3)))
-    with pytest.raises(OffTheStructure, match="one point"):
+    with pytest.raises(OffTheStructure, match="coincide"):
         place(one, np.array([0.1, 0.0, 0.0]))
 
 

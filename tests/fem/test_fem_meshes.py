@@ -131,7 +131,7 @@ def bad_meshes():
             [("quad", notched.t.T[kept])],
             r"into 2 runs \(y from -0.04 to -0.013333, 0.013333 to 0.04\)",
         ),
-        "solid": (tetra, [("tetra", np.array([[0, 1, 2, 3]]))], "holds tetra: mesh the surface half-way"),
+        "solid": (tetra, [("tetra", np.array([[0, 1, 2, 3]]))], "has tetra: mesh the surface at mid-thickness"),
         "lines": (points, [("line", quads[:, :2])], "no triangles and no quadrilaterals"),
         "touching": (
             np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]], dtype=float),

@@ -579,7 +579,7 @@ def broken():
         "mixed orders": (points, ((kind, cells), ("hexahedron", linear)), "first and second order are mixed"),
         "pyramids": (points, ((kind, cells), ("pyramid", cells[:, :5])), "pyramid are not supported"),
         "no cells": (points, (), "no cells with a volume"),
-        "missing node": (points, ((kind, beyond),), "names a node"),
+        "missing node": (points, ((kind, beyond),), "refers to a node"),
         "loose node": (np.vstack([points, [[9.0, 9.0, 9.0]]]), ((kind, cells),), "1 nodes belong to no cell"),
     }
 
@@ -636,7 +636,7 @@ FILES = {
     "not a number": (deck([NODES[0].replace("0,0,0", "0,0,nan"), *NODES[1:]]), "line 2: node 1 has coordinates that"),
     "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
     "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
-    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "no three coordinates"),
+    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
     "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
     "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
@@ -673,15 +673,15 @@ def test_roots_that_hold_nothing():
     mesh = box("tetra10")
     along = np.flatnonzero((mesh.points[:, 1:] == 0.0).all(axis=1))
     for few in ([], [0], along):
-        with pytest.raises(MeshError, match=f"root's {len(few)} nodes do not hold the blade: it takes three that lie"):
+        with pytest.raises(MeshError, match=f"root's {len(few)} nodes do not constrain the blade: expected three"):
             Blade(mesh, STEEL, np.array(few, dtype=int), AXIS, ORIGIN)
     with pytest.raises(MeshError, match="the mesh lies around the spin axis: name the set of nodes that is its root"):
         root_at(mesh, AXIS, mesh.points.mean(axis=0))
     with pytest.raises(MeshError, match="no nodes lie at the radius 5 m"):
         root_at(mesh, AXIS, ORIGIN - [1, 0, 0], 5.0)
-    with pytest.raises(MeshError, match="2 nodes do not hold the blade"):
+    with pytest.raises(MeshError, match="2 nodes do not constrain the blade"):
         Blade(mesh, STEEL, np.array([0, 1]), AXIS, ORIGIN)
-    with pytest.raises(MeshError, match="holds every node"):
+    with pytest.raises(MeshError, match="contains every node"):
         Blade(mesh, STEEL, np.arange(len(mesh.points)), AXIS, ORIGIN)
 
 

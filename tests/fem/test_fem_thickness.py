@@ -259,17 +259,17 @@ def compare(name, theory, rtol, size):
 
 def test_what_is_not_a_thickness():
     mesh = rectangle(0.2, 0.08, 4, 2)
-    with pytest.raises(ValueError, match=r"above 0 all over the plate, but it is -0.001 m at \(0.2, "):
+    with pytest.raises(ValueError, match=r"above 0 everywhere on the plate, but it is -0.001 m at \(0.2, "):
         Plate(mesh, Polynomial(((3e-3,), (-2e-2,))), STEEL)
     with pytest.raises(ValueError, match=r"x from 0 to 0.1 m, and the plate from 0 to 0.2 m"):
         Plate(mesh, Bilinear((0.0, 0.1), (0.0,), ((4e-3,), (4e-3,))), STEEL)
-    with pytest.raises(ValueError, match="x must ascend"):
+    with pytest.raises(ValueError, match="x must be in ascending order"):
         Bilinear((0.2, 0.1), (0.0,), ((4e-3,), (4e-3,)))
     with pytest.raises(ValueError, match="2 rows, one for each x, of 1 numbers"):
         Bilinear((0.0, 0.1), (0.0,), ((4e-3,),))
-    with pytest.raises(ValueError, match="expected 15 values, one a point"):
+    with pytest.raises(ValueError, match="expected 15 values, one for each point"):
         Nodal(mesh, np.ones(3))
-    with pytest.raises(ValueError, match="do not lie in those"):
+    with pytest.raises(ValueError, match="do not lie within those"):
         Plate(rectangle(0.2, 0.08, 2, 4), Nodal(mesh, np.ones(15)), STEEL)
     with pytest.raises(ValueError, match="but it is nan m"):
         Plate(mesh, Nodal(mesh, np.full(15, np.nan)), STEEL)

@@ -155,7 +155,7 @@ def test_a_ratio_of_no_load_releases_nothing() -> None:
     found = workflows.run(base("0 3500") | {"release": {"ratio": 0.05}})
     assert not any(moves(point) for point in found.speeds)
     assert any(note.startswith("From 3500 rpm on, this scene's release of 0.469 mm") for note in found.notes)
-    assert "At 0 rpm there is no load, so a release by its ratio is zero: nothing moves there." in found.notes
+    assert "At 0 rpm there is no load, so a release given as a ratio of it is zero: nothing moves." in found.notes
 
 
 def thick(*rpm: float, **changes: Any) -> Scene:
@@ -264,8 +264,8 @@ def test_what_else_moves_a_locked_ball_has_sentences_of_its_own(monkeypatch: pyt
     own = replace(known, driven_from=known.cutoff, cutoff=0.9 * known.cutoff)
     monkeypatch.setattr("workflows.report.verdict.goes_on", lambda *_: 8.3e-3)
     sentence = answer(replace(found, speeds=(replace(point, damping_curve=own),))).sentences[0]
-    others = "Coriolis forces, a pull sideways or a varying load, which are not counted, may move it above"
-    said = f" Once it moves, it goes on down to 8.3 mm. {others} {1e3 * own.cutoff:.2g} mm."
+    others = "Coriolis forces, a sideways pull or a varying load, which are not simulated, may move it above"
+    said = f" Once it moves, it keeps moving down to 8.3 mm. {others} {1e3 * own.cutoff:.2g} mm."
     assert sentence.endswith(said)
     assert ") (" not in sentence
 
@@ -441,7 +441,7 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     assert rung.peak_sdc > 2 * -math.expm1(-4 * math.pi * peak)
     last = 1e3 * rung.cutoff_g * found.scene.rotor.gravity / (2 * math.pi * 213) ** 2
     assert last < 0.8e3 * own.cutoff
-    assert f"below {1e3 * own.cutoff:.2g} mm (a moving ball goes on down to {last:.2g} mm)" in text(found)
+    assert f"below {1e3 * own.cutoff:.2g} mm (a moving ball keeps moving down to {last:.2g} mm)" in text(found)
 
 
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
@@ -574,7 +574,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict() -> None:
         (
             {"formulation": "printed"},
             "the equations as printed do not cons",
-            "the equations as printed support no force",
+            "the equations as printed do not support a force",
         ),
         ({"count": 1}, "a ball of radius 1 mm and 1", "no solid is as dense as this ball"),
     ],
@@ -613,7 +613,7 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     torn = workflows.run(changed(scene, rotor__speeds=["38000 rpm"]))
     assert answer(torn).verdict.startswith(f"No verdict above {limit[1]} rpm: at 38000 rpm")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
-    assert f"; it cannot turn above {limit[1]} rpm: at 38000 rpm the" in answer(workflows.run(alone)).verdict
+    assert f"; it cannot run above {limit[1]} rpm: at 38000 rpm the" in answer(workflows.run(alone)).verdict
     slow = workflows.run(changed(alone, rotor__speeds=["3500 rpm"]))
     assert (
         answer(slow).sentences[0]
@@ -804,7 +804,7 @@ def test_levels_at_which_the_ball_is_of_no_use_come_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "said"), [(0.02, "and may within them, since frequencies are accurate to 2 %"), (0.01, "")]
+    ("error", "said"), [(0.02, "and may do so within this range, since frequencies are accurate to 2 %"), (0.01, "")]
 )
 def test_an_order_that_may_meet_its_mode_within_the_error_is_not_denied(error: float, said: str) -> None:
     """A mode of 200 Hz meets order 3 at 4000 rpm, 1.3 % beyond the speeds."""
@@ -856,7 +856,7 @@ def test_ring_downs_that_would_slip_are_all_named() -> None:
     assert alone.startswith(
         "In the ring-down at 600 rpm (80.5 g), released at 1 mm, rolling without slip requires a friction"
     )
-    assert f"of up to {demands[1]:.2g}, more than the 0.3 given for wall hits: unless the floor" in alone
+    assert f"of up to {demands[1]:.2g}, more than the 0.3 given for wall hits: unless floor friction" in alone
     assert alone.count("600 rpm") == 1
 
 

@@ -328,7 +328,7 @@ def _scored(plates, space, shares, quick):
 
 
 def test_a_design_space_in_which_no_cavity_fits_says_by_how_much_the_least_sticks_out(bricks, no_workers):
-    least = "no design is feasible: the cavity that sticks out least sticks out of the blade by up to 0.5 mm"
+    least = "no design is feasible: every cavity sticks out of the blade, the best one by up to 0.5 mm"
     with pytest.raises(BadInput, match=least):
         design(with_clearances(bricks, 8, 9, 7))
     with pytest.raises(BadInput, match=r"\[design\] wall = 0.001: on a solid blade the cavity itself has to fit"):
@@ -469,7 +469,7 @@ def test_every_change_of_the_mode_that_the_damper_follows_is_named(twisted):
     second = dataclasses.replace(fast.reduced, f2_hz=fast.modes[1].frequency_hz)
     one, other = (significant(hertz) for hertz in (slow.modes[0].frequency_hz, second.f2_hz))
     changed = dataclasses.replace(fast, reduced=second)
-    cases = {f"mode 2 (flap, {other} Hz": fast.modes, f"a mode not asked for ({other} Hz": fast.modes[:1]}
+    cases = {f"mode 2 (flap, {other} Hz": fast.modes, f"a mode not requested ({other} Hz": fast.modes[:1]}
     for what, modes in cases.items():
         point = dataclasses.replace(changed, modes=modes)
         said = remarks.other_mode(dataclasses.replace(twisted, speeds=(point, slow)))
@@ -479,7 +479,10 @@ def test_every_change_of_the_mode_that_the_damper_follows_is_named(twisted):
 
 def test_a_direction_near_the_load_or_the_floors_normal_is_refused_by_the_key_that_gives_it(bricks):
     """On the centre line the load is along x; less of a direction than a sixth across it is what rounding leaves."""
-    near = "axis 1 of the cavity lies across the {}, but its direction is only {}° from that: expected 10° or more"
+    near = (
+        "axis 1 of the cavity must be perpendicular to the {}, but its direction is only {}° from it:"
+        " expected 10° or more"
+    )
     for key, value, what, problem in (
         ("direction", "[1, 0, 0]", "", near.format("load", 0)),
         ("direction", "[1, 0.14, 0.1]", "", near.format("load", 9.8)),
@@ -530,7 +533,7 @@ def test_a_ball_on_a_floor_that_does_not_face_the_load_falls_to_a_wall(bricks, w
 def test_a_leaning_ball_is_remarked_and_its_normal_looks_outwards(bricks):
     said = remarks.leaning_load(pipeline.run(coned(bricks)))
     assert said is not None
-    assert "from the normal of the cavity's floor by 5°" in said
+    assert "to the normal of the cavity's floor by 5°" in said
     assert "leans on a wall" in said
     with pytest.raises(BadInput, match=r"\[damper\] normal = \[-1.0, 0.0, 0.0\]: the load does not press"):
         pipeline.run(coned(bricks, normal=-1))
@@ -653,5 +656,5 @@ def test_the_scene_of_the_guide_is_read():
     blade = blade_of(source)
     assert in_words(source, blade) == (
         "256 hexahedron20 cells of fan_blade.inp, 240 × 110 × 70.6 mm along x, y and z, at radii of 100 to 341 mm,"
-        " its root at 100 to 110 mm, 4608 unknowns, 69 nodes held"
+        " its root at 100 to 110 mm, 4608 unknowns, 69 nodes clamped"
     )

@@ -116,11 +116,11 @@ def test_the_thickness_is_exported(tmp_path: Path) -> None:
 
 
 FIELDS = [
-    ({"g": np.ones(28)}, "holds no point data 'h': it holds g"),
-    ({}, "holds no point data 'h': it holds none"),
+    ({"g": np.ones(28)}, "has no point data 'h': it has g"),
+    ({}, "has no point data 'h': it has none"),
     ({"h": np.ones((28, 3))}, r"of shape \(28, 3\): expected one number for each point"),
     ({"h": np.full(28, np.nan)}, "values that are not finite"),
-    ({"h": np.linspace(-1e-3, 5e-3, 28)}, "above 0 all over the plate, but it is -0.001 m at"),
+    ({"h": np.linspace(-1e-3, 5e-3, 28)}, "above 0 everywhere on the plate, but it is -0.001 m at"),
 ]
 
 
@@ -172,7 +172,7 @@ def test_a_cone_is_solved_as_fem_has_it() -> None:
 
 def test_a_damper_takes_no_cone() -> None:
     coned = changed(TAPER, rotor__precone="4 deg", damper=SMALL, release={"ratio": 0.3})
-    with pytest.raises(BadInput, match="the load then slopes along the cavity's floor"):
+    with pytest.raises(BadInput, match="the load then has a component along the cavity's floor"):
         parse(coned)
     parse(changed(coned, rotor__precone="0 deg"))
 

@@ -119,7 +119,7 @@ def test_check_says_why(spindamp: Command) -> None:
     outcome = spindamp("check", "paper")
     assert outcome.status == 0
     assert "stress_stiffening = true" in outcome.out
-    assert "the centrifugal pull stiffens it" in outcome.out
+    assert "the centrifugal load stiffens it" in outcome.out
     found = json.loads(spindamp("check", "paper", "--json").out)
     assert found["effects"]["coriolis"]["on"] is True
     assert found["scene"]["plate"]["theory"] == found["theory"]["name"]

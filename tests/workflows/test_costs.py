@@ -93,7 +93,7 @@ def test_what_fails_stays_in_the_table() -> None:
     row, _ = measure("a method", "a setting", fails, lambda _: (1, 0.0))
     assert (row.failed, row.time_s, row.error) == ("the integrator gave up", None, None)
     row, _ = measure("a method", "a setting", lambda: 1, lambda _: (1, np.nan))
-    assert row.failed == "no number came out"
+    assert row.failed == "no number was obtained"
 
 
 @pytest.fixture(scope="module")
@@ -205,7 +205,7 @@ def test_no_ladder_where_the_ball_takes_nothing(structure: Scene, tmp_path: Path
     refused(
         spindamp("accuracy", write(still, tmp_path / "scene.toml"), "--out", "out"),
         "",
-        "the ball takes nothing in 20 cycles",
+        "the ball dissipates nothing in 20 cycles",
         status=3,
     )
     assert not (tmp_path / "out").exists()

@@ -49,7 +49,7 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
     assert process.returncode in (status, -number)
     assert out == b""
     if after > 1 or err:
-        assert err.decode().endswith("nothing is half-written; the same command starts over\n")
+        assert err.decode().endswith("no partial files are left; the same command starts over\n")
         assert len(err.splitlines()) == 1
     assert list(tmp_path.iterdir()) == [endless]
 
@@ -66,13 +66,13 @@ def test_wherever_it_happens(
 
     monkeypatch.setattr(f"workflows.{where}", ended)
     said = refused(spindamp("run", "structure", "--out", "out"), "", status=status)
-    assert ("half-written" in said) == (status != 2)
+    assert ("no partial files" in said) == (status != 2)
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
     ("number", "status", "says"),
-    [(signal.SIGINT, 130, "stopped; nothing is"), (signal.SIGTERM, 143, "ended by SIGTERM; nothing is half-written")],
+    [(signal.SIGINT, 130, "stopped; no partial"), (signal.SIGTERM, 143, "ended by SIGTERM; no partial files are left")],
 )
 def test_an_error_that_a_signal_left_behind(
     number: signal.Signals, status: int, says: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch
@@ -144,7 +144,7 @@ def test_a_second_signal_does_not_garble_the_end(endless: Path, tmp_path: Path) 
     )
     done = python("-c", code, "ringdown", endless, cwd=tmp_path)
     assert done.returncode == 143
-    assert done.stderr == "spindamp: ended by SIGTERM; nothing is half-written; the same command starts over\n"
+    assert done.stderr == "spindamp: ended by SIGTERM; no partial files are left; the same command starts over\n"
 
 
 LOST = {
@@ -189,7 +189,7 @@ def test_a_signal_that_was_lost_comes_again(
     """What a handler raises goes nowhere while an object is given up, or where a library passes over everything."""
     done = python("-c", LOSING.format(lose=LOST[where]), "ringdown", endless, int(number), cwd=tmp_path)
     assert done.returncode == status
-    assert done.stderr.endswith("nothing is half-written; the same command starts over\n")
+    assert done.stderr.endswith("no partial files are left; the same command starts over\n")
     assert len(done.stderr.splitlines()) == 1
 
 

@@ -150,10 +150,10 @@ def _gmsh(nodes: tuple[str, ...], cells: tuple[str, ...], count: int | None = No
 QUAD = "3 2 0 1 1 2 3 4"
 MESHES: dict[str, tuple[str | bytes, str]] = {
     "empty": ("", "empty"),
-    "blank": ("\n\n", "damaged or cut short"),
+    "blank": ("\n\n", "damaged or truncated"),
     "cut in the header": (GOOD[:8], "not a"),
-    "cut in the nodes": (GOOD[:300], "damaged or cut short"),
-    "cut in the cells": (GOOD[: len(GOOD) * 4 // 5], "damaged or cut short"),
+    "cut in the nodes": (GOOD[:300], "damaged or truncated"),
+    "cut in the cells": (GOOD[: len(GOOD) * 4 // 5], "damaged or truncated"),
     "junk": (bytes(range(256)) * 20, "not a mesh file"),
     "text": ("a plate\n" * 50, "not a mesh file"),
     "of another version": (GOOD.replace("2.2 0 8", "9.9 0 8"), "not a"),

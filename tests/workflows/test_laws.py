@@ -73,7 +73,7 @@ def test_one_line_and_nothing_written(spindamp: Command, tmp_path: Path, command
     scene = write(SHAKEN if command[0] == "response" else SCENE, tmp_path / "scene.toml")
     outcome = spindamp(command[0], scene, *command[1:])
     assert (outcome.status, outcome.out) == (1, "")
-    said = "spindamp: an internal error: the energy books close, but unexplained .* is .*, beyond the bound of "
+    said = "spindamp: an internal error: the energy balance closes, but unexplained .* is .*, beyond the bound of "
     assert re.match(f"{said}.* in {place}{ENDS}", outcome.err), outcome.err
     assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
@@ -105,7 +105,7 @@ def test_plates_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("wrong_energies")
 def test_python_raises() -> None:
     for call in (face.run, face.ringdown):
-        with pytest.raises(ImpossibleResult, match=rf"energy books .*spindamp {version('spindamp')}") as caught:
+        with pytest.raises(ImpossibleResult, match=rf"energy balance .*spindamp {version('spindamp')}") as caught:
             call(SCENE)
         assert isinstance(caught.value.__cause__, damper.LawViolation)
         assert isinstance(caught.value, SpindampError)

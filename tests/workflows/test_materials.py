@@ -248,7 +248,7 @@ def test_designs_keep_to_what_the_floor_carries(
     scene = pressed("lead", "4", design=free | limits, effects={"indentation": False})
     scene["damper"]["cavity"] = ["5 mm", "5 mm"]
     if not diameter:
-        with pytest.raises(BadInput, match="the floor carries none of these balls"):
+        with pytest.raises(BadInput, match="the floor supports none of these balls"):
             design(scene, pool=executor.external(here, 1))
         return
     found = design(scene, pool=executor.external(here, 1))
@@ -297,7 +297,7 @@ def test_hits_and_rolling_follow_from_the_materials() -> None:
         ({"restitution": "auto", "floor_material": None}, "requires named materials of ball and floor"),
         ({"rolling_friction": "auto", "floor_material": None}, "requires named materials of ball and floor"),
         ({"restitution": "automatic"}, "expected a number from 0 to 1, 'auto', or pairs"),
-        ({"restitution": [["2 m/s", 0.9], ["1 m/s", 0.5]]}, "expected impact speeds above 0, ascending"),
+        ({"restitution": [["2 m/s", 0.9], ["1 m/s", 0.5]]}, "expected impact speeds above 0, in ascending order"),
         ({"restitution": [["2 m/s", 1.9]]}, "expected at most 1"),
         ({"rolling_friction": "-1 mm"}, "expected at least 0"),
     ],

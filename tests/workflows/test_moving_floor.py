@@ -127,7 +127,7 @@ def test_across_the_plate_has_its_lag_mode(paper: Scene) -> None:
     assert math.sqrt(square) / (2 * math.pi) == pytest.approx(1400, rel=0.02)
     release = as_scene_file(scene).scene
     none = replace(point, cavity_modes=tuple(mode for mode in point.cavity_modes if mode.number != lag.number))
-    with pytest.raises(BadInput, match="ask for more"):
+    with pytest.raises(BadInput, match="request more"):
         coupling.release_displacement(release, none, system)
 
 
@@ -185,7 +185,7 @@ def test_a_hollow_floor_is_a_pendulum_of_one_engine_order(paper: Scene, tmp_path
     assert any("engine orders 3 and 2.6" in note for note in run.notes)
     workflows.document(run)
     wide = workflows.run(changed(scene, damper__floor_radius="8 mm", rotor__speeds=["4261 rpm"]))
-    assert any("radii of its path" in note for note in wide.notes)
+    assert any("the radius of its path" in note for note in wide.notes)
 
 
 def test_a_stagger_couples_the_axes(paper: Scene) -> None:
@@ -267,7 +267,7 @@ def test_what_coriolis_forces_on_the_ball_would_add() -> None:
     speed = 2 * math.pi * point.reduced.f1_hz * point.verdict.amplitude
     chord = 2 * speed * math.sin(math.pi / 3) / (point.omega * point.radius)
     assert chord > 0.01
-    (said,) = (note for note in found.notes if note.startswith("Forces on the ball are neglected"))
+    (said,) = (note for note in found.notes if note.startswith("These forces on the ball are neglected"))
     assert f"Coriolis forces from chordwise motion, up to {100 * chord:.2g} % of the load (at 5000 rpm)" in said
     load = 1.1624 / 0.2 * speed**2 / (point.omega**2 * point.radius)
     shortening = re.search("shortening, up to ([0-9.]+) % of the load", said)
@@ -380,8 +380,8 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     resistance = 0.005 / 1.2 * point.omega**2 * point.radius
     assert own.cutoff == pytest.approx(own.driven_from / math.hypot(1, round_axis / resistance), rel=0.05)
     answer = " ".join(verdict.answer(found).sentences)
-    others = "Coriolis forces, a pull sideways or a varying load may move"
-    assert f"below {1e3 * own.cutoff:.2g} mm, from where on {others} it, which is not counted" in answer
+    others = "Coriolis forces, a sideways pull or a varying load may move"
+    assert f"below {1e3 * own.cutoff:.2g} mm, above which {others} it, which is not simulated" in answer
 
     held = workflows.run(thin(damper__rolling_friction="0.022 mm", rotor__speeds=["10000 rpm", "11000 rpm"]))
     point, _ = held.speeds
@@ -391,8 +391,8 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     assert nearer > 0.022 / 1.2 * point.omega**2 * 0.2 / 2
     assert {(p.verdict.grade, p.verdict.reason) for p in held.speeds} == {("unknown", "sideways")}
     assert verdict.answer(held).verdict.startswith(
-        f"No verdict: {others} the ball above {span(held, 'cutoff')} mm, which is not counted; the motion that is"
-        f" counted begins at {span(held, 'drives_from')} mm, beyond what the plate endures"
+        f"No verdict: {others} the ball above {span(held, 'cutoff')} mm, which is not simulated; the simulated motion"
+        f" begins at {span(held, 'drives_from')} mm, beyond what the plate endures"
     )
 
     within = replace(own, driven_from=0.99 * limit, damping_ratio=0.0 * own.damping_ratio)

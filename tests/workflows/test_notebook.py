@@ -315,7 +315,7 @@ def test_a_report_replaces_plain_files_alone(damper: Results, tmp_path: Path) ->
     if not hasattr(os, "mkfifo"):
         pytest.skip("no named pipes here")
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(workflows.BadInput, match="is no file that could"):
+    with pytest.raises(workflows.BadInput, match="is not a regular file"):
         workflows.save_report(damper, tmp_path / "pipe")
     assert (tmp_path / "pipe").is_fifo()
     with pytest.raises(workflows.BadInput, match="is a folder"):

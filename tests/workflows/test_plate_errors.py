@@ -75,7 +75,7 @@ def test_no_bending_among_the_modes(quick: Path, spindamp: Command, monkeypatch:
     outcome = spindamp("run", quick, "--json")
     assert outcome.status == 2
     assert "scene.toml: [rotor] modes = 6: no flap mode among the 6 lowest" in outcome.err
-    assert outcome.err.endswith("ask for more modes\n")
+    assert outcome.err.endswith("request more modes\n")
 
 
 @pytest.mark.parametrize("kind", ["SingularMatrix", "NotConverged"])

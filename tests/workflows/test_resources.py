@@ -46,7 +46,7 @@ def test_shipped_scenes_need_little(name: str) -> None:
 MANY = {"start": "0 rpm", "stop": "9000 rpm", "count": 100_000}
 BRICKS: dict[str, Any] = {"rotor__modes": 200, "plate__theory": "solid"}
 TOO_MUCH: list[tuple[dict[str, Any], str, str]] = [
-    ({"release__cycles": 1_000_000_000}, "[release] cycles = 1000000000.0: ", "ask for fewer cycles"),
+    ({"release__cycles": 1_000_000_000}, "[release] cycles = 1000000000.0: ", "request fewer cycles"),
     ({"rotor__speeds": MANY, "release__cycles": 1000}, "[rotor] speeds", "fewer speeds"),
     ({"rotor__speeds": MANY, "rotor__modes": 200}, "[rotor] speeds", "fewer speeds"),
     (BRICKS | {"rotor__speeds": MANY | {"count": 60_000}}, "", ""),
@@ -79,7 +79,7 @@ def test_a_mesh_of_ten_million_cells(size: int, paper: Scene, spindamp: Command,
 
 def _too_much(outcome: Outcome, start: str, advice: str) -> None:
     said = refused(outcome, start, advice)
-    assert re.search(r"this needs about [0-9.]+ [GT]B of memory, and 16 GB are available: ", said)
+    assert re.search(r"this needs about [0-9.]+ [GT]B of memory, but only 16 GB are available: ", said)
 
 
 def test_the_limit_is_that_of_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,7 +121,7 @@ def test_first_meshes_too_large_are_refused_before_any_is_solved(
 
     monkeypatch.setattr("fem.assemble", begun)
     monkeypatch.setattr(resources, "available", lambda: 3.5e8)
-    with pytest.raises(BadInput, match=r"\[rotor\] modes = 100: this needs about .* ask for fewer modes"):
+    with pytest.raises(BadInput, match=r"\[rotor\] modes = 100: this needs about .* request fewer modes"):
         discretise(source, decided, Stages(visible=False))
 
 

@@ -264,7 +264,7 @@ def test_the_length_of_a_mesh_is_read() -> None:
     source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
     form = plate_mesh.planform(source)
     assert form.sides[0] == pytest.approx(0.25)
-    assert "asked for" in selection.resolve(source.scene, source.name, form)["coriolis"].why
+    assert "requested" in selection.resolve(source.scene, source.name, form)["coriolis"].why
     with pytest.raises(ValueError, match="planform of a plate from a mesh is needed"):
         selection.resolve(source.scene)
 
@@ -273,7 +273,7 @@ def test_switches_override_the_rules(paper: Scene) -> None:
     decided = selection.resolve(parse(changed(paper, effects={"stress_stiffening": False, "spin_softening": True})))
     assert not decided["stress_stiffening"].on
     assert "switched off by the scene" in decided["stress_stiffening"].why
-    assert decided["spin_softening"].why == "asked for by the scene"
+    assert decided["spin_softening"].why == "requested by the scene"
 
 
 def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:

@@ -75,7 +75,7 @@ def test_what_is_replaced_is_said_first(spindamp):
     vary = ("--vary", "damper.mass=0.1 g", "--vary", "rotor.speeds=5000 rpm")
     done = spindamp("sweep", "structure", *vary, "--quick", "--workers", 1, "--out", "out")
     assert done.status == 0, done.err
-    assert done.out.splitlines()[0] == "damper.mass takes the place of the scene's damper.mass_ratio"
+    assert done.out.splitlines()[0] == "damper.mass replaces the scene's damper.mass_ratio"
     assert ": 1 point (" in done.out.splitlines()[1]
 
 
@@ -361,7 +361,7 @@ def test_the_text_has_a_line_for_each_statement():
         "T: 4 points (4 a)",
         "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % (90 %), with a median of 0.3 %; share of the"
         " variance by parameter, interactions included: k 50 ± 10 %",
-        "1 point has no verdict: `spindamp run` of such a point says why",
+        "1 point has no verdict: `spindamp run` of such a point gives the reason",
         "2 points have no answer:",
         "1 × too wide",
         "1 × too heavy",

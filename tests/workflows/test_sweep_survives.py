@@ -146,7 +146,7 @@ def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypa
     """A block is done when all of its arrays are there, whichever was the last."""
     with stopping(monkeypatch, call):
         complete(asked, tmp_path / "out")
-    assert folder.restart_advice() == "what is finished stays; the same command goes on"
+    assert folder.restart_advice() == "finished points are kept; the same command resumes"
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
     coordinates, arrays = 4, len(evaluate.QUANTITIES) + 2
@@ -157,7 +157,7 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
     first = Here(stops=4)
     with pytest.raises(KeyboardInterrupt):
         complete(asked, tmp_path / "out", first, size=1)
-    assert folder.restart_advice() == "what is finished stays; the same command goes on"
+    assert folder.restart_advice() == "finished points are kept; the same command resumes"
     with folder.orderly_end(to_the_end=False):
         assert folder.restart_advice().endswith("starts over")
     blocks = finished(tmp_path / "out") // 2
@@ -209,7 +209,7 @@ def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):
 
 
 def test_workers_that_always_die_end_the_study(asked, tmp_path):
-    with pytest.raises(BadInput, match="die as soon as they begin"):
+    with pytest.raises(BadInput, match="end at once"):
         complete(asked, tmp_path / "out", Here(dies=range(1000)))
 
 
@@ -297,7 +297,7 @@ def test_other_code_is_refused(asked, out, monkeypatch):
     monkeypatch.setattr("workflows.studies.sweep.executor.digest", lambda: "other")
     with pytest.raises(BadInput, match="differs in its code and versions"):
         complete(study.of_scene("structure", VARY, quick=True), out)
-    with pytest.raises(BadInput, match="a worker has other code"):
+    with pytest.raises(BadInput, match="a worker runs other code"):
         study.compute(asked, asked.regions()[0])
 
 

@@ -26,7 +26,7 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     """Thin-plate theory is off by 5 % in the paper's twist, whatever the mesh."""
     scene = _plate(paper, accuracy__frequency=accuracy)
     said = remarks.sentence(workflows.run(scene))
-    assert said.endswith(f'was asked for; [plate] theory = "{theory}" would achieve it.')
+    assert said.endswith(f'was requested; [plate] theory = "{theory}" would achieve it.')
     mended = workflows.run(changed(scene, plate__theory=theory))
     assert remarks.met(mended)
     assert "would achieve it" not in str(remarks.sentence(mended))
@@ -67,7 +67,7 @@ def test_the_effects_that_would_do_do(paper: Scene) -> None:
     scene = changed(scene, rotor__speeds=["17500 rpm"], effects={"coriolis": False})
     said = remarks.sentence(workflows.run(scene))
     assert said.endswith(
-        "was asked for; [effects] coriolis = true and [effects] large_deflection = true would achieve it."
+        "was requested; [effects] coriolis = true and [effects] large_deflection = true would achieve it."
     )
     assert remarks.met(workflows.run(changed(scene, effects={"coriolis": True, "large_deflection": True})))
 
@@ -86,7 +86,7 @@ def test_where_nothing_would_do_it_says_what_can_be_had(paper: Scene) -> None:
     assert max(mode.whole for mode in remarks.worst(found)) <= 9e-3
     for error in (0.95, 5.1):
         said = remarks.sentence(_with_basis(found, error))
-        assert said.endswith("0.4 % was asked for; no setting achieves this."), "1 and more are refused"
+        assert said.endswith("0.4 % was requested; no setting achieves this."), "1 and more are refused"
 
 
 CORNER = (35.93663, 249.7615, 489.6319, 979.4331)
@@ -120,7 +120,7 @@ def test_at_rest_nothing_of_spinning_is_advised() -> None:
     found = _laden()
     said = remarks.sentence(replace(found, scene=found.scene.changed(accuracy={"frequency": 1e-3})))
     assert said is not None
-    assert "0.1 % was asked for; " in said
+    assert "0.1 % was requested; " in said
     assert "[effects]" not in said
 
 

@@ -103,7 +103,7 @@ def test_what_is_compared_reads_otherwise() -> None:
     moved = 2 * (max(source.scene.rotor.speeds) * 0.2 / (0.5 * math.pi * wave)) ** 2
     why = selection.resolve(source.changed(accuracy={"frequency": 0.999 * moved}).scene, "", None)["coriolis"].why
     more, less = re.fullmatch(
-        r"it lowers .* by about ([\d.]+) % at most, more than the ([\d.]+) % asked for", why
+        r"it lowers .* by about ([\d.]+) % at most, more than the ([\d.]+) % requested", why
     ).groups()
     assert float(more) > float(less)
     mode = SimpleNamespace(number=1, whole=1.004e-3)

@@ -91,7 +91,7 @@ def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> N
         "560 triangles, 322 points",
         "x 0 to 200 mm, y −40 to 40 mm",
         "80 mm long",
-        "m, which is an assumption",
+        "m, an assumption",
     ):
         assert words in outcome.out
     assert "open spindamp-view-plate-with-hole-msh.html" in outcome.out
@@ -152,7 +152,7 @@ def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path, mo
     meshio.write(tmp_path / "box.vtu", meshio.Mesh(nodes, [("hexahedron20", np.arange(20)[None])]))
     reads, read = [], meshlane.read
     monkeypatch.setattr(meshlane, "read", lambda path: reads.append(path) or read(path))
-    assert "taken as m, which is an assumption: --unit gives" in spindamp("view", "box.vtu", "--out", "page.html").out
+    assert "taken as m, an assumption: --unit sets" in spindamp("view", "box.vtu", "--out", "page.html").out
     assert len(reads) == 1
     found = json.loads(spindamp("view", "box.vtu", "--unit", "in", "--json").out)
     assert found["unit"] == "in"
@@ -204,7 +204,7 @@ def test_speeds_without_a_unit_are_remarked(plain: Path, spindamp: Command) -> N
         ((".",), "holds no run: expected a folder with results.json and results.nc"),
         ((MESHES / "plate_coarse.msh", "--rpm", "100"), "--rpm = 100: a mesh alone has no speeds"),
         ((MESHES / "make.py",), "not a readable mesh file"),
-        ((KNOWN,), "a file of modes or results, no mesh"),
+        ((KNOWN,), "a file of modes or results, not a mesh"),
         ((MESHES / "plate_coarse.msh", "--out", "."), "--out = '.': is a folder"),
         ((MESHES / "plate_coarse.msh", "--out", "v.png"), "--out = 'v.png': a page is written: expected a name that"),
         ((MESHES / "plate_coarse.msh", "--out", "nosuch/v.html"), "--out = 'nosuch/v.html': no such folder"),

@@ -265,7 +265,7 @@ def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: P
     script = VIEWER + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
     said, hidden, still, moving = driven(finished / "report.html", script, gl=NO_GL)
-    assert "no WebGL2" in said
+    assert "not support WebGL2" in said
     assert hidden
     assert still == "block"
     assert moving == "none"

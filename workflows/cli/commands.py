@@ -48,8 +48,8 @@ Vary = Annotated[list[str] | None, typer.Option("--vary", metavar="KEY=VALUES", 
 Count = Annotated[
     int | None, typer.Option("--sample", metavar="N", help="Spread N points over all ranges instead of a grid.")
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="Measure by fewer and faster sweeps, mostly to within 1 %.")]
-_DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; gives percentiles and Sobol' indices."
+Quick = Annotated[bool, typer.Option("--quick", help="Measure with fewer and faster sweeps, mostly within 1 %.")]
+_DISTRIBUTIONS = "Treat ranges (or normal:MEAN:DEVIATION) as distributions; report percentiles and Sobol' indices."
 Uncertain = Annotated[bool, typer.Option("--uncertain", help=_DISTRIBUTIONS)]
 
 
@@ -83,7 +83,7 @@ Result = TypeVar("Result", bound="StudyResult")
 
 @_command()
 def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Solve plate and damper at every speed; write a report.
+    """Solve structure and damper at every speed; write a report.
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
@@ -93,7 +93,7 @@ def run(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
 
 @_command()
 def campbell(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Solve the plate alone: frequencies over speed.
+    """Solve the structure alone: frequencies over speed.
 
     Without --out, no files are written.
     """
@@ -144,7 +144,7 @@ def reproduce(out: Out = None, json: Json = False) -> None:
 
 @_command()
 def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Measure the cost of accuracy in time.
+    """Measure computing time against accuracy.
 
     The result is a table with plots of error over time.
 
@@ -157,7 +157,7 @@ def accuracy(scene: Scene = "paper", out: Out = None, json: Json = False) -> Non
 
 @_command()
 def effects(scene: Scene = "paper", out: Out = None, json: Json = False) -> None:
-    """Measure what each effect changes, and its cost in time.
+    """Measure what each effect changes, and its computing time.
 
     Without --out, no files are written.
     """
@@ -196,7 +196,7 @@ def sweep(
     if not json:
         for axis in plan.plan.axes:
             if instead := axis.key.replaced(plan.source.scene):
-                typer.echo(f"{axis.name} takes the place of the scene's {instead}")
+                typer.echo(f"{axis.name} replaces the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
     with Stages(lines=True) as stages:
@@ -263,7 +263,7 @@ def compare(
 def modes(
     scene: Scene = "paper",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the neutral file: a name in .npz or .json.")
+        Path | None, typer.Option("--out", metavar="FILE", help="Write a neutral file: a name ending in .npz or .json.")
     ] = None,
     json: Json = False,
 ) -> None:
@@ -292,16 +292,16 @@ def view(
     rpm: Annotated[float | None, typer.Option("--rpm", help="Rotation speed; default: the middle one.")] = None,
     mode: Annotated[int, typer.Option("--mode", help="Number of the mode to show first.")] = 1,
     unit: Annotated[
-        str | None, typer.Option("--unit", metavar="UNIT", help="Of the coordinates of a mesh file, such as mm.")
+        str | None, typer.Option("--unit", metavar="UNIT", help="Unit of the coordinates in a mesh file, such as mm.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file, and do not open it.")
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the page to FILE, and do not open it.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Show mesh, clamped root, place of the damper and modes.
 
-    A page is written, its name is printed, and a browser opens it where there is a screen.
+    The command writes a page, prints its name, and opens it in a browser where there is a screen.
     """
     import webbrowser
 
@@ -316,10 +316,10 @@ def view(
         if target.suffix.lower() != ".html":
             raise BadInput("a page is written: expected a name that ends in .html", key="--out", value=str(out))
         if not target.parent.is_dir():
-            raise BadInput("no such folder: expected a file in one that is there", key="--out", value=str(out))
+            raise BadInput("no such folder: expected a file in an existing folder", key="--out", value=str(out))
     if page := viewer.page_of_study(what):
         if json or out is not None:
-            raise BadInput(f"holds a study, whose page is {page}: leave --json and --out out", file=what)
+            raise BadInput(f"holds a study, whose page is {page}: omit --json and --out", file=what)
         typer.echo(f"open {page}")
         return
     omega, first, number = None if rpm is None else omega_of(rpm), 0, 0
@@ -462,7 +462,7 @@ def _announce_compiler() -> None:
         slow = "a hundred times slower, and results do not wait for their self-check"
         problem = f"NUMBA_DISABLE_JIT: the damper's kernels run as plain Python, {slow}"
     elif not compiled.CACHED:
-        why = "neither the installation nor a home folder can be written, so that compiled code cannot be stored"
+        why = "neither the installation nor a home folder is writable, so compiled code cannot be stored"
         problem = f"{why}: every start takes some ten seconds longer"
     elif compiled.fresh() and sys.stderr.isatty():
         problem = "compiling the damper's kernels, once for an installation: up to a minute, with their check"
@@ -518,18 +518,16 @@ def _spindamp(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
     check: Annotated[bool, typer.Option("--self-check", callback=_self_check, is_eager=True, help=_CHECKS)] = False,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="Print what is decided and done, with times.")
-    ] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print choices and progress, with times.")] = False,
     log: Annotated[
-        Path | None, typer.Option("--log", metavar="FILE", help="Append the same, in detail, to a file.")
+        Path | None, typer.Option("--log", metavar="FILE", help="Append the same, in more detail, to FILE.")
     ] = None,
 ) -> None:
-    """Will a particle damper work on a spinning plate, how much, and up to what load?"""  # noqa: D400
+    """Will a particle damper work on a spinning plate or blade, how well, and up to what load?"""  # noqa: D400
     _listen(context, verbose, log)
     if context.invoked_subcommand is None:
         names = ", ".join(command.__name__ for command in COMMANDS)
-        raise BadInput(f"missing command: expected one of {names}; spindamp --help says what they do")
+        raise BadInput(f"missing command: expected one of {names}; `spindamp --help` describes them")
 
 
 _commands.callback(cls=_Commands, invoke_without_command=True)(_spindamp)

@@ -90,7 +90,7 @@ def _floor_tilt(case: Case) -> Called:
     )
     if share > (scene.budget.rough_drive if scene.given is None else scene.budget.drive):
         return Called(True, f"as the structure bends, the floor tilts, and {reason}")
-    return Called(False, f"{reason}, less than the {significant(100 * target)} % asked for")
+    return Called(False, f"{reason}, less than the {significant(100 * target)} % requested")
 
 
 def _tilt_share(case: Case, omega: float) -> float:
@@ -114,7 +114,7 @@ def _indentation(case: Case) -> Called:
         return Called(False, "the rotor is at rest: no load presses the ball on the floor")
     known = [KNOWN[name] for name in scene.contact_materials if name is not None]
     if len(known) < 2 or any(each.youngs_modulus is None for each in known):
-        return Called(False, "the materials of ball and floor are not known by name")
+        return Called(False, "the materials of ball and floor are not given by name")
     if all(each.hardness is None for each in known):
         return Called(False, "the strength of ball and floor is unknown")
     return Called(True, "where the load makes ball or floor yield, the ball lies in a dent")
@@ -132,11 +132,11 @@ def _structural_modes(case: Case) -> Called:
         return Called(True, "the modes are known, with their motion along both axes")
     released = () if release is None else (release.displacement, release.acceleration)
     if any(pair is not None and pair[1] != 0.0 for pair in released):
-        return Called(True, "the release moves the cavity across too, where the plate has frequencies of its own")
+        return Called(True, "the release also moves the cavity across, where the plate has other frequencies")
     if math.sin(2 * scene.rotor.stagger) != 0.0 and case.spins:
-        return Called(True, "the stagger couples the ball's motion in the bending plane with that across")
+        return Called(True, "the stagger couples the ball's motion in the bending plane with its motion across")
     if plate.mesh is not None or (damper.on_plate is not None and damper.on_plate[1] != 0.0):
-        return Called(True, "the cavity is not on the centre line of a rectangle: modes that twist move it too")
+        return Called(True, "the cavity is not on the centre line of a rectangle: twist modes also move it")
     ratio, target = _mass_ratio(case), scene.accuracy.damping
     reason = f"the ball has about {significant(100 * ratio, 2)} % of the mass that it moves"
     if ratio > scene.budget.scattered:
@@ -167,8 +167,8 @@ HOUSED = "the housing holds the cavities outside the plate"
 """Why a plate loses nothing."""
 
 IN_THE_MESH = (
-    "the mesh is solved as it is; where it is solid at the cavities, what they would move counts among the errors of"
-    " the frequencies"
+    "the mesh is solved as it is; the frequency shift by cavities missing from the mesh is part of the errors of the"
+    " frequencies"
 )
 """Why a solid blade loses nothing."""
 

@@ -28,19 +28,21 @@ def _stress_stiffening(case: Case) -> Called:
         return GIVEN
     if not case.spins:
         if case.scene.effects.large_deflection is True:
-            return Called(True, "the rotor is at rest, but large_deflection, which the scene asks for, needs it")
+            return Called(True, "the rotor is at rest, but large_deflection, which the scene requests, needs it")
         return AT_REST
-    return Called(True, "the plate spins, and the centrifugal pull stiffens it")
+    return Called(True, "the plate spins, and the centrifugal load stiffens it")
 
 
 def _spin_softening(case: Case) -> Called:
     """Wherever a plate spins."""
     rotor = case.scene.rotor
     if abs(math.sin(rotor.stagger)) > 1e-9:
-        return Called(True, "the plate is staggered: its bending moves across the spin axis")
+        return Called(True, "the plate is staggered: its bending has a component perpendicular to the spin axis")
     if abs(math.sin(rotor.precone)) > 1e-9:
-        return Called(True, "the plate is coned: its bending moves across the spin axis")
-    return Called(True, "in-plane modes and, a little, the turning cross-sections of bending move across the spin axis")
+        return Called(True, "the plate is coned: its bending has a component perpendicular to the spin axis")
+    return Called(
+        True, "in-plane modes and, slightly, the rotating cross-sections in bending move perpendicular to the spin axis"
+    )
 
 
 def _coriolis(case: Case) -> Called:
@@ -59,7 +61,7 @@ def _coriolis(case: Case) -> Called:
     moved = 2.0 * (fastest / (0.5 * math.pi * wave / plate_mesh.sides(plate, case.form)[0])) ** 2
     if moved > target:
         most = (
-            f"{beside(100 * moved, 100 * target, 1)} % at most, more than the {significant(100 * target)} % asked for"
+            f"{beside(100 * moved, 100 * target, 1)} % at most, more than the {significant(100 * target)} % requested"
         )
         why = f"it lowers frequencies of motion in the plane of rotation by about {most}"
         return Called(True, why, everywhere(fastest, moved, scene.rotor.modes))
@@ -73,7 +75,7 @@ def _coriolis(case: Case) -> Called:
         return Called(False, "the plate diverges without it")
     largest, omega = shift.largest
     why = f"at {turning(omega)} it moves frequencies by up to {beside(100 * largest, 100 * target, 1)} %"
-    compared = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % asked for"
+    compared = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % requested"
     return Called(largest > target, f"{why}, {compared}", LeftOut(shift.omega, shift.shifts))
 
 
@@ -114,7 +116,7 @@ def _large_deflection(case: Case) -> Called:
     if strain is not None and (moved := moved_by_strain(scene, strain)) <= target:
         reason = (
             f"the load lies in the plate's own plane and strains it by {share(strain, 2)} %, which moves frequencies by"
-            f" {beside(100 * moved, 100 * target)} % at most, less than the {significant(100 * target)} % asked for"
+            f" {beside(100 * moved, 100 * target)} % at most, less than the {significant(100 * target)} % requested"
         )
         return Called(False, reason, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
     try:
@@ -133,7 +135,7 @@ def _large_deflection(case: Case) -> Called:
     moves = LeftOut(np.array([bent.omega]), bent.shifts[None])
     if bent.shift > scene.budget.left_out:
         return Called(True, f"{state}; the modes are those about that state", moves)
-    return Called(False, f"{state}, less than the {significant(100 * target)} % asked for", moves)
+    return Called(False, f"{state}, less than the {significant(100 * target)} % requested", moves)
 
 
 def _deflection_refused(scene: Scene) -> Refusal | None:

@@ -74,7 +74,7 @@ def resolve(
         if switch == "auto":
             effects[name] = Effect(called, why, None if called else moves)
         elif switch is True:
-            effects[name] = Effect(True, "asked for by the scene" + ("" if called else f", although {why}"))
+            effects[name] = Effect(True, "requested by the scene" + ("" if called else f", although {why}"))
         else:
             effects[name] = Effect(False, "switched off by the scene" + (f", although {why}" if called else ""), moves)
     return effects

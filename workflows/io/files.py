@@ -260,7 +260,7 @@ def modes_file(file: str | os.PathLike[str], key: str = "file") -> Path:
     if path.suffix.lower() not in (".npz", ".json"):
         raise BadInput("expected a name that ends in .npz or .json", key=key, value=str(file))
     if not path.absolute().parent.is_dir():
-        raise BadInput("expected a file in a folder that is there", key=key, value=str(file))
+        raise BadInput("expected a file in an existing folder", key=key, value=str(file))
     return writable(path, key)
 
 

@@ -35,7 +35,7 @@ _USUAL = {"SIGINT": signal.default_int_handler, "SIGTERM": signal.SIG_DFL, "SIGH
 _REPEAT = 0.2
 """Seconds after which a signal is raised again if nothing has come of it."""
 
-_STARTS_OVER = "nothing is half-written; the same command starts over"
+_STARTS_OVER = "no partial files are left; the same command starts over"
 _outcome = [_STARTS_OVER]
 
 _signals: list[BaseException] = []
@@ -292,9 +292,7 @@ def writable(path: str | os.PathLike[str], key: str = "path") -> Path:
     if taken or os.fspath(path).endswith(("/", os.sep)):
         raise BadInput("is a folder: expected a file, such as 'report.html'", key=key, value=str(path))
     if special:
-        raise BadInput(
-            "is no file that could be replaced: expected one such as 'report.html'", key=key, value=str(path)
-        )
+        raise BadInput("is not a regular file: expected one such as 'report.html'", key=key, value=str(path))
     if (why := unwritable(target)) is not None:
         raise BadInput(why, key=key, value=str(path))
     return target

@@ -422,7 +422,7 @@ def _read_unpublished(folder: Path) -> dict[str, Any]:
         group = file.get(_GROUP)
         version = 2 if group is None else int(np.ravel(group.attrs["format"])[0])
         if group is None or version != _FORMAT:
-            raise _unreadable(folder, f"has version {version} of what a run keeps: expected {_FORMAT}; run it again")
+            raise _unreadable(folder, f"has version {version} of a run's stored data: expected {_FORMAT}; run it again")
 
         arrays = group["arrays"][...].tobytes() if "arrays" in group else b""
 

@@ -172,7 +172,7 @@ def _unit(unit: str, given: str | None, key: str) -> str:
     """What the coordinates are in, and who says so."""
     if given is not None:
         return f"{given}, as --unit says"
-    return f"coordinates taken as {unit}, which is an assumption: --unit gives another, in a scene {key}"
+    return f"coordinates taken as {unit}, an assumption: --unit sets another, in a scene {key}"
 
 
 def data_of_results(folder: Path) -> ViewData:
@@ -186,7 +186,7 @@ def data_of_results(folder: Path) -> ViewData:
     except BadInput as error:
         raise BadInput(error.problem, file=str(folder)) from error
     if results.surface is None or results.diagram is None:
-        raise BadInput("holds results without a plate: there is no shape to show", file=str(folder))
+        raise BadInput("contains results without a plate: there is no shape to show", file=str(folder))
     return of_plate(results.scene, results.surface, results.speeds, _known(results.diagram, results.theory))
 
 
@@ -276,7 +276,7 @@ def thinned(seen: mode_viewer.View) -> str:
     if not seen.thinned:
         return ""
     drawn, of = whole(seen.points), whole(seen.of)
-    return f"drawn with {drawn} of {of} points, the boundary's corners all kept"
+    return f"drawn with {drawn} of {of} points, all corners of the boundary kept"
 
 
 def write(view_data: ViewData, path: Path, first: int = 0, mode: int = 0) -> Path:

@@ -33,7 +33,7 @@ def _restitution(value: object, info: ValidationInfo) -> float | str | tuple[tup
         raise wrong(f"expected up to {_PAIRS} pairs of an impact speed and a restitution, such as {_EXAMPLE}")
     pairs = tuple((q.si(q.SPEED, speed, info), _share(e)) for speed, e in value)
     if any(speed <= before for (before, _), (speed, _) in pairwise(((0.0, 0.0), *pairs))):
-        raise wrong("expected impact speeds above 0, ascending")
+        raise wrong("expected impact speeds above 0, in ascending order")
     return pairs
 
 
@@ -65,7 +65,7 @@ _HYSTERESIS = 1e-4
 """Lever of rolling friction over the ball's radius that the hysteresis of metals leaves, about."""
 
 _UNNAMED = (
-    "requires named materials of ball and floor, the floor's of known strength: expected ball_material and"
+    "requires named materials of ball and floor, and a floor of known strength: expected ball_material and"
     " floor_material, or a number"
 )
 
@@ -81,37 +81,37 @@ class Damper(Table):
     """place (x, y) on the plate, in the plate's axes (those of a mesh file, where there is one); default: the middle of
     the tip. On a structure in space a place (x, y, z), a set of its nodes or a node's number"""
     direction: q.Direction | None = None
-    """axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; what of it is along
-    the load does not count"""
+    """axis 1 of the cavity on a structure in space; default: the first mode's motion at the place; its component
+    along the load is ignored"""
     normal: q.Direction | None = None
     """of the cavity's floor, outwards, on a structure in space at rest; default: the floor faces the load at each
-    speed. One that does not is pulled along: the ball leans on a wall"""
+    speed. On an inclined floor the load pulls the ball against a wall"""
     mass_ratio: Annotated[q.Number, q.Positive, Field(le=HEAVIEST)] | None = None
     """mass of all balls together over the effective mass M2, dimensionless"""
     mass: Annotated[q.Mass, q.Positive] | None = None
     """mass of all balls together"""
     ball_density: Annotated[q.Density, q.Positive] | None = None
-    """of each ball; the total mass is then count (4/3) π radius³ times this"""
+    """density of each ball; the total mass is then count (4/3) π radius³ times this"""
     ball_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
-    """a material whose density is known, instead of ball_density"""
+    """name of a known material, instead of ball_density"""
     floor_material: Annotated[str, *q.name_of(materials.BALLS)] | None = None
     """a material whose strength is known, of the cavity's floor and walls; default: that of the plate, where it has a
     name"""
     count: Annotated[int, Field(ge=1, le=10**9)] = 1
     """number of balls: equal, each in a cavity of its own, moving in step"""
     radius: Annotated[q.Length, q.Positive]
-    """of a ball; half its diameter"""
+    """radius of a ball, half its diameter"""
     cavity: q.LengthPair
-    """sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across; along the radius the
-    cavity holds the ball"""
+    """sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across; its depth along
+    the load is the ball's diameter"""
     housing: Annotated[q.Mass, q.Positive] | None = None
     """mass of a housing that holds the cavity outside the plate, a point mass at the damper's place; without it the
     cavity must fit the plate"""
     restitution: Annotated[
         float | str | tuple[tuple[float, float], ...], BeforeValidator(_restitution), WithJsonSchema(_ONE_OR_PAIRS)
     ]
-    """e of a wall hit, dimensionless; or pairs of impact speed and e, between which it goes with the logarithm of the
-    speed; 'auto': by the strength of ball and floor"""
+    """e of a wall hit, dimensionless; or pairs of impact speed and e, interpolated over the logarithm of the speed;
+    'auto': from the strength of ball and floor"""
     friction: Annotated[q.Number, q.NotNegative, Field(le=1e6)]
     """μ of a wall hit, dimensionless"""
     rolling_friction: q.AutoLength
@@ -119,11 +119,11 @@ class Damper(Table):
     floor_radius: q.Radii | None = None
     """of a hollow floor, a sphere's, or a pair along the damper's two axes; default: the floor is flat"""
     formulation: Literal["consistent", "printed"] = "consistent"
-    """equations that keep Newton's third law, or the paper's as printed"""
+    """equations that satisfy Newton's third law, or those of the paper as printed"""
     damping_ratio: Annotated[q.Number, Field(ge=0, le=0.9)] = 0.0
-    """ζ of the structure itself, dimensionless; beyond 0.9 there is no cycle left to damp"""
+    """ζ of the structure itself, dimensionless; at most 0.9"""
     sticking_ratio: Annotated[q.Number, Field(gt=0, lt=1)] = 1e-2
-    """ε: a ball sticks to a wall below this part of the structure's velocity, dimensionless"""
+    """ε: a ball sticks to a wall below this fraction of the structure's velocity, dimensionless"""
 
     @model_validator(mode="before")
     @classmethod
@@ -252,17 +252,17 @@ class Damper(Table):
 
 
 class Release(Table):
-    """How the structure is let go: from rest, displaced."""
+    """Release of the displaced structure from rest."""
 
     displacement: q.LengthPair | None = None
-    """at release, in the damper's axes: 1 along the bending direction, 2 across; none, nor acceleration or ratio: along
-    1, by 1.5 times the amplitude above which the ball moves"""
+    """at release, in the damper's axes: 1 along the bending direction, 2 across; without displacement,
+    acceleration and ratio: along 1, by 1.5 times the amplitude above which the ball moves"""
     acceleration: q.LoadPair | None = None
     """of the structure at release, in the damper's axes"""
     ratio: Annotated[q.Number, q.Positive, Field(le=1e9)] | None = None
     """acceleration along the damper's axis 1 over the centrifugal load, dimensionless"""
     cycles: q.Cycles = "auto"
-    """number of vibration cycles; auto: until the ball rests for good"""
+    """number of vibration cycles; auto: until the ball stays at rest"""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -280,7 +280,7 @@ _FOIL = 1e-5 * 1000.0
 """Mass per area [kg/m^2] of foil 0.01 mm thick, of density 1000 kg/m^3."""
 
 
-_HOUSED = "housing = the mass of what stands out of the plate"
+_HOUSED = "housing = the mass of what protrudes from the plate"
 
 
 def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] | None:

@@ -208,7 +208,7 @@ def _read(path: Path, name: str) -> str:
     except FileNotFoundError:
         names = [*shipped(), *(p.name for p in path.parent.glob("*.toml"))] if path.parent.is_dir() else shipped()
         if path.is_symlink():
-            raise BadInput(f"a link to {os.readlink(path)}, which is not there", file=name) from None
+            raise BadInput(f"a link to {os.readlink(path)}, which does not exist", file=name) from None
         raise BadInput(f"no such scene{did_you_mean(path.name, names)}", file=name) from None
     except (OSError, ValueError) as error:
         raise BadInput(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=name) from None
@@ -275,7 +275,7 @@ def file_problem(path: Path, what: str) -> str:
         with path.open("rb") as file:
             return "" if file.read(1) else "the file is empty"
     except FileNotFoundError:
-        return "a link to a file that is not there" if path.is_symlink() else "no such file beside the scene"
+        return "a link to a file that does not exist" if path.is_symlink() else "no such file beside the scene"
     except (OSError, ValueError) as error:
         return f"cannot be read: {getattr(error, 'strerror', None) or error}"
 

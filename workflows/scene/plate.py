@@ -58,16 +58,16 @@ Coefficients = Annotated[
 class Thickness(Table):
     """A thickness that varies over the planform, symmetric about the flat mid-surface.
 
-    A table over x and y, bilinear between its places; a polynomial in x and y; or a field of the mesh file. x and y are
+    A table over x and y, bilinear between its points; a polynomial in x and y; or a field of the mesh file. x and y are
     the plate's (the mesh file's, where there is one).
     """
 
     x: q.Lengths | None = None
     """of a table: places along x, ascending"""
     y: q.Lengths | None = None
-    """of a table: places across, ascending; left out: the same all across"""
+    """of a table: places across, ascending; default: constant across"""
     values: LengthRows | None = None
-    """of a table: for each x a list of the thicknesses at each y"""
+    """of a table: for each x, a list of the thicknesses at each y"""
     polynomial: Coefficients | None = None
     """coefficients of x^i y^j, number j in list i; numbers without a unit are in powers of m"""
     field: q.Line | None = None
@@ -91,7 +91,7 @@ class Thickness(Table):
             raise fault("x", "missing: the places along x of the table's values")
         for key, places in (("x", self.x), ("y", self.y or ())):
             if any(b <= a for a, b in pairwise(places)):
-                raise fault(key, "expected places that ascend")
+                raise fault(key, "expected places in ascending order")
         columns = 1 if self.y is None else len(self.y)
         if len(values) != len(self.x) or any(len(row) != columns for row in values):
             what = "one thickness" if self.y is None else f"a list of {columns} thicknesses, one for each y,"
@@ -169,12 +169,12 @@ _SOFTEST = 1e4
 
 
 class Root(Table):
-    """An elastic root: springs all along the root edge in place of the clamp. Without both the plate would be loose."""
+    """An elastic root: springs along the whole root edge in place of the clamp. Both stiffnesses are required."""
 
     stiffness: Annotated[q.LineStiffness, q.Positive]
-    """against displacement in every direction, per length of the root"""
+    """stiffness against displacement in every direction, per length of the root"""
     rotational_stiffness: Annotated[q.RotationalStiffness, q.Positive]
-    """against rotation of the root's section, per length of the root"""
+    """stiffness against rotation of the root's section, per length of the root"""
 
 
 _VARYING = "[varying]"
@@ -186,7 +186,7 @@ def _kind_of_thickness(value: Any) -> str:
 
 
 class Plate(Table):
-    """The plate, held at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
+    """The plate, clamped at its root, the edge at the smallest x; x radial, y across, z through the thickness."""
 
     length: Annotated[q.Length, q.Positive] | None = None
     """along the radius, from the clamped root at x = 0"""
@@ -196,20 +196,20 @@ class Plate(Table):
         Annotated[Annotated[q.Length, q.Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
         Discriminator(_kind_of_thickness),
     ]
-    """through the plate, along z; or the table [plate.thickness], where it varies"""
+    """through the plate, along z; or the table [plate.thickness] if it varies"""
     mesh: q.MeshFile | None = None
     """mid-surface mesh file, instead of length and width"""
     mesh_unit: q.LengthUnit | None = None
     """unit of the coordinates in the mesh file; default: m"""
     theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = "auto"
-    """plate theory; auto: the cheapest that is as exact as [accuracy] asks"""
+    """plate theory; auto: the cheapest that meets [accuracy]"""
     tip_mass: Annotated[q.Mass, q.NotNegative] = 0.0
     """point mass at the damper's place"""
     tip_mass_at: q.LengthPair | None = None
     """place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"""
 
     root: Root | None = None
-    """springs that hold the root; left out: it is clamped"""
+    """springs that support the root; default: it is clamped"""
 
     @model_validator(mode="after")
     def _planform(self) -> Self:
@@ -253,10 +253,10 @@ def _either(schema: dict[str, Any]) -> None:
 
 
 class Material(Table, json_schema_extra=_either):
-    """Linear, isotropic, homogeneous: three numbers, or the name of a material that has them."""
+    """Linear, isotropic, homogeneous: three numbers, or the name of a known material."""
 
     name: Annotated[str, *q.name_of(materials.PLATES)] | None = None
-    """a material whose numbers are known, instead of the numbers"""
+    """name of a known material, instead of the numbers"""
     youngs_modulus: Annotated[q.Pressure, q.Positive]
     """E"""
     poissons_ratio: Annotated[q.Number, Field(gt=-1, lt=0.5)]

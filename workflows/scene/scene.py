@@ -113,7 +113,7 @@ _LOWEST, _HIGHEST = 1e-3, 1e6
 
 
 class Structure(Table):
-    """What the damper sitting on it needs to know, instead of a plate."""
+    """A structure given by its frequency and mass at the damper, instead of a plate."""
 
     frequency: q.Frequencies
     """ω1 / 2π, with the ball stuck: one for both of the damper's axes, or one along each"""
@@ -161,15 +161,14 @@ Modes = Annotated[
 
 
 class KnownModes(Table):
-    """A structure whose modes are known already, instead of a plate: by another program, or from a test."""
+    """A structure of known modes, from another program or a test, instead of a plate."""
 
     modes: Modes
-    """file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); several files by the speeds of their
-    modes"""
+    """file of modes (.frd of CalculiX in ASCII, or the neutral .npz or .json); or a file for each speed"""
     unit: q.LengthUnit | None = None
-    """of the file's coordinates; default: what the file says, m where it says nothing"""
+    """unit of the file's coordinates; default: that stated in the file, otherwise m"""
     mass_unit: q.MassUnit | None = None
-    """of the file's modal masses; default: what the file says, kg where it says nothing"""
+    """unit of the file's modal masses; default: that stated in the file, otherwise kg"""
 
     @property
     def files(self) -> dict[float | None, str]:
@@ -192,10 +191,10 @@ class Blade(Table):
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
     root: q.Line | None = None
-    """what is clamped: a set of nodes or faces of the file, or the radius at which the nodes lie, such as '100 mm';
+    """the clamped part: a set of nodes or faces in the file, or the radius of its nodes, such as '100 mm';
     default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
-    """of the cells by which geometry (.step, .iges, .brep) is meshed; needs gmsh (spindamp[step])"""
+    """cell size for meshing geometry (.step, .iges, .brep); needs gmsh (spindamp[step])"""
 
     @property
     def scale(self) -> float:
@@ -239,19 +238,19 @@ class Rotor(Table):
     """How the structure spins."""
 
     speeds: Speeds
-    """rotation speeds: a list, or count of them from start to stop"""
+    """rotation speeds: a list, or a range with start, stop and count"""
     hub_radius: Annotated[q.Length, q.NotNegative] = 0.0
-    """from the axis to the clamped root, wherever a mesh draws the root"""
+    """distance from the axis to the clamped root, whatever the coordinates of a mesh"""
     radius: Annotated[q.Length, q.Positive] | None = None
-    """from the axis to the damper; only with [structure]"""
+    """distance from the axis to the damper; only with [structure]"""
     stagger: q.Angle = 0.0
-    """spin axis tilted from the plate's normal towards y"""
+    """tilt of the spin axis from the plate's normal towards y"""
     precone: q.Angle = 0.0
-    """of the plate's length out of the plane of rotation, towards the axis; after the stagger"""
+    """angle of the plate's length out of the plane of rotation, towards the axis; after the stagger"""
     axis: q.Direction | None = None
-    """direction of the spin axis, of a structure in space; default: that of a plate by stagger and precone"""
+    """direction of the spin axis of a structure in space; default: as for a plate, by stagger and precone"""
     origin: q.LengthTriple | None = None
-    """a point on the spin axis, of a structure in space; default: hub_radius before its smallest x"""
+    """a point on the spin axis of a structure in space; default: at the distance hub_radius below its smallest x"""
     gravity: Annotated[q.Acceleration, q.Positive] = q.STANDARD_GRAVITY
     """the unit g of loads and accelerations"""
     modes: Annotated[int, Field(ge=1, le=200)] = 6
@@ -278,15 +277,15 @@ class Effects(Table):
     """Which effects to simulate: "auto" (when the scene calls for it), true or false."""
 
     stress_stiffening: q.Switch = "auto"
-    """the centrifugal pull stiffens the plate"""
+    """the centrifugal load stiffens the plate"""
     spin_softening: q.Switch = "auto"
-    """motion across the spin axis is softened"""
+    """spin softens motion perpendicular to the spin axis"""
     coriolis: q.Switch = "auto"
     """Coriolis forces; the modes are complex"""
     large_deflection: q.Switch = "auto"
     """modes about the plate or blade as the load bends or twists it"""
     rotary_inertia: q.Switch = "auto"
-    """inertia of the turning cross-sections"""
+    """inertia of the rotating cross-sections"""
     rolling_resistance: q.Switch = "auto"
     """the load resists the ball's rolling"""
     impact_friction: q.Switch = "auto"
@@ -298,16 +297,16 @@ class Effects(Table):
     indentation: q.Switch = "auto"
     """the dent under a resting ball holds it"""
     structural_modes: q.Switch = "auto"
-    """the cavity moves with the plate's own modes; false: one frequency on both axes, as in the paper"""
+    """the cavity moves in the plate's own modes; false: one frequency on both axes, as in the paper"""
     cavity_mass: q.Switch = "auto"
-    """the cavities take metal out of the plate"""
+    """the cavities remove metal from the plate"""
 
 
 class Accuracy(Table):
-    """Relative errors asked for."""
+    """Requested relative errors."""
 
     frequency: Annotated[q.Number, Field(gt=0, ge=FINEST, lt=1)] = 1e-3
-    """relative error of the plate's frequencies, dimensionless; no less than double precision can give"""
+    """relative error of the plate's frequencies, dimensionless; not below what double precision allows"""
     damping: Annotated[q.Number, Field(gt=0, lt=1)] = 1e-3
     """relative error of the damping, dimensionless"""
 
@@ -328,7 +327,7 @@ def _material(value: object, _: ValidationInfo) -> str:
     if isinstance(value, str) and value in materials.BALLS:
         return value
     hint = did_you_mean(value, materials.BALLS) if isinstance(value, str) else ""
-    raise wrong(f"expected names out of {', '.join(materials.BALLS)}{hint}")
+    raise wrong(f"expected names from {', '.join(materials.BALLS)}{hint}")
 
 
 def _whole_numbers(expectation: str, most: int | None = None, once: str = "") -> tuple[BeforeValidator, WithJsonSchema]:
@@ -353,29 +352,29 @@ Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole nu
 
 
 class Design(Table):
-    """What `spindamp design` may choose, and what limits it: a pair is a range, any other list a choice."""
+    """Free quantities and limits of `spindamp design`: a pair of numbers is a range, any other list a choice."""
 
     ball_material: Materials | None = None
     """names of materials to choose from"""
     ball_diameter: q.Lengths | None = None
-    """of a ball"""
+    """diameter of a ball"""
     clearance: q.Lengths | None = None
-    """of the cavity beyond the ball's diameter, along both axes"""
+    """size of the cavity minus the ball's diameter, along both axes"""
     floor_radius: Floors | None = None
-    """of the cavity's floor; with 'flat' in it a choice"""
+    """radius of the cavity's floor; a list with 'flat' is a choice"""
     count: Counts | None = None
-    """of balls, each in a cavity of its own"""
+    """number of balls, each in a cavity of its own"""
     place: q.Lengths | None = None
-    """of the damper along the plate: x of damper.at"""
+    """place of the damper along the plate: x of damper.at"""
     mass: Annotated[q.Mass, q.Positive] | None = None
-    """of all balls together, at most"""
+    """mass of all balls together, at most"""
     wall: Annotated[q.Length, q.NotNegative] = 0.0
-    """left of the plate on either side of the cavity, through the thickness, at least"""
+    """least thickness left on either side of the cavity"""
     hardness_ratio: Annotated[q.Number, q.Positive, Field(le=1)] = 1.0
-    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most; 1: it flows.
-    Requires materials known by name, dimensionless"""
+    """mean pressure of the resting ball over the hardness of the softer of ball and floor, at most,
+    dimensionless; at 1 the contact yields fully. Requires named materials"""
     yield_ratio: Annotated[q.Number, q.Positive] | None = None
-    """load of the resting ball over that of first yield, at most, dimensionless; 1: no dent; default: none"""
+    """load of the resting ball over that of first yield, at most, dimensionless; at 1 no dent forms; default: none"""
     amplitude: q.LengthPair | None = None
     """range of amplitudes at the cavity over which the least damping counts; default: with [excitation], the greatest
     amplitude at the crossings counts"""
@@ -383,14 +382,14 @@ class Design(Table):
     @model_validator(mode="after")
     def _sense(self) -> Self:
         if self.amplitude is not None and not 0 < self.amplitude[0] < self.amplitude[1]:
-            raise fault("amplitude", "expected a range of amplitudes above 0, ascending")
+            raise fault("amplitude", "expected a range of amplitudes above 0, in ascending order")
         free = ("ball_material", "ball_diameter", "clearance", "floor_radius", "count", "place")
         if not any(getattr(self, name) is not None for name in free):
-            raise fault("ball_diameter", f"nothing is free: expected one of {', '.join(free)}")
+            raise fault("ball_diameter", f"nothing to vary: expected one of {', '.join(free)}")
         for name in ("ball_diameter", "clearance", "place"):
             value = getattr(self, name)
             if value is not None and (min(value) <= 0 or (len(value) == 2 and not value[0] < value[1])):
-                raise fault(name, "expected lengths above 0, of a range ascending")
+                raise fault(name, "expected lengths above 0, a range in ascending order")
         return self
 
 
@@ -415,21 +414,21 @@ Orders = Annotated[tuple[int, ...], *_whole_numbers(_ORDERS, 1000, "expected eve
 
 
 class Excitation(Table):
-    """Harmonic forces whose frequency is a multiple of the rotation's, at one level or several."""
+    """Harmonic forces at multiples of the rotation frequency, at one level or several."""
 
     orders: Orders
-    """engine orders, frequency over that of the rotation: whole numbers, dimensionless"""
+    """engine orders, frequency over rotation frequency: whole numbers, dimensionless"""
     force: Forces | None = None
-    """height of a force at the damper's place along the damper's axis 1: a level, or a list of them"""
+    """amplitude of a force at the damper's place along the damper's axis 1: a level, or a list of them"""
     at: q.Place | None = None
     """where the force acts on a structure in space: a place (x, y, z), a set of its nodes or a node's number; default:
     the damper's place, along its axis 1"""
     direction: q.Direction | None = None
-    """of the force at `at`, in the structure's coordinates"""
+    """direction of the force at `at`, in the structure's coordinates"""
     pressure: Pressures | None = None
-    """height of a pressure all over the plate, along its z: a level, or a list of them"""
+    """amplitude of a pressure over the whole plate, along its z: a level, or a list of them"""
     base: Loads | None = None
-    """height of the root's acceleration along the damper's axis 1: a level, or a list of them; amplitudes are then
+    """amplitude of the root's acceleration along the damper's axis 1: a level, or a list of them; amplitudes are then
     relative to the root"""
 
     @model_validator(mode="after")
@@ -539,7 +538,7 @@ class Scene(Table):
     material: Material | None = None
     """what the plate or the blade is made of"""
     structure: AnyStructure | None = None
-    """what carries the damper, instead of a plate"""
+    """the structure that carries the damper, instead of a plate"""
     rotor: Rotor
     """how it spins"""
     effects: Effects = Effects()
@@ -596,7 +595,7 @@ class Scene(Table):
         if self.damper is not None and (radius := self._damper_radius) is not None:
             check_reach(radius, self.damper, None if self.plate is not None else self.release)
         if self.release is not None and self.release.ratio is not None and not any(self.rotor.speeds):
-            raise fault("release.ratio", "at rest there is no load, so a ratio of it is no release")
+            raise fault("release.ratio", "at rest there is no load, so a release as a ratio of it is zero")
         return self
 
     def changed(self, **tables: Table | Mapping[str, Any] | None) -> Self:
@@ -640,10 +639,10 @@ class Scene(Table):
         if self.blade is not None and not self.rotor.has_origin:
             raise fault("rotor.origin", NO_ORIGIN.format("mesh"))
         if self.rotor.origin is not None and self.rotor.hub_radius:
-            raise fault("rotor.hub_radius", "origin says where the spin axis is: leave hub_radius out")
+            raise fault("rotor.hub_radius", "origin gives the position of the spin axis: leave hub_radius out")
         for name in ("stagger", "precone") if self.rotor.axis is not None else ():
             if getattr(self.rotor, name):
-                raise fault(f"rotor.{name}", f"axis says how the spin axis lies: leave {name} out")
+                raise fault(f"rotor.{name}", f"axis gives the direction of the spin axis: leave {name} out")
         self._require_defaults("not_known")
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
             raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
@@ -665,7 +664,9 @@ class Scene(Table):
         if self.damper is None and self.release is not None:
             raise fault("damper", "the table is missing: [release] needs it")
         if self.damper is not None and self.rotor.precone and not self.in_space:
-            problem = "the load then slopes along the cavity's floor: expected 0, or a [blade] with [damper] normal"
+            problem = (
+                "the load then has a component along the cavity's floor: expected 0, or a [blade] with [damper] normal"
+            )
             alone = "the plate alone, without [damper] and [release] (tip_mass and tip_mass_at stay)"
             raise fault("rotor.precone", f"{problem}, or {alone}")
 

@@ -190,7 +190,7 @@ def _deflection(request: Request) -> tuple[Called, SolidOperators]:
     called = bool(shifts.max() > scene.budget.rough_shift)
     why = (
         f"{at} it moves frequencies by at most about {beside(100 * shifts.max(), 10 * scene.accuracy.frequency)} %,"
-        f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % asked for"
+        f" {'more' if called else 'less'} than a tenth of the {significant(100 * scene.accuracy.frequency)} % requested"
     )
     return Called(called, why, LeftOut(np.array([omega]), shifts[None])), operators
 
@@ -278,7 +278,7 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     radii = 1e3 * np.linalg.norm(blade.arms, axis=1)
     whole, root = (span(float(each.min()), float(each.max()), 3) for each in (radii, radii[blade.root]))
     extents = f"{x} × {y} × {z} mm along x, y and z, at radii of {whole} mm, its root at {root} mm"
-    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes held{by}"
+    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
 
 
 def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
@@ -287,7 +287,7 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
     elif blade.mesh.first_order:
         made = [
-            "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors beside the"
+            "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors of the"
             " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20)."
         ]
     else:
@@ -302,7 +302,7 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         inner, whole = np.sum(volumes, axis=0)
         made.append(
             f"{share(inner / whole, 2)} % of the mesh is cut off from the blade by its"
-            " root, on the side of the axis, and is held with it: the modes are those of the rest."
+            " root, on the side of the axis, and is clamped with it: the modes are those of the rest."
         )
     within = np.setdiff1d(np.flatnonzero(radii < radii[blade.root].min()), inboard)
     inside = float(operators.masses[within].sum() / operators.masses.sum())
@@ -319,7 +319,7 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
     elif (lean := _lean(operators)) > _LEANS:
         made.append(
             f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of"
-            " its root to its centre of mass: is it coned so, or is [rotor] axis wrong?"
+            " its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
         )
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:

@@ -254,7 +254,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: damper.Particl
         freely = (system.half_gap[0] or system.ball_radius) / system.inertia_ratio
         start = _LET_GO * (begin if 0 < begin < OUT_OF_REACH else freely), 0.0
     if start[1] != 0.0 and point.cavity_modes and leading_mode(point.cavity_modes, 1) is None:
-        problem = "none of these modes moves the cavity across, as the release does: ask for more"
+        problem = "none of these modes moves the cavity across, as the release does: request more"
         raise BadInput(problem, key="[rotor] modes", value=scene.rotor.modes)
     return start
 
@@ -319,7 +319,7 @@ def _place_errors(source: SceneFile) -> Iterator[None]:
         raise plate_mesh.off_the_plate(source, error) from error
     except fem.NoFlapMode as error:
         modes = source.scene.rotor.modes
-        raise source.wrong(f"{error}: ask for more modes", "[rotor] modes", modes) from error
+        raise source.wrong(f"{error}: request more modes", "[rotor] modes", modes) from error
 
 
 def cavity_modes(

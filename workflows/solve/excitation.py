@@ -143,10 +143,10 @@ def excitation_of(source: SceneFile) -> Excitation:
         problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
         raise source.wrong(problem, "[excitation]")
     if scene.damper.formulation == "printed":
-        problem = "the printed equations support no force: expected 'consistent'"
+        problem = "the printed equations do not support a force: expected 'consistent'"
         raise source.wrong(problem, "[damper] formulation", "printed")
     if len(scene.rotor.speeds) < 2:
-        problem = "expected two speeds at least: crossings are looked for from the lowest to the highest"
+        problem = "expected at least two speeds: crossings are sought between the lowest and the highest"
         raise source.wrong(problem, "[rotor] speeds")
     return scene.excitation
 

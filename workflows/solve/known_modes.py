@@ -301,11 +301,11 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         if not raw.turns and not source.scene.rotor.has_origin:
             raise source.wrong(NO_ORIGIN.format("file"), "[rotor] origin")
         if omega is not None and len(model.speeds) > 1:
-            problem = f"{name} has its own speeds: name it alone, modes = '{name}'"
+            problem = f"{name} has its own speeds: give it alone, modes = '{name}'"
             raise source.wrong(problem, "[structure] modes")
         if omega is None and np.isnan(model.speeds[0].omega):
             omega = _only_speed(source, name)
-            remarks.append(f"{name} does not state the speed of its modes: the speed of the scene is assumed.")
+            remarks.append(f"{name} does not state the speed of its modes: that of the scene is assumed.")
         if omega is not None:
             model = replace(model, speeds=(replace(model.speeds[0], omega=omega),))
         models.append(model)
@@ -373,7 +373,7 @@ def _only_speed(source: SceneFile, name: str) -> float:
     speeds = source.scene.rotor.speeds
     if len(speeds) > 1:
         problem = (
-            f"{name} holds the modes of one speed, and {len(speeds)} are asked for: expected that one speed, or files"
+            f"{name} holds the modes of one speed, and {len(speeds)} are requested: expected that one speed, or files"
             f" for several, such as {{ '0 rpm' = '{name}', '{in_rpm(max(speeds)):.6g} rpm' = … }}"
         )
         raise source.wrong(problem, "[structure] modes")
@@ -409,7 +409,7 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
     for key in ("unit", "mass_unit"):
         own, unit_given = getattr(raw, key), getattr(known, key)
         if own is not None and unit_given is not None and own != unit_given:
-            problem = f"{name} says '{own}': leave this out, or correct the file"
+            problem = f"{name} has '{own}': leave this out, or correct the file"
             raise source.wrong(problem, f"[structure] {key}", unit_given)
     try:
         model = in_si(raw, *known.scale(raw.unit, raw.mass_unit))
@@ -537,7 +537,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     if np.abs(known - omega).min() > slack and lost.size:
         number = int(lost[0]) + 1
         problem = (
-            f"mode {number} cannot be followed from one speed of the files to the next (likeness"
+            f"mode {number} cannot be followed from one speed of the files to the next (MAC"
             f" {model.likeness[lost[0]]:.2f}), and {in_rpm(omega):.6g} rpm lies between them: expected files at"
             f" speeds closer together{f', or [rotor] modes = {number - 1}' if number > 1 else ''}"
         )
@@ -603,7 +603,7 @@ def seat_of(
     if at.distance > _OFF * model.size:
         there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
         remarks.append(
-            f"The damper's place is the structure's nearest to the one asked for, ({there}) mm,"
+            f"The damper is placed at the nearest point of the structure to the requested place, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
     filled, sticks_out, misfit = _fit(source, model, at, seen)
@@ -668,7 +668,7 @@ def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[
     if source.scene.blade is not None and not hollow and metal < _MOST:
         problem = (
             f"the {box} {sticks_out}, and only {significant(100 * metal, 2)} % of it is in metal: expected a smaller"
-            " cavity, a place (at) further inside, or a mesh that has the cavity and what holds it"
+            " cavity, a place (at) further inside, or a mesh that includes the cavity and its housing"
         )
         raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
     return not hollow, far, [f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."]
@@ -731,7 +731,9 @@ def named_set(source: SceneFile, sets: Mapping[str, Ints], name: str, key: str, 
     """
     alike = [each for each in sets if each.lower() == name.lower()]
     if len(alike) > 1:
-        raise source.wrong(f"the file has {' and '.join(alike)}, which are one name: merge these sets", key, name)
+        raise source.wrong(
+            f"the file has {' and '.join(alike)}, which differ only in case: merge these sets", key, name
+        )
     if not alike:
         there = f"expected a set of nodes in the file ({', '.join(sets)})" if sets else "the file has no sets of nodes"
         raise source.wrong(f"{there}{beside}{did_you_mean(name, sets)}", key, name)

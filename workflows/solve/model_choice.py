@@ -38,15 +38,15 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
     try:
         yield
     except fem.Divergence as error:
-        why = _overloaded(source) or "no speed asked for is below the critical one"
+        why = _overloaded(source) or "all requested speeds are above the critical speed"
         raise NoAnswer(". ".join((f"{source.name}: [rotor] speeds: {error}; {why}", *source.remarks))) from error
     except fem.NoEquilibrium as error:
         key = "stagger" if source.scene.blade is None else "axis"
         raise NoAnswer(f"{source.name}: [rotor] speeds, {key}: {error}") from error
     except fem.Unresolved as error:
         if source.scene.blade is not None:
-            loose = "in double precision the blade is all but loose: rounding leaves nothing of its lowest frequency"
-            better = "expected a root that holds it, thicker cells, and more than a single row of them"
+            loose = "in double precision the blade is almost free: rounding leaves no digits of its lowest frequency"
+            better = "expected a root that constrains it, thicker cells, and more than a single row of cells"
             row = "hexahedra of 20 nodes in a row deform without stress"
             raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}: {row}") from error
         keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
@@ -104,7 +104,7 @@ def chosen_theory(
         return None, None
     plate_mesh.sides(spec, form)  # those of a mesh have to be given
     if spec.theory != "auto":
-        return Theory(spec.theory, "asked for by the scene"), None
+        return Theory(spec.theory, "requested by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
     plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)

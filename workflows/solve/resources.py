@@ -98,16 +98,16 @@ def parts(source: SceneFile) -> list[Part]:
         unknowns, points = _least_size(source)
         listed.append(_of_the_mesh(source, of_a_plate(scene.plate.theory, unknowns, modes)))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
-        listed.append(Part(shapes, "[rotor] modes", modes, "ask for fewer modes"))
+        listed.append(Part(shapes, "[rotor] modes", modes, "request fewer modes"))
         listed.append(
-            Part(speeds * (modes + 4.0) * _LINE, "[rotor] speeds", f"{speeds} speeds", "ask for fewer speeds")
+            Part(speeds * (modes + 4.0) * _LINE, "[rotor] speeds", f"{speeds} speeds", "request fewer speeds")
         )
     if scene.release is not None:
         stop_cycles = scene.release.cycles
         cycles = speeds * float(_AUTO_CYCLES if isinstance(stop_cycles, str) else stop_cycles)
         many = speeds > 1 and cycles / speeds < speeds
         key, value = ("[rotor] speeds", f"{speeds} speeds") if many else ("[release] cycles", stop_cycles)
-        advice = f"ask for fewer {'speeds' if many else 'cycles'}"
+        advice = f"request fewer {'speeds' if many else 'cycles'}"
         listed.append(Part(cycles * CYCLE, key, value, advice))
     return sorted(listed, key=lambda part: -part.memory)
 
@@ -117,7 +117,7 @@ def _of_the_mesh(source: SceneFile, memory: float) -> Part:
     plate = source.scene.plate
     if plate is not None and plate.mesh is not None:
         return Part(memory, "[plate] mesh", plate.mesh, "coarsen the mesh")
-    return Part(memory, "[rotor] modes", source.scene.rotor.modes, "ask for fewer modes")
+    return Part(memory, "[rotor] modes", source.scene.rotor.modes, "request fewer modes")
 
 
 def memory(source: SceneFile) -> float:
@@ -192,7 +192,9 @@ def _require(source: SceneFile, needed: float, worst: Part) -> None:
     """Refuse what needs more memory than there is, by its largest part."""
     there = available() + _own_memory()
     if needed > there:
-        problem = f"this needs about {in_words(needed)} of memory, and {in_words(there)} are available: {worst.advice}"
+        problem = (
+            f"this needs about {in_words(needed)} of memory, but only {in_words(there)} are available: {worst.advice}"
+        )
         raise source.wrong(problem, worst.key, worst.value)
 
 

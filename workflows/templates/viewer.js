@@ -373,7 +373,7 @@ function start(figure) {
   const gl = canvas.getContext("webgl2", { antialias: true });
   const beside = text => { figure.querySelector(".viewer-remark").textContent = text; };
   if (!gl) {
-    beside("This browser offers no WebGL2: a still picture stands here instead of the moving one.");
+    beside("This browser does not support WebGL2: a still picture is shown instead.");
     return;
   }
   const data = JSON.parse(figure.querySelector("script").textContent), plate = unpacked(data);

@@ -33,7 +33,7 @@ _AHEAD = 2
 _DEATHS = 6
 """How often every task that is handed out may be lost before any is finished."""
 
-_DYING = "its workers die as soon as they begin: is there memory enough?"
+_DYING = "its workers end at once: is there enough memory?"
 
 _LOST = ("KilledWorker", "FutureCancelledError", "CancelledError", "LostDependency")
 """Errors by which Dask says that a task's workers have died."""
@@ -180,7 +180,7 @@ def require_code(other: str) -> None:
         BadInput: it does not.
     """
     if digest() != other:
-        raise BadInput("a worker has other code than the study: install the same version everywhere", key="sweep")
+        raise BadInput("a worker runs other code than the study: install the same version everywhere", key="sweep")
 
 
 def identity() -> dict[str, str]:

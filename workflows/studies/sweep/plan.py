@@ -287,9 +287,9 @@ def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Ax
             raise BadInput(str(error), key=f"{where} {key.name}", value=given) from error
         for other in axes:
             if other.name == key.name:
-                raise BadInput("is varied already: expected each key once", key=f"{where} {key.name}")
+                raise BadInput("is already varied: expected each key once", key=f"{where} {key.name}")
             if key.says_the_same(other.key):
-                raise BadInput(f"says the same as {other.name}: vary one of them", key=f"{where} {key.name}")
+                raise BadInput(f"sets the same quantity as {other.name}: vary one of them", key=f"{where} {key.name}")
         axes.append(replace(axis, given=given))
     return tuple(axes)
 
@@ -335,7 +335,7 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
             raise ValueError("expected normal:MEAN:DEVIATION with a deviation above 0")
         return Axis(key, (), Spread(first - 3 * second, first + 3 * second, law, first, second), all(bare))
     if second != first and count == 1:
-        raise ValueError("a single value leaves STOP out: expected a COUNT from 2 on, or the value alone")
+        raise ValueError("a single value has no STOP: expected a COUNT from 2 on, or the value alone")
     if not second > first and not (second == first and count == 1):
         raise ValueError("expected a STOP above START")
     if law == "log" and first <= 0:
@@ -347,7 +347,7 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
 def _end(key: Key, text: str, gravity: float) -> float:
     value = key.read(_parsed(text), gravity)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("has no numbers to range over: expected a list a,b,c")
+        raise ValueError("has no numbers for a range: expected a list a,b,c")
     return float(value)
 
 
@@ -356,7 +356,7 @@ def _numbers(key: Key, values: Floats) -> tuple[Value, ...]:
         return tuple(map(float, values))
     rounded = np.rint(values)
     if np.abs(rounded - values).max(initial=0.0) > 1e-9:
-        raise ValueError("expected a COUNT that leads through whole numbers")
+        raise ValueError("expected a COUNT that gives whole numbers")
     return tuple(int(value) for value in rounded)
 
 

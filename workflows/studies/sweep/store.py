@@ -193,7 +193,7 @@ def open_folder(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> 
     try:
         lock.acquire()
     except Timeout:
-        problem = "another sweep is writing into it: wait for its end, or take another folder"
+        problem = "another sweep is writing into it: wait until it ends, or use another folder"
         raise BadInput(problem, key="--out", value=str(path)) from None
     except (OSError, NotImplementedError) as error:
         raise BadInput(f"cannot be locked: {error}", key="--out", value=str(path)) from error
@@ -243,18 +243,18 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
     try:
         before = json.loads(known.read_text(encoding="utf-8"))["attributes"]
     except (OSError, ValueError, LookupError) as error:
-        problem = f"its {DATA}/{_METADATA} is damaged ({error}): expected another folder, or this one removed"
+        problem = f"its {DATA}/{_METADATA} is damaged ({error}): use another folder, or remove this one"
         raise BadInput(problem, key="--out", value=str(path)) from error
     if before.get("study") != identity["study"]:
         names = [name for name in identity if name != "study" and identity[name] != before.get(name)]
         what = listed(list(dict.fromkeys(_CALLED.get(name, name) for name in names)) or ["key"])
-        problem = f"holds a study that differs in its {what}: expected another folder, or the old one removed"
+        problem = f"contains a study that differs in its {what}: use another folder, or remove the old one"
         raise BadInput(problem, key="--out", value=str(path))
 
 
 def writing(path: Path) -> AbstractContextManager[None]:
     """What goes wrong with the disk, in one line."""
-    return folder.writing(path, more="; what is finished stays, and the same command goes on")
+    return folder.writing(path, more="; finished points are kept; the same command resumes")
 
 
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:

@@ -30,7 +30,7 @@ LEAST, _MOST, _MANY = 256, 4096, 1024
 PARTS = 64
 """Parts of a study at least, if it has so many points: all workers have some, and an end loses few points."""
 
-_GOES_ON = "what is finished stays; the same command goes on"
+_GOES_ON = "finished points are kept; the same command resumes"
 
 _plates = PlateCache()
 """Of this process; every task looks here first."""

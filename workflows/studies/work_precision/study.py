@@ -62,7 +62,7 @@ def damper_study(
     exact = damper.ringdown(system, release, CYCLES).energy
     taken = _taken(exact)
     if abs(taken) < _NOTHING * exact.initial:
-        return None, Choice("exact events", f"the ball takes nothing in {CYCLES} cycles", None, None)
+        return None, Choice("exact events", f"the ball dissipates nothing in {CYCLES} cycles", None, None)
     try:
         apart = abs(_taken(Integration(system, release, CYCLES, *_REFERENCE)) / taken - 1.0)
         confirmed = (
@@ -70,7 +70,7 @@ def damper_study(
             " the exact events' own error is given against that"
         )
     except (ArithmeticError, ValueError):
-        apart, confirmed = None, "which no independent integration could confirm here"
+        apart, confirmed = None, "which no independent integration confirmed here"
 
     def error(run: Any) -> float:
         return abs(_taken(run) / taken - 1.0)
@@ -91,7 +91,7 @@ def damper_study(
     cases.append(("exact events", "no step", partial(damper.ringdown, *start), own))
     study = ConvergenceStudy(
         "damper",
-        f"relative error of the energy that the ball takes in {CYCLES} cycles at {turning(point.omega)}",
+        f"relative error of the energy that the ball dissipates in {CYCLES} cycles at {turning(point.omega)}",
         f"the exact events, {confirmed}",
         tuple(replace(row, uncertainty=apart) for row in ladder(step, cases)),
     )
@@ -157,7 +157,7 @@ def pipeline_studies(source: SceneFile, step: Step) -> tuple[list[ConvergenceStu
         rows = []
         for row, results in runs:
             if results is not None and quantity(results.speeds[shown]) is None:
-                row = Setting(row.method, row.setting, failed=f"no {name} came out")
+                row = Setting(row.method, row.setting, failed=f"no {name} was obtained")
             elif results is not None:
                 setting = ": ".join(filter(None, (row.setting, _mesh(results))))
                 failed = "the reference's own mesh" if error(results) is None else None
@@ -251,7 +251,7 @@ class Problem:
         elif isinstance(self.form, fem.Rectangle):
             mesh = fem.rectangle(*self.form.sides, *self.form.cells(size))
         else:
-            raise ValueError("the mesh is a file's")
+            raise ValueError("the mesh is from a file")
         if method.cells == "triangles" and mesh.t.shape[0] == 4:
             mesh = mesh.to_meshtri()
         operators = fem.assemble(self.plate(mesh), self.rotor, self.effects, method.model)

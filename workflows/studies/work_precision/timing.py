@@ -131,7 +131,7 @@ def measure(
     except (ArithmeticError, ValueError, RuntimeError) as reason:
         return Setting(method, setting, failed=str(reason) or type(reason).__name__), value
     row = Setting(method, setting, unknowns, share * run.median, (share * run.low, share * run.high))
-    known = {"error": error} if math.isfinite(error) else {"failed": "no number came out"}
+    known = {"error": error} if math.isfinite(error) else {"failed": "no number was obtained"}
     return replace(row, **known), value
 
 
