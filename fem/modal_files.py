@@ -120,7 +120,8 @@ def _checked(raw: Raw) -> Raw:
         still = np.abs(modes.shapes).max(axis=(1, 2)) == 0.0
         if still.any():
             raise ModesFileError(f"nothing moves in mode {int(still.argmax()) + 1}")
-    return replace(raw, model=replace(model, speeds=tuple(_ascending(modes) for modes in model.speeds)))
+    ascending = (chosen(modes, np.argsort(modes.frequencies_hz, kind="stable")) for modes in model.speeds)
+    return replace(raw, model=replace(model, speeds=tuple(ascending)))
 
 
 _HIGHEST = 1e9
@@ -128,14 +129,6 @@ _HIGHEST = 1e9
 
 _LOOSE = 1e-4
 """Part of the highest frequency below which a mode is a rigid body's, which rounding holds."""
-
-
-def _ascending(modes: ModesAtSpeed) -> ModesAtSpeed:
-    """Modes in the order of their frequencies."""
-    order = np.argsort(modes.frequencies_hz, kind="stable")
-    if (order == np.arange(order.size)).all():
-        return modes
-    return chosen(modes, order, np.ones(order.size))
 
 
 _ELEMENTS = {

@@ -150,7 +150,7 @@ class ModalModel:
         tracks = self._tracks(omega, vectors)
         if exact.size:
             count = len(vectors)
-            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count), np.ones(count))
+            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count))
             return replace(chosen_modes, omega=omega, interpolation=np.zeros(count), tracks=tracks)
         chosen_modes = self._between(omega, near)
         if not fewer and near.size > 2:
@@ -261,13 +261,10 @@ _NEIGHBOURS = 4
 """Speeds that a polynomial goes through, at most."""
 
 
-def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
-    """Some of the modes, in an order, with signs."""
-    picked = {each.name: getattr(modes, each.name) for each in fields(modes) if each.name not in ("omega", "static")}
-    picked = {name: values[order] for name, values in picked.items() if values is not None}
-    for name in picked.keys() & {"shapes", "rotations", "drawn"}:
-        picked[name] = np.einsum("k,k...->k...", signs, picked[name])
-    return replace(modes, **picked)
+def chosen(modes: ModesAtSpeed, order: Ints) -> ModesAtSpeed:
+    """Some of the modes, in an order."""
+    values = {each.name: getattr(modes, each.name) for each in fields(modes) if each.name not in ("omega", "static")}
+    return replace(modes, **{name: known[order] for name, known in values.items() if known is not None})
 
 
 def lagrange(nodes: Array, at: float) -> Array:
