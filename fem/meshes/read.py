@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.planform import MeshError, check_mesh, root, root_facets
+from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_areas
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -268,7 +268,7 @@ def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
 def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cells counter-clockwise: those that are clockwise are turned; `check_mesh` still sees cells that overlap."""
     x, y = points[cells].transpose(2, 0, 1)
-    area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    area = twice_areas(points[cells].transpose(2, 1, 0))
     bad = area == 0.0
     if bad.any():
         first = int(np.flatnonzero(bad)[0])
