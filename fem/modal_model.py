@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.linalg import symmetric
 from fem.meshes.cells import cell, faces_of
 
 if TYPE_CHECKING:
@@ -418,13 +419,10 @@ def _of_cells(model: ModalModel, hits: Sequence[tuple[str, Ints, Array]]) -> tup
         value[columns] += kind.shape(at[None])[0] / len(hits)
         slopes[:, columns] += gradients[0, 0].T / len(hits)
         tangent += (model.points[nodes].T @ gradients[0, 0]) / len(hits)
-    return every, value, slopes, np.eye(3) if cell(hits[0][0]).dimension == 3 else _projector(tangent)
-
-
-def _projector(rough: Array) -> Array:
-    """The projector onto the two strongest directions of a symmetric matrix that is nearly one."""
-    _, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
-    return np.asarray(vectors[:, 1:] @ vectors[:, 1:].T)
+    if cell(hits[0][0]).dimension == 3:
+        return every, value, slopes, np.eye(3)
+    strongest = np.linalg.eigh(symmetric(tangent))[1][:, 1:]
+    return every, value, slopes, strongest @ strongest.T
 
 
 _FLAT = 0.05
@@ -719,7 +717,7 @@ def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float
         for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
             slopes = kind.gradients(model.points[there], kind.nodes)[0]
             turned = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
-            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 2, 3)))
+            np.add.at(total, there, symmetric(turned))
             np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():
