@@ -99,9 +99,7 @@ def blocks(spaces: tuple[Space, ...], derivatives: tuple[tuple[int, ...], ...]) 
     return [Block(tables[id(space.basis)], space.dofs) for space in spaces]
 
 
-def number(
-    spaces: list[tuple[Any, NDArray[np.int64]]],
-) -> tuple[list[NDArray[np.int64]], int]:
+def number(spaces: list[tuple[Any, NDArray[np.int64]]]) -> tuple[list[NDArray[np.int64]], int]:
     """Free unknowns of several bases in one numbering.
 
     Args:
