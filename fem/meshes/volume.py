@@ -379,21 +379,18 @@ def _sets(raw: Any) -> dict[str, Indices]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
     sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
-        blocks = [
-            block.data[np.asarray(part, dtype=np.int64)].ravel()
-            for block, part in zip(raw.cells, parts, strict=False)
-            if part is not None and len(part)
-        ]
-        if blocks and not str(name).startswith("gmsh:"):
-            sets.setdefault(str(name), np.unique(np.concatenate(blocks)).astype(np.int64))
+        named = zip(raw.cells, parts, strict=False)
+        nodes = [block.data[np.asarray(part, np.int64)] for block, part in named if part is not None and len(part)]
+        if nodes and not str(name).startswith("gmsh:"):
+            sets.setdefault(str(name), _each_once(nodes))
     tags = raw.cell_data.get("gmsh:physical")
-    for name, value in raw.field_data.items() if tags is not None else ():
-        tag, dimension = int(value[0]), int(value[1])
-        nodes = [
-            block.data[np.asarray(own) == tag].ravel()
-            for block, own in zip(raw.cells, tags, strict=False)
-            if block.dim == dimension
-        ]
+    for name, (tag, dimension, *_) in raw.field_data.items() if tags is not None else ():
+        tagged = zip(raw.cells, tags, strict=False)
+        nodes = [block.data[np.asarray(own) == tag] for block, own in tagged if block.dim == dimension]
         if nodes:
-            sets[str(name)] = np.unique(np.concatenate(nodes)).astype(np.int64)
+            sets[str(name)] = _each_once(nodes)
     return sets
+
+
+def _each_once(nodes: list[Any]) -> Indices:
+    return np.unique(np.concatenate([each.ravel() for each in nodes])).astype(np.int64)
