@@ -147,7 +147,7 @@ class ModalModel:
         if not known.min() <= omega <= known.max() and not exact.size:
             raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
         near = self._near(omega, fewer=fewer and not exact.size)
-        _, vectors = self._reduced(omega, near)
+        _, vectors, _ = self._reduced(omega, near)
         tracks = self._tracks(omega, vectors)
         if exact.size:
             count = len(vectors)
@@ -165,8 +165,11 @@ class ModalModel:
         near = np.argsort(np.abs(squares - omega**2), kind="stable")[:_NEIGHBOURS]
         return np.asarray(np.sort(near[1:] if fewer else near))
 
-    def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array]:
-        """Squared circular frequencies (k,) at a speed, and the modes (k, k) as sums of the turned ones, by columns."""
+    def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array, Array]:
+        """Squared circular frequencies (k,) at a speed, and the modes (k, k) as sums of the turned ones, by columns.
+
+        Also the weights of the speeds near it, by which it is interpolated.
+        """
         weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
         stiffness = sum(
             weight * (self._turns[k] * self.speeds[k].squares[: len(self._turns[k])]) @ self._turns[k].T
@@ -175,12 +178,11 @@ class ModalModel:
         values, vectors = np.linalg.eigh(stiffness)
         if values[0] <= 0.0:
             raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
-        return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)])
+        return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)]), weights
 
     def _between(self, omega: float, near: Ints) -> ModesAtSpeed:
         """Modes at a speed between those known, through some of them."""
-        values, vectors = self._reduced(omega, near)
-        weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
+        values, vectors, weights = self._reduced(omega, near)
         turns, speeds = self._turns[near], [self.speeds[k] for k in near]
         own = [vectors.T @ turn for turn in turns]
 
