@@ -39,7 +39,7 @@ def readable(unit: str) -> tuple[float, str]:
     return _READABLE.get(unit, (1.0, unit))
 
 
-def in_mm(length: float) -> str:
+def exact_mm(length: float) -> str:
     """A length [m] in millimetres, with the digits that somebody may have typed."""
     return f"{1e3 * length:.6g} mm"
 
