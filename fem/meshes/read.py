@@ -228,12 +228,10 @@ def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
         raise MeshError("the file holds no triangles and no quadrilaterals")
-    if min(triangles.min(initial=0), quads.min(initial=0)) < 0 or (
-        max(triangles.max(initial=0), quads.max(initial=0)) >= len(raw.points)
-    ):
-        raise MeshError("a cell names a point that the file does not hold")
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
+    if cells.min() < 0 or cells.max() >= len(raw.points):
+        raise MeshError("a cell names a point that the file does not hold")
     used, renumbered = np.unique(cells, return_inverse=True)
     points = np.asarray(raw.points, dtype=float)[used]
     if not np.isfinite(points).all():
