@@ -120,7 +120,8 @@ def _checked(raw: Raw) -> Raw:
         still = np.abs(modes.shapes).max(axis=(1, 2)) == 0.0
         if still.any():
             raise ModesFileError(f"nothing moves in mode {int(still.argmax()) + 1}")
-    return replace(raw, model=replace(model, speeds=tuple(_ascending(modes) for modes in model.speeds)))
+    ascending = (chosen(modes, np.argsort(modes.frequencies_hz, kind="stable")) for modes in model.speeds)
+    return replace(raw, model=replace(model, speeds=tuple(ascending)))
 
 
 _HIGHEST = 1e9
@@ -130,27 +131,11 @@ _LOOSE = 1e-4
 """Part of the highest frequency below which a mode is a rigid body's, which rounding holds."""
 
 
-def _ascending(modes: ModesAtSpeed) -> ModesAtSpeed:
-    """Modes in the order of their frequencies."""
-    order = np.argsort(modes.frequencies_hz, kind="stable")
-    if (order == np.arange(order.size)).all():
-        return modes
-    return chosen(modes, order, np.ones(order.size))
-
-
-_ELEMENTS = {
-    1: ("hexahedron", 8),
-    2: ("wedge", 6),
-    3: ("tetra", 4),
-    4: ("hexahedron20", 20),
-    5: ("wedge15", 15),
-    6: ("tetra10", 10),
-    7: ("triangle", 3),
-    8: ("triangle6", 6),
-    9: ("quad", 4),
-    10: ("quad8", 8),
-}
-"""Kinds of element by their number in an .frd: meshio's name, and the number of nodes."""
+_ELEMENTS = (
+    *("hexahedron", "wedge", "tetra", "hexahedron20", "wedge15", "tetra10"),
+    *("triangle", "triangle6", "quad", "quad8"),
+)
+"""Kinds of element by their number in an .frd, from 1, by meshio's names."""
 
 _ORDER = {
     "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
@@ -237,10 +222,11 @@ def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints],
         for part in data[head.end() : end].split(b"\n -1")[1:]:
             lines = part.split(b"\n")
             kind = int(lines[0].split()[1])
-            if kind not in _ELEMENTS:
+            if not 1 <= kind <= len(_ELEMENTS):
                 continue
-            name, count = _ELEMENTS[kind]
-            nodes = [int(word) for line in lines[1:] for word in _words(line[3:])]
+            name = _ELEMENTS[kind - 1]
+            fields = (line[k : k + 10] for line in lines[1:] for k in range(3, len(line.rstrip()), 10))  # may touch
+            nodes, count = list(map(int, fields)), len(cell(name).nodes)
             if len(nodes) != count:
                 raise ModesFileError(f"an element of type {kind} has {len(nodes)} nodes, expected {count}")
             by_kind.setdefault(name, []).append(nodes)
@@ -253,11 +239,6 @@ def _elements(data: bytes, lookup: tuple[Ints, Ints]) -> tuple[tuple[str, Ints],
         rows = _rows(np.array(every).ravel(), lookup, "an element").reshape(len(every), -1)
         elements.append((name, rows[:, _ORDER.get(name, slice(None))]))
     return tuple(elements)
-
-
-def _words(line: bytes) -> list[bytes]:
-    """Node numbers of a line, in fields of ten letters, which may touch."""
-    return [line[k : k + 10] for k in range(0, len(line.rstrip()), 10)]
 
 
 def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpeed:
@@ -342,7 +323,15 @@ def _parameter(before: bytes, name: bytes, place: int) -> bytes | None:
 FORMAT = "spindamp modes 1"
 """What the neutral file says in its key `format`."""
 
-_REQUIRED = ("format", "unit", "mass_unit", "speeds_rpm", "nodes", "frequencies_hz", "shapes", "modal_masses")
+_REQUIRED = {
+    "unit": ": of the coordinates, such as 'm' or 'mm'",
+    "mass_unit": ": of the modal masses, such as 'kg' or 't'",
+    "speeds_rpm": ": the rotation speeds of the modes, such as [0]",
+    **dict.fromkeys(("nodes", "frequencies_hz", "shapes"), ""),
+    "modal_masses": ": 1 for each mode whose shape is mass-normalised, its modal mass otherwise",
+}
+"""What each key is for, where its name does not say it."""
+
 _OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ratios", "frequency_errors", "drawn")
 
 _SHAPES: dict[str, tuple[int | str, ...]] = {
@@ -390,17 +379,15 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
     """
     if str(data.get("format", "")) != FORMAT:
         raise ModesFileError(f"key 'format': expected '{FORMAT}'")
+    known_keys = ("format", *_REQUIRED, *_OPTIONAL)
     for name in data:
-        if name not in (*_REQUIRED, *_OPTIONAL) and not name.startswith(("cells_", "set_")):
-            raise ModesFileError(
-                f"unknown key '{name}': expected {', '.join((*_REQUIRED, *_OPTIONAL))}, cells_…, set_…"
-            )
-    missing = [name for name in _REQUIRED if name not in data]
-    if missing:
-        raise ModesFileError(f"key '{missing[0]}' is missing" + _about(missing[0]))
-    for name in ("unit", "mass_unit"):
-        if not str(data[name]).strip():
-            raise ModesFileError(f"key '{name}' is empty" + _about(name))
+        if name not in known_keys and not name.startswith(("cells_", "set_")):
+            raise ModesFileError(f"unknown key '{name}': expected {', '.join(known_keys)}, cells_…, set_…")
+    for name, meaning in _REQUIRED.items():
+        if name not in data:
+            raise ModesFileError(f"key '{name}' is missing{meaning}")
+        if name in ("unit", "mass_unit") and not str(data[name]).strip():
+            raise ModesFileError(f"key '{name}' is empty{meaning}")
     arrays = _arrays(data)
     speeds, masses = arrays["speeds_rpm"], arrays["modal_masses"]
     points, frequencies = arrays["nodes"], arrays["frequencies_hz"]
@@ -437,16 +424,6 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
     origin = arrays.get("origin", np.zeros(3))
     model = ModalModel(points, known, axis / np.linalg.norm(axis), origin, _cells(data, nodes), sets, labels)
     return Raw(model, str(data["unit"]), str(data["mass_unit"]), "axis" in arrays)
-
-
-def _about(name: str) -> str:
-    """What a missing key is for."""
-    return {
-        "modal_masses": ": 1 for each mode whose shape is mass-normalised, its modal mass otherwise",
-        "mass_unit": ": of the modal masses, such as 'kg' or 't'",
-        "unit": ": of the coordinates, such as 'm' or 'mm'",
-        "speeds_rpm": ": the rotation speeds of the modes, such as [0]",
-    }.get(name, "")
 
 
 def _arrays(data: Mapping[str, Any]) -> dict[str, Array]:
@@ -525,8 +502,8 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
     factors = {"static": length, "rotations": 1.0 / (length * root), "drawn": root}
     speeds = []
     for modes in raw.model.speeds:
-        known = {name: (getattr(modes, name), factor) for name, factor in factors.items()}
-        scaled = {name: values * factor for name, (values, factor) in known.items() if values is not None}
+        known = {name: getattr(modes, name) for name in factors}
+        scaled = {name: values * factors[name] for name, values in known.items() if values is not None}
         speeds.append(replace(modes, shapes=modes.shapes / root, **scaled))
     return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=tuple(speeds))
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.linalg import symmetric
 from fem.meshes.cells import cell, faces_of
 
 if TYPE_CHECKING:
@@ -146,11 +147,11 @@ class ModalModel:
         if not known.min() <= omega <= known.max() and not exact.size:
             raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
         near = self._near(omega, fewer=fewer and not exact.size)
-        _, vectors = self._reduced(omega, near)
+        _, vectors, _ = self._reduced(omega, near)
         tracks = self._tracks(omega, vectors)
         if exact.size:
             count = len(vectors)
-            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count), np.ones(count))
+            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count))
             return replace(chosen_modes, omega=omega, interpolation=np.zeros(count), tracks=tracks)
         chosen_modes = self._between(omega, near)
         if not fewer and near.size > 2:
@@ -164,8 +165,11 @@ class ModalModel:
         near = np.argsort(np.abs(squares - omega**2), kind="stable")[:_NEIGHBOURS]
         return np.asarray(np.sort(near[1:] if fewer else near))
 
-    def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array]:
-        """Squared circular frequencies (k,) at a speed, and the modes (k, k) as sums of the turned ones, by columns."""
+    def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array, Array]:
+        """Squared circular frequencies (k,) at a speed, and the modes (k, k) as sums of the turned ones, by columns.
+
+        Also the weights of the speeds near it, by which it is interpolated.
+        """
         weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
         stiffness = sum(
             weight * (self._turns[k] * self.speeds[k].squares[: len(self._turns[k])]) @ self._turns[k].T
@@ -174,12 +178,11 @@ class ModalModel:
         values, vectors = np.linalg.eigh(stiffness)
         if values[0] <= 0.0:
             raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
-        return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)])
+        return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)]), weights
 
     def _between(self, omega: float, near: Ints) -> ModesAtSpeed:
         """Modes at a speed between those known, through some of them."""
-        values, vectors = self._reduced(omega, near)
-        weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
+        values, vectors, weights = self._reduced(omega, near)
         turns, speeds = self._turns[near], [self.speeds[k] for k in near]
         own = [vectors.T @ turn for turn in turns]
 
@@ -261,13 +264,10 @@ _NEIGHBOURS = 4
 """Speeds that a polynomial goes through, at most."""
 
 
-def chosen(modes: ModesAtSpeed, order: Ints, signs: Array) -> ModesAtSpeed:
-    """Some of the modes, in an order, with signs."""
-    picked = {each.name: getattr(modes, each.name) for each in fields(modes) if each.name not in ("omega", "static")}
-    picked = {name: values[order] for name, values in picked.items() if values is not None}
-    for name in picked.keys() & {"shapes", "rotations", "drawn"}:
-        picked[name] = np.einsum("k,k...->k...", signs, picked[name])
-    return replace(modes, **picked)
+def chosen(modes: ModesAtSpeed, order: Ints) -> ModesAtSpeed:
+    """Some of the modes, in an order."""
+    values = {each.name: getattr(modes, each.name) for each in fields(modes) if each.name not in ("omega", "static")}
+    return replace(modes, **{name: known[order] for name, known in values.items() if known is not None})
 
 
 def lagrange(nodes: Array, at: float) -> Array:
@@ -421,13 +421,10 @@ def _of_cells(model: ModalModel, hits: Sequence[tuple[str, Ints, Array]]) -> tup
         value[columns] += kind.shape(at[None])[0] / len(hits)
         slopes[:, columns] += gradients[0, 0].T / len(hits)
         tangent += (model.points[nodes].T @ gradients[0, 0]) / len(hits)
-    return every, value, slopes, np.eye(3) if cell(hits[0][0]).dimension == 3 else _projector(tangent)
-
-
-def _projector(rough: Array) -> Array:
-    """The projector onto the two strongest directions of a symmetric matrix that is nearly one."""
-    _, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
-    return np.asarray(vectors[:, 1:] @ vectors[:, 1:].T)
+    if cell(hits[0][0]).dimension == 3:
+        return every, value, slopes, np.eye(3)
+    strongest = np.linalg.eigh(symmetric(tangent))[1][:, 1:]
+    return every, value, slopes, strongest @ strongest.T
 
 
 _FLAT = 0.05
@@ -722,7 +719,7 @@ def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float
         for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
             slopes = kind.gradients(model.points[there], kind.nodes)[0]
             turned = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
-            np.add.at(total, there, 0.5 * (turned + np.swapaxes(turned, 2, 3)))
+            np.add.at(total, there, symmetric(turned))
             np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():

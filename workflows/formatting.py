@@ -39,6 +39,11 @@ def readable(unit: str) -> tuple[float, str]:
     return _READABLE.get(unit, (1.0, unit))
 
 
+def exact_mm(length: float) -> str:
+    """A length [m] in millimetres, with the digits that somebody may have typed."""
+    return f"{1e3 * length:.6g} mm"
+
+
 def whole(value: float) -> str:
     """A speed or a load within a sentence: whole numbers from 100 on, three significant digits below."""
     return f"{value:.0f}" if abs(value) >= 100 else significant(value)

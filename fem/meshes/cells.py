@@ -129,14 +129,6 @@ def _monomials(at: Array, powers: Ints) -> Array:
     return np.asarray(np.prod(at[:, None, :] ** powers[None], axis=2))
 
 
-def _made(
-    name: str, nodes: Array, powers: list[tuple[int, ...]], simplex: int, faces: tuple[tuple[int, ...], ...]
-) -> Cell:
-    exponents = np.array(powers, dtype=np.int64)
-    inverse = np.asarray(np.linalg.inv(_monomials(nodes, exponents)), dtype=np.float64)
-    return Cell(name, nodes, exponents, simplex, faces, _rule(simplex, nodes.shape[1]), inverse)
-
-
 def _rule(simplex: int, dimension: int) -> tuple[Array, Array]:
     """Gauss points: three along each coordinate, those of a simplex drawn together (Duffy), which takes one more."""
     line, share = np.polynomial.legendre.leggauss(4 if simplex else 3)
@@ -239,7 +231,10 @@ def cell(name: str) -> Cell:
         "quad8": (square8, _serendipity(2), 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
         "quad9": (np.vstack([square8, [(0.0, 0.0)]]), flat9, 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
     }
-    return _made(name, *table[name])
+    nodes, powers, simplex, faces = table[name]
+    exponents = np.array(powers, dtype=np.int64)
+    inverse = np.asarray(np.linalg.inv(_monomials(nodes, exponents)), dtype=np.float64)
+    return Cell(name, nodes, exponents, simplex, faces, _rule(simplex, nodes.shape[1]), inverse)
 
 
 KINDS = (

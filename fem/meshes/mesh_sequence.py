@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fem.meshes.planform import check_sides, root_facets
+from fem.meshes.planform import check_sides, root_facets, twice_areas
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -160,9 +160,7 @@ class Given:
         mesh = self.given
         facets = mesh.boundary_facets()
         along = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
-        corners = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]]
-        turned = np.roll(corners, -1, axis=1)
-        twice = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
+        twice = np.abs(twice_areas(mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]]))
         return float(np.median(twice / along)) / (size if mesh.t.shape[0] == 3 else 2 * size)
 
 

@@ -90,7 +90,8 @@ def check_mesh(mesh: Any) -> None:
         raise MeshError(f"a plate needs a mesh in the plane with at least one cell, got {t.shape[1]} cells")
     if not np.isfinite(p).all():
         raise MeshError("the mesh has points with coordinates that are not finite")
-    corners = np.stack([corner_areas(p, t, k) for k in range(t.shape[0])])
+    at = p[:, t]
+    corners = np.stack([_turn(at[:, k - 1], at[:, k], at[:, (k + 1) % len(t)]) for k in range(len(t))])
     upright = corners * np.sign(corners[0])
     _reject(upright.min(axis=0) <= 1e-12 * np.abs(corners).max(), mesh, "inverted or flat")
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
@@ -161,24 +162,20 @@ def _reject_seams(mesh: Any) -> None:
         )
 
 
-def corner_areas(p: NDArray[np.float64], t: NDArray[np.int64], k: int) -> NDArray[np.float64]:
-    """Twice the signed area (ncell,) of the triangle at a corner of each cell.
-
-    Args:
-        p: nodes, shape (2, n) [m].
-        t: nodes of the cells, shape (ncorner, ncell).
-        k: number of the corner.
-    """
-    n = t.shape[0]
-    a, b, c = p[:, t[k]], p[:, t[(k + 1) % n]], p[:, t[(k - 1) % n]]
+def _turn(c: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twice the signed areas (n,) of triangles with corners (2, n), anticlockwise."""
     return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def twice_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twice the signed areas (ncell,) of cells with corners (2, ncorner, ncell), anticlockwise."""
+    turned = np.roll(corners, -1, axis=1)
+    return np.asarray((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
 
 
 def _side(mesh: Any, facets: NDArray[np.int64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
     """On which side (sign) of each facet the middle of a cell lies."""
-    a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
-    c = mesh.p[:, mesh.t[:, cells]].mean(axis=1)
-    return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return _turn(mesh.p[:, mesh.t[:, cells]].mean(axis=1), *mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2))
 
 
 def _reject(bad: NDArray[np.bool_], mesh: Any, what: str) -> None:
@@ -213,10 +210,10 @@ def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float
     near = ((low - margin <= target[:, None]) & (target[:, None] <= high + margin)).all(axis=0)
     best, where, excess = -1, np.zeros(2), np.inf
     for cell in np.flatnonzero(near):
-        reference = _invert(corners[:, :, cell], target)
-        outside = _outside(reference, mesh.t.shape[0])
-        if outside < excess:
-            best, where, excess = int(cell), reference, outside
+        reference = x, y = _invert(corners[:, :, cell], target)
+        off = max(float(outside(x, y, mesh.t.shape[0])), 0.0)
+        if off < excess:
+            best, where, excess = int(cell), reference, off
     if excess > TOLERANCE:
         raise PlaceError(f"the point ({point[0]:.6g}, {point[1]:.6g}) m does not lie on the plate")
     return best, where
@@ -241,7 +238,6 @@ def _invert(corners: NDArray[np.float64], target: NDArray[np.float64]) -> NDArra
     return at
 
 
-def _outside(reference: NDArray[np.float64], corners: int) -> float:
-    x, y = reference
-    upper = x + y - 1.0 if corners == 3 else max(x, y) - 1.0
-    return float(max(-x, -y, upper, 0.0))
+def outside(x: Any, y: Any, corners: int) -> NDArray[np.float64]:
+    """How far reference coordinates, any shape (...), lie outside a cell of so many corners; negative inside."""
+    return np.asarray(np.max([-x, -y, (x + y if corners == 3 else np.maximum(x, y)) - 1.0], axis=0))

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.meshes.planform import MeshError, check_mesh, root, root_facets
+from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_areas
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -228,12 +228,10 @@ def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     quads = _cells(raw, QUADS, 4)
     if not len(triangles) and not len(quads):
         raise MeshError("the file has no triangles and no quadrilaterals")
-    if min(triangles.min(initial=0), quads.min(initial=0)) < 0 or (
-        max(triangles.max(initial=0), quads.max(initial=0)) >= len(raw.points)
-    ):
-        raise MeshError("a cell refers to a point that is not in the file")
     split = [triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     cells = np.vstack(split) if len(triangles) else quads
+    if cells.min() < 0 or cells.max() >= len(raw.points):
+        raise MeshError("a cell refers to a point that is not in the file")
     used, renumbered = np.unique(cells, return_inverse=True)
     points = np.asarray(raw.points, dtype=float)[used]
     if not np.isfinite(points).all():
@@ -268,7 +266,7 @@ def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
 def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cells counter-clockwise: those that are clockwise are turned; `check_mesh` still sees cells that overlap."""
     x, y = points[cells].transpose(2, 0, 1)
-    area = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    area = twice_areas(points[cells].transpose(2, 1, 0))
     bad = area == 0.0
     if bad.any():
         first = int(np.flatnonzero(bad)[0])

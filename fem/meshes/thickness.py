@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fem.meshes.planform import TOLERANCE, locate
+from fem.meshes.planform import TOLERANCE, locate, outside, twice_areas
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,6 +29,7 @@ SLOPE = 0.7
 Wedges of 20 to 5 and 40 to 10 mm over 0.1 and 0.2 m, 0.08 m wide, nu = 0, against bricks: 0.4 to 0.7 in the six lowest
 modes.
 """
+
 
 NEWTON = 30
 """Steps of Newton's method to a place in a quadrilateral; it takes some six."""
@@ -122,8 +123,7 @@ class Nodal:
         """The thickness (ncell, npoint); ValueError for cells that are not in those of the mesh."""
         cells = np.arange(points.shape[1]) % self.mesh.t.shape[1]
         x, y = _reference(self.mesh.p[:, self.mesh.t[:, cells]], points)
-        most = x + y if self.mesh.t.shape[0] == 3 else np.maximum(x, y)
-        if not (min(x.min(), y.min()) >= -TOLERANCE and most.max() <= 1.0 + TOLERANCE):
+        if not outside(x, y, self.mesh.t.shape[0]).max() <= TOLERANCE:
             raise ValueError("the cells of the plate's mesh do not lie within those of the thickness")
         corners = self.values[self.mesh.t[:, cells]][:, :, None]
         return np.asarray((corner_shapes(x, y, len(corners)) * corners).sum(axis=0))
@@ -160,9 +160,7 @@ def spread(thickness: float | Profile, mesh: Any) -> tuple[float, float, float]:
     if isinstance(thickness, float | int):
         return (float(thickness),) * 3
     values = of(thickness, lattice(mesh))
-    corners = mesh.p[:, mesh.t]
-    turned = np.roll(corners, -1, axis=1)
-    area = np.abs((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
+    area = np.abs(twice_areas(mesh.p[:, mesh.t]))
     return float(values.min()), float(np.average(np.mean(values, axis=1), weights=area)), float(values.max())  # type: ignore[union-attr]
 
 
@@ -182,7 +180,7 @@ def lattice(mesh: Any) -> Array:
     side = np.linspace(0.0, 1.0, LATTICE)
     x, y = (a.ravel() for a in np.meshgrid(side, side))
     corners = mesh.t.shape[0]
-    inside = x + y <= 1.0 + TOLERANCE if corners == 3 else np.ones(x.size, dtype=bool)
+    inside = outside(x, y, corners) <= TOLERANCE
     return np.asarray(np.einsum("dvc,vk->dck", mesh.p[:, mesh.t], corner_shapes(x[inside], y[inside], corners)))
 
 

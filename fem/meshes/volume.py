@@ -91,6 +91,10 @@ class VolumeMesh:
     def _faces(self) -> list[tuple[Indices, Indices]]:
         return faces_of(self.cells)
 
+    def corners(self, faces: Indices) -> Indices:
+        """The corners of faces, out of the nodes around them (nface, nnode)."""
+        return faces if self.first_order else faces[:, ::2]
+
     def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
         """Middles (nface, 3) of the boundary's faces, and their areas times outward normals (nface, 3).
 
@@ -101,7 +105,7 @@ class VolumeMesh:
         middles, normals = [], []
         for faces in self.boundary():
             faces = faces if own is None else faces[own[faces].all(axis=1)]
-            at = self.points[faces if self.first_order else faces[:, ::2]]
+            at = self.points[self.corners(faces)]
             middles.append(at.mean(axis=1))
             normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
         return np.concatenate(middles), np.concatenate(normals)
@@ -314,7 +318,7 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
 
 def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
     """The mesh of what `raw_mesh` gives of a file, in m; see `read_volume`."""
-    solid = _solid(raw)
+    solid = [block for block in raw.cells if block.dim == 3]
     kinds = sorted({block.type for block in solid})
     _check_kinds(kinds)
     points = scale * np.asarray(raw.points, dtype=float)
@@ -356,19 +360,9 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
         raise MeshError("; ".join(filter(None, (str(error), deck_fault(path))))) from None
 
 
-def _solid(raw: Any) -> list[Any]:
-    return [block for block in raw.cells if getattr(block, "dim", cell_dimension(block.type)) == 3]
-
-
 def has_volume(raw: Any) -> bool:
     """Whether what `raw_mesh` gives of a file has cells with a volume."""
-    return bool(_solid(raw))
-
-
-def cell_dimension(kind: str) -> int:
-    """Dimension of a kind of cells, by its name; 3 for unknown kinds, so that they are not passed over."""
-    flat = ("triangle", "quad", "polygon")
-    return 0 if kind == "vertex" else 1 if kind.startswith("line") else 2 if kind.startswith(flat) else 3
+    return any(block.dim == 3 for block in raw.cells)
 
 
 def _upright(kind: str, cells: Indices, points: Array) -> Indices:
@@ -385,21 +379,18 @@ def _sets(raw: Any) -> dict[str, Indices]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
     sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
-        blocks = [
-            block.data[np.asarray(part, dtype=np.int64)].ravel()
-            for block, part in zip(raw.cells, parts, strict=False)
-            if part is not None and len(part)
-        ]
-        if blocks and not str(name).startswith("gmsh:"):
-            sets.setdefault(str(name), np.unique(np.concatenate(blocks)).astype(np.int64))
+        named = zip(raw.cells, parts, strict=False)
+        nodes = [block.data[np.asarray(part, np.int64)] for block, part in named if part is not None and len(part)]
+        if nodes and not str(name).startswith("gmsh:"):
+            sets.setdefault(str(name), _each_once(nodes))
     tags = raw.cell_data.get("gmsh:physical")
-    for name, value in raw.field_data.items() if tags is not None else ():
-        tag, dimension = int(value[0]), int(value[1])
-        nodes = [
-            block.data[np.asarray(own) == tag].ravel()
-            for block, own in zip(raw.cells, tags, strict=False)
-            if cell_dimension(block.type) == dimension
-        ]
+    for name, (tag, dimension, *_) in raw.field_data.items() if tags is not None else ():
+        tagged = zip(raw.cells, tags, strict=False)
+        nodes = [block.data[np.asarray(own) == tag] for block, own in tagged if block.dim == dimension]
         if nodes:
-            sets[str(name)] = np.unique(np.concatenate(nodes)).astype(np.int64)
+            sets[str(name)] = _each_once(nodes)
     return sets
+
+
+def _each_once(nodes: list[Any]) -> Indices:
+    return np.unique(np.concatenate([each.ravel() for each in nodes])).astype(np.int64)

@@ -160,6 +160,8 @@ def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
         clamped: numbers of the clamped nodes.
         count: number of nodes.
     """
+    from scipy.sparse import bsr_array
+
     free = np.ones(count, dtype=bool)
     free[clamped] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
@@ -170,17 +172,10 @@ def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
     keys = _distinct(blocks)
     places = tuple(np.where(pairs >= 0, np.searchsorted(keys, pairs), keys.size) for pairs in blocks)
     column, row = np.divmod(keys, n)
-    each = np.bincount(column, minlength=n)
-    indptr = np.concatenate([[0], np.cumsum(np.repeat(3 * each, 3))]).astype(np.int32)
-    # within a column of blocks, entries go by column, block and row
-    rank = np.arange(keys.size) - np.repeat(np.cumsum(each) - each, each)
-    begin = indptr[3 * column][:, None] + 3 * (rank[:, None] + each[column][:, None] * np.arange(3))
-    source = np.empty(9 * keys.size, dtype=np.int32)
-    indices = np.empty(9 * keys.size, dtype=np.int32)
-    for k, c in product(range(3), repeat=2):
-        source[begin[:, c] + k] = (3 * k + c) * keys.size + np.arange(keys.size)
-        indices[begin[:, c] + k] = 3 * row + k
-    return Pattern(number, places, keys.size, indptr, indices, source)
+    begin = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=n))])
+    source = np.arange(9 * keys.size, dtype=np.int32).reshape(3, 3, -1).transpose(2, 1, 0)  # by block, column and row
+    columns = bsr_array((source, row.astype(np.int32), begin.astype(np.int32)), shape=(3 * n, 3 * n)).tocsr()
+    return Pattern(number, places, keys.size, columns.indptr, columns.indices, columns.data)
 
 
 def _distinct(pairs: list[Indices]) -> Indices:

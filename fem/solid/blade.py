@@ -11,13 +11,9 @@ import numpy as np
 from fem.meshes.planform import MeshError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fem.linalg import Array
-    from fem.meshes.volume import VolumeMesh
+    from fem.meshes.volume import Indices, VolumeMesh
     from fem.plate import Material
-
-    Indices = NDArray[np.int64]
 
 ON_THE_FACE = 1e-4
 """Distance from the root's radius, relative to the mesh's extent, within which a node belongs to the root."""

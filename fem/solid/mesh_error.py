@@ -31,7 +31,6 @@ from fem.solid.assembly import AT_ONCE, mapped, rule
 
 if TYPE_CHECKING:
     from fem.linalg import Array
-    from fem.meshes.volume import Indices
     from fem.solid.assembly import Cells, SolidOperators
 
 
@@ -112,17 +111,13 @@ def _carried(operators: SolidOperators, smooth: Array) -> Array:
     softness = np.array([2.0 * (1.0 + material.poissons_ratio), 1.0]) / material.youngs_modulus
     held = np.isin(np.arange(operators.nodes), blade.held)
     digits = operators.nodes ** np.arange(3)
-
-    def corners(faces: Indices) -> Indices:
-        return faces if mesh.first_order else faces[:, ::2]
-
-    outer = np.concatenate([np.sort(corners(faces))[:, :3] @ digits for faces in mesh.boundary()])
+    outer = np.concatenate([np.sort(mesh.corners(faces))[:, :3] @ digits for faces in mesh.boundary()])
     for cells in operators.cells:
         volumes, factor = cells.weights.sum(axis=1), CARRIED.get(cells.kind, 0.12)
         for ring, part in product(cell(cells.kind).faces, cells.parts(AT_ONCE)):
             faces = cells.nodes[part][:, ring]
-            free = np.isin(np.sort(corners(faces))[:, :3] @ digits, outer) & ~held[faces].all(axis=1)
-            at = mesh.points[corners(faces[free])]
+            free = np.isin(np.sort(mesh.corners(faces))[:, :3] @ digits, outer) & ~held[faces].all(axis=1)
+            at = mesh.points[mesh.corners(faces[free])]
             normals = 0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1])
             areas = np.linalg.norm(normals, axis=1)
             pull = np.einsum("fnkij,fj->fnki", smooth[faces[free]], normals / areas[:, None], optimize=True)
@@ -135,13 +130,9 @@ def _carried(operators: SolidOperators, smooth: Array) -> Array:
 def _one_layer(operators: SolidOperators) -> bool:
     """Whether every corner of the cells lies on the boundary."""
     mesh = operators.blade.mesh
-    outer = [faces if mesh.first_order else faces[:, ::2] for faces in mesh.boundary()]
-    corners = [cells.nodes[:, : CORNERS[cells.kind[:5]]] for cells in operators.cells]
-    return bool(np.isin(np.concatenate([c.ravel() for c in corners]), np.concatenate([f.ravel() for f in outer])).all())
-
-
-CORNERS = {"hexah": 8, "tetra": 4, "wedge": 6}
-"""Corners of kinds of cells, by the first letters of their names."""
+    rings = [cells.nodes[:, ring] for cells in operators.cells for ring in cell(cells.kind).faces]
+    every, outer = ([mesh.corners(faces).ravel() for faces in found] for found in (rings, mesh.boundary()))
+    return bool(np.isin(np.concatenate(every), np.concatenate(outer)).all())
 
 
 def _stress(operators: SolidOperators, slopes: Array, moved: Array, rest: Array) -> Array:

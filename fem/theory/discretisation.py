@@ -41,15 +41,7 @@ class Space:
     def table(self, derivatives: tuple[tuple[int, ...], ...]) -> Array:
         """Tabulate derivatives as the fields of a block: () the value, (0,) d/dx, (0, 1) d²/dxdy."""
         functions = [self.basis.basis[j][0] for j in range(self.basis.Nbfun)]
-        table = np.stack([np.stack([_component(f, d) for f in functions], axis=-1) for d in derivatives], axis=2)
-        if self.units is not None:
-            per = np.stack([self.units[list(d)].prod(axis=0) for d in derivatives], axis=1)
-            table = table / per[:, None, :, None]
-        if self.combined is not None:
-            table = table @ self.combined
-        if self.counted is not None:
-            table = table * self.counted[:, None, None, :]
-        return np.ascontiguousarray(table)
+        return np.stack([self._tabulated(functions, each) for each in derivatives], axis=2)
 
     def values(self, reference: Array) -> Array:
         """Values (..., ndof) of the functions, the same in every cell, at reference points (d, ...)."""
@@ -76,13 +68,17 @@ class Space:
     def _weights(self, at: Array, derivative: tuple[int, ...], cells: NDArray[np.int64] | None) -> Array:
         if self.height is not None:
             at = np.concatenate([at, np.full((1, *at.shape[1:]), self.height)])
-        every, element, mapping = slice(None) if cells is None else cells, self.basis.elem, self.basis.mapping
+        element, mapping = self.basis.elem, self.basis.mapping
         functions = [element.gbasis(mapping, at, j, tind=cells)[0] for j in range(self.basis.Nbfun)]
+        return self._tabulated(functions, derivative, slice(None) if cells is None else cells)
+
+    def _tabulated(self, functions: list[Any], derivative: tuple[int, ...], cells: Any = slice(None)) -> Array:
+        """A derivative (ncell, npoint, ndof) of each unknown, from the basis's functions in some cells."""
         weights = np.stack([_component(f, derivative) for f in functions], axis=-1)
         if self.units is not None:
-            weights = weights / self.units[list(derivative)].prod(axis=0)[every, None, None]
+            weights = weights / self.units[list(derivative)].prod(axis=0)[cells, None, None]
         weights = weights if self.combined is None else weights @ self.combined
-        return weights if self.counted is None else weights * self.counted[every][:, None]
+        return weights if self.counted is None else weights * self.counted[cells][:, None]
 
 
 def _component(field: Any, derivative: tuple[int, ...]) -> Array:
@@ -99,9 +95,7 @@ def blocks(spaces: tuple[Space, ...], derivatives: tuple[tuple[int, ...], ...]) 
     return [Block(tables[id(space.basis)], space.dofs) for space in spaces]
 
 
-def number(
-    spaces: list[tuple[Any, NDArray[np.int64]]],
-) -> tuple[list[NDArray[np.int64]], int]:
+def number(spaces: list[tuple[Any, NDArray[np.int64]]]) -> tuple[list[NDArray[np.int64]], int]:
     """Free unknowns of several bases in one numbering.
 
     Args:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.linalg import Array
+
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
@@ -29,7 +31,7 @@ class Block:
         dofs: (ncell, ndof), the numbers of these unknowns; `CLAMPED` where they are held.
     """
 
-    table: NDArray[np.float64]
+    table: Array
     dofs: NDArray[np.int64]
 
     @property
@@ -48,7 +50,7 @@ class Fields:
     """
 
     blocks: tuple[Block, ...]
-    dx: NDArray[np.float64]
+    dx: Array
     dofs: int
 
     @property
@@ -56,14 +58,14 @@ class Fields:
         """Number of fields."""
         return sum(block.size for block in self.blocks)
 
-    def evaluate(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    def evaluate(self, vector: Array) -> Array:
         """Values of all fields at the points, (nfield, ncell, npoint, ...), for unknowns (dofs, ...)."""
         padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])
         columns = padded.reshape(len(padded), -1)
         values = [_at_points(block.table, columns[block.dofs]) for block in self.blocks]
         return np.concatenate(values).reshape(-1, *self.dx.shape, *vector.shape[1:])
 
-    def load(self, density: NDArray[np.float64]) -> NDArray[np.float64]:
+    def load(self, density: Array) -> Array:
         """Vector (dofs,) of sum_i integral density_i f_i, with density (nfield, ncell, npoint)."""
         total = np.zeros(self.dofs + 1)
         start = 0
@@ -77,7 +79,7 @@ class Fields:
         return total[:-1]
 
 
-def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
+def gram(*terms: tuple[Fields, Array]) -> csc_array:
     """Sparse matrix (dofs, dofs) of the sum over terms of integral c_ij f_i f_j.
 
     terms: pairs of fields and coefficients c, symmetric (nfield, nfield) or pointwise (nfield, nfield, ncell, npoint),
@@ -85,7 +87,7 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
     """
     from scipy.sparse import coo_array
 
-    parts: dict[tuple[int, int, float], tuple[Block, Block, NDArray[np.float64]]] = {}
+    parts: dict[tuple[int, int, float], tuple[Block, Block, Array]] = {}
     for fields, coefficients in terms:
         for left, right, mirrored, cells in _pairs(fields, coefficients):
             same = id(left.dofs), id(right.dofs), mirrored
@@ -99,9 +101,7 @@ def gram(*terms: tuple[Fields, NDArray[np.float64]]) -> csc_array:
     return coo_array((value, (row, col)), shape=(n, n)).tocsc()
 
 
-def _pairs(
-    fields: Fields, coefficients: NDArray[np.float64]
-) -> Iterator[tuple[Block, Block, float, NDArray[np.float64]]]:
+def _pairs(fields: Fields, coefficients: Array) -> Iterator[tuple[Block, Block, float, Array]]:
     """Pairs of blocks, either way round once, whose coefficients do not vanish.
 
     With each come the sign of its mirror image, 0 if it has none, and the cell matrices (ncell, ndof left, ndof right);
@@ -109,7 +109,7 @@ def _pairs(
     """
     starts = np.cumsum([0, *(block.size for block in fields.blocks)])
     sign = -1.0 if coefficients.ndim == 2 and np.array_equal(coefficients.T, -coefficients) else 1.0
-    known: dict[tuple[int, int, bytes], NDArray[np.float64]] = {}
+    known: dict[tuple[int, int, bytes], Array] = {}
     for a, left in enumerate(fields.blocks):
         for b, right in enumerate(fields.blocks[a:], a):
             c = coefficients[starts[a] : starts[a + 1], starts[b] : starts[b + 1]]
@@ -121,9 +121,7 @@ def _pairs(
             yield left, right, sign if a != b else 0.0, known[alike]
 
 
-def _entries(
-    left: Block, right: Block, cells: NDArray[np.float64]
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+def _entries(left: Block, right: Block, cells: Array) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
     """Rows, columns and values of cell matrices, but for unknowns that are held."""
     row = np.broadcast_to(left.dofs.astype(np.int32)[:, :, None], cells.shape)
     col = np.broadcast_to(right.dofs.astype(np.int32)[:, None], cells.shape)
@@ -131,12 +129,7 @@ def _entries(
     return row[free], col[free], cells[free]
 
 
-def _cell_matrices(
-    left: NDArray[np.float64],
-    c: NDArray[np.float64],
-    right: NDArray[np.float64],
-    dx: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _cell_matrices(left: Array, c: Array, right: Array, dx: Array) -> Array:
     """Cell matrices (ncell, ndof left, ndof right)."""
     ncell, npoint, nleft, ndof = left.shape
     weighted = (
@@ -148,7 +141,7 @@ def _cell_matrices(
     return np.asarray(np.matmul(flat.transpose(0, 2, 1), weighted.reshape(ncell, npoint * nleft, right.shape[3])))
 
 
-def _at_points(table: NDArray[np.float64], unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+def _at_points(table: Array, unknowns: Array) -> Array:
     """Fields (nfield, ncell, npoint, k) of a table for unknowns (ncell, ndof, k)."""
     ncell, npoint, nfield, ndof = table.shape
     values = np.matmul(table.reshape(ncell, npoint * nfield, ndof), unknowns)

@@ -35,13 +35,13 @@ ORDER = {"bfs": 7, "argyris": 8, "morley": 5}
 """Degree to which integrals are exact."""
 
 
-def discretise(plate: Plate, rotary_inertia: bool = True, element: str | None = None) -> Discretisation:
+def discretise(plate: Plate, rotary_inertia: bool = True, element: str = "") -> Discretisation:
     """The Kirchhoff model of a plate.
 
     Args:
         plate: with its mesh.
         rotary_inertia: whether turning sections have inertia.
-        element: by name; None: the best one for the mesh.
+        element: by name; "": the best one for the mesh.
 
     Raises:
         ValueError: an element that the mesh does not allow.

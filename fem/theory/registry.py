@@ -49,10 +49,6 @@ LAYERED = {2: 0.012, 4: 0.002, 6: 0.0005}
 """Error of a solid of so many layers of bricks, times h/L: the corner at the clamp is singular across them as well."""
 
 
-def _thin(plate: Plate, rotary_inertia: bool, element: str) -> Discretisation:
-    return kirchhoff.discretise(plate, rotary_inertia, element or None)
-
-
 def _sheared(plate: Plate, rotary_inertia: bool, element: str) -> Discretisation:
     make = mindlin.held if element == "held" else mindlin.discretise
     return make(plate, rotary_inertia)
@@ -85,7 +81,7 @@ THEORIES = {
     ),
     "kirchhoff": PlateTheory(
         kind=Kind.KIRCHHOFF,
-        discretise=_thin,
+        discretise=kirchhoff.discretise,
         elements=kirchhoff.ELEMENTS,
         most_unknowns=100_000,
         unknowns=lambda _, quads: (6, 2, 2) if quads else (8, 3, 0),

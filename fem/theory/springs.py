@@ -31,24 +31,23 @@ TRAPEZOID = np.array([0.0, 1.0]), np.array([0.5, 0.5])
 MIDPOINT = np.array([0.5]), np.array([1.0])
 
 
-@dataclass(frozen=True, eq=False)
-class Edge:
-    """The root edge of a mesh: its cells (nedge,), reference points (2, nedge, npoint), and weights (nedge, npoint)."""
+def edge(mesh: Any, rule: tuple[Array, Array]) -> tuple[NDArray[np.int64], Array, Array]:
+    """The root edge of a mesh of triangles or quadrilaterals.
 
-    cells: NDArray[np.int64]
-    reference: Array
-    dx: Array
+    Args:
+        mesh: of the mid-surface.
+        rule: points and weights on [0, 1].
 
-
-def edge(mesh: Any, rule: tuple[Array, Array]) -> Edge:
-    """The root edge of a mesh of triangles or quadrilaterals; rule: points and weights on [0, 1]."""
+    Returns:
+        Its cells (nedge,), reference points in these (2, nedge, npoint), and weights (nedge, npoint) [m].
+    """
     facets = root_facets(mesh)
     cells = mesh.f2t[0, facets]
     local = [(mesh.t[:, cells] == ends).argmax(axis=0) for ends in mesh.facets[:, facets]]
     start, end = (mesh.elem.refdom.p[:, k] for k in local)
     t, weights = rule
     length = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
-    return Edge(cells, start[:, :, None] + (end - start)[:, :, None] * t, length[:, None] * weights)
+    return cells, start[:, :, None] + (end - start)[:, :, None] * t, length[:, None] * weights
 
 
 def springs(
@@ -78,13 +77,13 @@ def springs(
 def _sampled(
     stiffness: float, mesh: Any, fields: tuple[Sampled, ...], total: int, rule: tuple[Array, Array]
 ) -> tuple[Fields, Array]:
-    at = edge(mesh, rule)
-    cells, flat = np.repeat(at.cells, at.dx.shape[1]), at.reference.reshape(2, -1)
+    cells, reference, dx = edge(mesh, rule)
+    every, flat = np.repeat(cells, dx.shape[1]), reference.reshape(2, -1)
     blocks = []
     for space, derivative in fields:
-        weights, _ = space.probe(cells, flat, derivative)
-        blocks.append(Block(weights.reshape(*at.dx.shape, 1, -1), space.dofs[at.cells]))
-    return Fields(tuple(blocks), at.dx, total), stiffness * np.eye(len(blocks))
+        weights, _ = space.probe(every, flat, derivative)
+        blocks.append(Block(weights.reshape(*dx.shape, 1, -1), space.dofs[cells]))
+    return Fields(tuple(blocks), dx, total), stiffness * np.eye(len(blocks))
 
 
 def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, ...], layers: int, total: int) -> Terms:
@@ -100,12 +99,12 @@ def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, .
     if root is None:
         return ()
     zeta, weights = _gauss()
-    at = edge(planform, (zeta, weights))
-    nedge, npoint = at.dx.shape
+    cells, along, dx = edge(planform, (zeta, weights))
+    nedge, npoint = dx.shape
     basis, ncell = spaces[0].basis, planform.t.shape[1]
-    bricks = at.cells + ncell * np.arange(layers)[:, None]
+    bricks = cells + ncell * np.arange(layers)[:, None]
     reference = np.empty((3, nedge, npoint, GAUSS))
-    reference[:2], reference[2] = at.reference[:, :, :, None], zeta
+    reference[:2], reference[2] = along[:, :, :, None], zeta
     flat = reference.reshape(3, nedge, -1)
     low, high = flat.copy(), flat.copy()
     low[2], high[2] = 0.0, 1.0
@@ -117,7 +116,7 @@ def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, .
     everywhere = np.broadcast_to(table, (layers, *table.shape)).reshape(layers * nedge, npoint * GAUSS, 1, -1)
     points = Fields(
         tuple(Block(everywhere, space.dofs[bricks.ravel()]) for space in spaces),
-        (dz * at.dx[:, :, None]).reshape(layers * nedge, -1),
+        (dz * dx[:, :, None]).reshape(layers * nedge, -1),
         total,
     )
     spread = np.broadcast_to((root.stiffness / h)[:, :, None], dz.shape).reshape(layers * nedge, -1)
@@ -125,7 +124,7 @@ def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, .
     turned = np.ascontiguousarray(mean.transpose(0, 2, 1)[:, :, None])
     rotations = Fields(
         tuple(Block(turned, space.dofs[bricks].transpose(1, 0, 2).reshape(nedge, -1)) for space in spaces[:2]),
-        at.dx,
+        dx,
         total,
     )
     lacking = root.rotational - root.stiffness * h**2 / 12.0

@@ -14,7 +14,7 @@ from fem.meshes.planform import clamped_length
 from workflows import versions
 from workflows.effects.definition import Effect
 from workflows.errors import one_line
-from workflows.formatting import DASH, aligned, interval, revolutions, significant
+from workflows.formatting import DASH, aligned, exact_mm, interval, revolutions, significant
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.materials import KNOWN
@@ -96,14 +96,14 @@ def heading(source: SceneFile, form: Planform | None = None, space: SpaceStructu
     lines += () if space is None else space.remarks
     what = "damper" if scene.damper is not None else "tip mass" if scene.point_mass else "tip"
     root_text = "root" if scene.plate is not None and scene.plate.root is not None else "clamped root"
-    inner = "" if root is None else f"{_mm(root)} at the {root_text}, "
-    lines.append(f"Radii from the axis: {inner}{_mm(place)} at the {what}{at}")
+    inner = "" if root is None else f"{exact_mm(root)} at the {root_text}, "
+    lines.append(f"Radii from the axis: {inner}{exact_mm(place)} at the {what}{at}")
     if (mesh := _mesh(form)) is not None:
-        lines.append("Plate: {} long, {} wide".format(*map(_mm, np.ptp(mesh.p, axis=1))))
+        lines.append("Plate: {} long, {} wide".format(*map(exact_mm, np.ptp(mesh.p, axis=1))))
     if (length := _root_length(source, form)) is not None:
-        lines.append(f"{root_text[0].upper()}{root_text[1:]}: {_mm(length)} long")
+        lines.append(f"{root_text[0].upper()}{root_text[1:]}: {exact_mm(length)} long")
     if (known := _varying(source, form)) is not None:
-        least, greatest, there = map(_mm, known)
+        least, greatest, there = map(exact_mm, known)
         lines.append(f"Thickness: {interval(least, greatest)}, {there} at the {what}")
     if scene.damper is not None and scene.plate is not None:
         lines += ["", *_axes("plate")]
@@ -169,7 +169,7 @@ def radii(
         return None, source.scene.rotor.radius or 0.0, ""
     root, (x, y) = plate_mesh.root_and_place(source, _mesh(form))
     outwards = plate_mesh.rotor(source.scene).outwards
-    return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {_mm(x)}, y = {_mm(y)})"
+    return hub, float(hub + outwards[0] * (x - root) + outwards[1] * y), f" (x = {exact_mm(x)}, y = {exact_mm(y)})"
 
 
 def as_toml(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
@@ -218,10 +218,6 @@ def _line(key: str, value: object, reason: str | None) -> str:
     bare = all(letter.isascii() and (letter.isalnum() or letter in "-_") for letter in key)
     text = f"{key if bare else json.dumps(key, ensure_ascii=False)} = {json.dumps(value, ensure_ascii=False)}"
     return f"{text:<28} # {reason}" if reason else text
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.6g} mm"
 
 
 def scene_sha256(results: Results) -> str:

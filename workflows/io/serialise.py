@@ -71,10 +71,6 @@ class Document:
     """of the mesh file's bytes, where the scene names one; the same in every file of a run"""
 
 
-_UNPUBLISHED = {"speeds": {"__all__": {"damper": {"duration"}}}}
-"""What data sets have and JSON has not."""
-
-
 @cache
 def adapter(kind: Any) -> TypeAdapter[Any]:
     """What pydantic knows of a kind of records."""
@@ -93,8 +89,7 @@ def _json(results: Results, indent: int | None) -> str:
         effects={name: Switch(effect.on, effect.why) for name, effect in results.effects.items()},
         root_length=None if results.diagram is None else results.diagram.root_length,
     )
-    text = adapter(Document).dump_json(whole, indent=indent, by_alias=True, exclude_defaults=True, exclude=_UNPUBLISHED)
-    return text.decode()
+    return adapter(Document).dump_json(whole, indent=indent, by_alias=True, exclude_defaults=True).decode()
 
 
 def document(results: Results) -> dict[str, Any]:
@@ -130,13 +125,8 @@ class _Closed(GenerateJsonSchema):
 
 
 def schema(kind: type = Document) -> dict[str, Any]:
-    """The schema of results.json, or of a part of it as data sets have it."""
-    document = adapter(kind).json_schema(mode="serialization", schema_generator=_Closed)
-    if kind is Document:
-        damping = document["$defs"]["Damping"]
-        del damping["properties"]["duration"]
-        damping["required"].remove("duration")
-    return document
+    """The schema of results.json, or of a part of it."""
+    return adapter(kind).json_schema(mode="serialization", schema_generator=_Closed)
 
 
 def text() -> str:
@@ -359,7 +349,7 @@ def _unpublished_fields(record: type) -> tuple[list[str], list[tuple[str, str]]]
     alone, parts = [], []
     for name, info in _fields(record).items():
         extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-        if not info.exclude and not extra.get("unpublished"):
+        if not info.exclude:
             parts += [(name, info.alias or name)] if _holds_records(info.annotation) else []
         elif "column" not in extra:
             alone.append(name)

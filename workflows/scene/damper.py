@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from workflows.errors import BadInput
+from workflows.formatting import exact_mm
 from workflows.scene import materials
 from workflows.scene import quantities as q
 from workflows.scene.quantities import ROUNDING, Table, fault, wrong
@@ -143,7 +144,7 @@ class Damper(Table):
                 )
         for side in self.cavity:
             if side < 2 * self.radius * (1 - ROUNDING):
-                ball, least = _mm(self.radius), _mm(2 * self.radius)
+                ball, least = exact_mm(self.radius), exact_mm(2 * self.radius)
                 raise fault("cavity", f"a ball of radius {ball} does not fit: expected sides of at least {least}")
         if self.floor_radius is not None:
             self._hollow(self.floor_radius)
@@ -151,7 +152,7 @@ class Damper(Table):
         if isinstance(lever, float) and lever < 0:
             raise fault("rolling_friction", "expected at least 0")
         if isinstance(lever, float) and lever > self.radius * (1 + ROUNDING):
-            problem = f"expected a length, the coefficient times the ball's radius: at most {_mm(self.radius)}"
+            problem = f"expected a length, the coefficient times the ball's radius: at most {exact_mm(self.radius)}"
             raise fault("rolling_friction", problem)
         return self
 
@@ -288,7 +289,7 @@ def through_the_thickness(damper: Damper, thickness: float) -> tuple[str, str] |
     if damper.housing or damper.cavity[0] < thickness * (1 - ROUNDING):
         return None
     side = "side 1 lies along the bending direction, through the plate's thickness"
-    return "cavity", f"{side}: expected less than {_mm(thickness)}, or {_HOUSED}"
+    return "cavity", f"{side}: expected less than {exact_mm(thickness)}, or {_HOUSED}"
 
 
 def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] | None:
@@ -297,13 +298,14 @@ def in_the_plane(damper: Damper, reach: float, room: float) -> tuple[str, str] |
     The width counts as far as it lies on both sides of the place alike.
     """
     if 2 * damper.radius >= reach * (1 - ROUNDING):
-        return "radius", f"the ball does not fit between the root and its place: expected less than {_mm(reach / 2)}"
+        most = exact_mm(reach / 2)
+        return "radius", f"the ball does not fit between the root and its place: expected less than {most}"
     if damper.housing or damper.cavity[1] < room * (1 - ROUNDING):
         return None
     if room <= ROUNDING * reach:
         problem = "on the plate's edge there is no room for a cavity"
         return "at", f"{problem}: expected a place further in, or {_HOUSED}"
-    smaller = f"expected less than {_mm(room)}, the room at its place, another place (at)"
+    smaller = f"expected less than {exact_mm(room)}, the room at its place, another place (at)"
     return "cavity", f"side 2 lies across the plate: {smaller}, or {_HOUSED}"
 
 
@@ -339,7 +341,3 @@ def misfit(damper: Damper, thickness: float, width: float, reach: float, room: f
         or side_by_side(damper, thickness, width, reach)
         or housing_too_light(damper)
     )
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.6g} mm"

@@ -38,11 +38,9 @@ def is_known(scene: Scene, loads_g: Iterable[float]) -> bool:
 def row(scene: Scene, load_g: float) -> TableRow | None:
     """The row of Table II that a computed load belongs to, if the scene is the paper's plate."""
     plate, rotor = scene.plate, scene.rotor
-    if plate is None or plate.length is None or plate.width is None or rotor.hub_radius or rotor.stagger:
-        return None
-    if rotor.precone or not isinstance(plate.thickness, float):
+    if plate is None or rotor.hub_radius or rotor.stagger or rotor.precone:
         return None
     measures = zip((plate.length, plate.width, plate.thickness), (0.2, 0.08, 0.01), strict=True)
-    if any(abs(ours - theirs) > 1e-9 for ours, theirs in measures):
+    if not all(isinstance(ours, float) and abs(ours - theirs) <= 1e-9 for ours, theirs in measures):
         return None
     return next((entry for entry in TABLE_II if abs(load_g - entry.load) <= 1e-3 * entry.load), None)

@@ -75,25 +75,25 @@ def _gauss() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
 
 def section(plate: Plate) -> float:
     """Area [m²] of a rectangle's section at the root."""
-    return float((_across(plate, [0.0])[1]).sum())
+    return float(_across(plate, np.zeros(1)).sum())
 
 
 def volume(plate: Plate) -> tuple[float, float]:
     """Volume [m³] of a rectangular plate, and its first moment [m^4] about the root."""
     length = plate.length or 0.0
     t, weights = _gauss()
-    x, areas = _across(plate, 0.5 * length * (1.0 + t))
-    along = 0.5 * length * weights * areas
+    x = 0.5 * length * (1.0 + t)
+    along = 0.5 * length * weights * _across(plate, x)
     return float(along.sum()), float((x * along).sum())
 
 
-def _across(plate: Plate, x: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Places along x (n,) [m], and the areas (n,) [m²] of a rectangle's sections there."""
+def _across(plate: Plate, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Areas (n,) [m²] of a rectangle's sections at places along x (n,) [m]."""
     assert plate.width is not None
-    places, (t, weights) = np.asarray(x, dtype=float), _gauss()
-    points = np.stack(np.meshgrid(places, 0.5 * plate.width * t, indexing="ij"))
+    t, weights = _gauss()
+    points = np.stack(np.meshgrid(x, 0.5 * plate.width * t, indexing="ij"))
     heights = np.broadcast_to(thickness_of(profile(plate), points), points.shape[1:])
-    return places, 0.5 * plate.width * heights @ weights
+    return np.asarray(0.5 * plate.width * heights @ weights)
 
 
 def planform(source: SceneFile) -> Planform:

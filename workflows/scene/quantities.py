@@ -376,18 +376,19 @@ _TRADE_NAMES = {"titanium": "Ti-6Al-4V", "ti64": "Ti-6Al-4V", "inconel": "Incone
 """What people call materials that have an exact name here."""
 
 
+def one_of(names: tuple[str, ...], value: object, _: ValidationInfo) -> str:
+    """Text that is one of these names."""
+    if isinstance(value, str) and value in names:
+        return value
+    meant = _TRADE_NAMES.get(value.lower()) if isinstance(value, str) else None
+    hint = did_you_mean(value, names) if isinstance(value, str) else ""
+    hint = f": did you mean '{meant}'?" if meant in names else hint
+    raise wrong(f"expected one of {', '.join(names)}{hint}")
+
+
 def name_of(names: tuple[str, ...]) -> tuple[BeforeValidator, WithJsonSchema]:
     """What annotates text that is one of these names."""
-
-    def validate(value: object) -> str:
-        if isinstance(value, str) and value in names:
-            return value
-        meant = _TRADE_NAMES.get(value.lower()) if isinstance(value, str) else None
-        hint = did_you_mean(value, names) if isinstance(value, str) else ""
-        hint = f": did you mean '{meant}'?" if meant in names else hint
-        raise wrong(f"expected one of {', '.join(names)}{hint}")
-
-    return BeforeValidator(validate), WithJsonSchema({"enum": list(names)})
+    return BeforeValidator(partial(one_of, names)), WithJsonSchema({"enum": list(names)})
 
 
 def _unit(kind: Kind, what: str, example: str) -> tuple[BeforeValidator, WithJsonSchema]:

@@ -323,13 +323,6 @@ def _floor(value: object, info: ValidationInfo) -> float | str:
     return q.si(q.LENGTH, value, info)
 
 
-def _material(value: object, _: ValidationInfo) -> str:
-    if isinstance(value, str) and value in materials.BALLS:
-        return value
-    hint = did_you_mean(value, materials.BALLS) if isinstance(value, str) else ""
-    raise wrong(f"expected names from {', '.join(materials.BALLS)}{hint}")
-
-
 def _whole_numbers(expectation: str, most: int | None = None, once: str = "") -> tuple[BeforeValidator, WithJsonSchema]:
     """A list of whole numbers from 1 on; up to `most`, one alone will do."""
 
@@ -344,10 +337,10 @@ def _whole_numbers(expectation: str, most: int | None = None, once: str = "") ->
 
 _FLOOR = {"anyOf": [{"const": FLAT}, *q.quantity_schema(q.LENGTH)["anyOf"]], "x-si": "m"}
 _A_FLOOR = f"expected a list such as ['{FLAT}', '8 mm', '64 mm']"
-_BALLS = {"enum": list(materials.BALLS)}
+_BALL, _BALLS = partial(q.one_of, materials.BALLS), {"enum": list(materials.BALLS)}
 
 Floors = Annotated[tuple[float | str, ...], *q.several(_floor, _FLOOR, _A_FLOOR)]
-Materials = Annotated[tuple[str, ...], *q.several(_material, _BALLS, "expected a list such as ['steel', 'lead']")]
+Materials = Annotated[tuple[str, ...], *q.several(_BALL, _BALLS, "expected a list such as ['steel', 'lead']")]
 Counts = Annotated[tuple[int, ...], *_whole_numbers("expected a list of whole numbers from 1 on")]
 
 

@@ -285,7 +285,7 @@ def _structure(request: Request) -> SpaceStructure:
     @lru_cache(_SPEEDS)
     def modes_at(omega: float) -> ModesAtSpeed:
         _check_speed(source, model, omega)
-        return modal_model.chosen(model.at(omega), np.arange(count), np.ones(count))
+        return modal_model.chosen(model.at(omega), np.arange(count))
 
     return SpaceStructure(model, modes_at, None, described, remarks, sha256)
 

@@ -46,11 +46,8 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     ease = limit / figures.drives_from
     dent, lean, rolls = _dent(results, point), _lean(damper, point), lever(results.scene, point) / damper.radius
     slope = dent + lean
-    radius = (
-        math.nan
-        if slope > 0
-        else damper.radius * _larger(reduced, point.tilt_share, ease, grows=damper.ball_density is not None)
-    )
+    grows = damper.ball_density is not None
+    radius = math.nan if slope > 0 else damper.radius * _larger(reduced, point.tilt_share, ease, grows=grows)
     return Remedy(
         figures.drives_from,
         _eased(results, point, ease),

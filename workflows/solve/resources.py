@@ -95,7 +95,10 @@ def parts(source: SceneFile) -> list[Part]:
     speeds, modes = len(scene.rotor.speeds), scene.rotor.modes
     listed = []
     if scene.plate is not None:
-        unknowns, points = _least_size(source)
+        points = float(CELLS_PER_MODE * modes)
+        if source.mesh is not None:  # which is not read for this
+            points = source.mesh.stat().st_size / _BYTES_OF_A_CELL
+        unknowns = 4.0 * points
         listed.append(_of_the_mesh(source, of_a_plate(scene.plate.theory, unknowns, modes)))
         shapes = 8.0 * modes * (6 * unknowns + 9 * points * min(speeds, SHAPES_AT_MOST))
         listed.append(Part(shapes, "[rotor] modes", modes, "request fewer modes"))
@@ -269,14 +272,6 @@ def _own_memory() -> float:
         return min(float(psutil.Process().memory_info().rss), BASE)
     except (OSError, psutil.Error):
         return 0.0
-
-
-def _least_size(source: SceneFile) -> tuple[float, float]:
-    """Unknowns and points of the plate's mesh at least; of a file, which is not read for this, by its length."""
-    points = float(CELLS_PER_MODE * source.scene.rotor.modes)
-    if source.mesh is not None:
-        points = source.mesh.stat().st_size / _BYTES_OF_A_CELL
-    return 4.0 * points, points
 
 
 def _counted(number: int, what: str) -> str:

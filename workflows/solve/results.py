@@ -43,7 +43,7 @@ def quantity(unit: str, name: str | None = None, **more: Any) -> Any:
         unit: "1" where it has none; empty for a text.
         name: under which it is published, if not that of the field.
         more: for data sets `alone`, its name beside those of other records, and `ends`, what tells a pair apart;
-            `headline`: whether a sweep has a column of it; `unpublished`: whether JSON leaves it out.
+            `headline`: whether a sweep has a column of it.
     """
     return Field(alias=name, json_schema_extra={"unit": unit, **more})
 
@@ -479,7 +479,7 @@ class Damping:
     """hits of the walls"""
     events: Annotated[int, quantity("1", headline=True), Field(ge=0)]
     """events of any kind"""
-    duration: Annotated[float, quantity("s", unpublished=True)]
+    duration: Annotated[float, quantity("s")]
     """time simulated"""
     stopped: Annotated[float | None, KEPT]
     ball_mass: Annotated[float, KEPT]
