@@ -1,6 +1,7 @@
 """The report: one file, for a person, that loads nothing and runs only what stands in it."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 import spindamp
 import workflows
-from tests.workflows.browser import PHONE, Reader, driven, findings, needs_axe, needs_chromium, picture
+from tests.workflows.browser import PHONE, Page, Reader, findings, needs_axe, needs_chromium, opened
 from tests.workflows.conftest import Command, Scene, changed, shipped_scene, write
 from workflows import formatting
 from workflows.io import serialise
@@ -103,9 +104,11 @@ def test_other_scenes_have_reports_too(name: str, spindamp: Command, tmp_path: P
 
 
 @needs_chromium
-@pytest.mark.parametrize("width", [1200, PHONE])
-def test_chromium_opens_it_without_a_word(finished: Path, width: int) -> None:
-    assert len(picture(finished / "report.html", width=width)) > 30_000
+def test_chromium_opens_it_without_a_word(finished: Path) -> None:
+    with opened(finished / "report.html") as page:
+        for width in (1200, PHONE):
+            page.resize(width)
+            assert len(page.file("Page.captureScreenshot")) > 30_000
 
 
 @needs_chromium
@@ -239,8 +242,15 @@ def test_damping_says_what_the_results_say(finished: Path, document: dict[str, A
         assert np.isclose(curve, (float(mm), float(percent)), rtol=SHOWN, atol=0.0).all(axis=1).any()
 
 
+@pytest.fixture(scope="module")
+def standing(finished: Path) -> Iterator[Page]:
+    """The report in a browser."""
+    with opened(finished / "report.html", motion="reduce") as page:
+        yield page
+
+
 @needs_chromium
-def test_titles_are_where_the_marks_are(finished: Path) -> None:
+def test_titles_are_where_the_marks_are(standing: Page) -> None:
     """Every marker of a branch lies under a value, which the pointer finds."""
     script = """
     const svg = document.querySelector('#campbell svg');
@@ -259,14 +269,14 @@ def test_titles_are_where_the_marks_are(finished: Path) -> None:
       return value.parentNode.contains(document.elementFromPoint(x, y)) ? 0 : 99;
     }));
     """
-    far = driven(finished / "report.html", script)
+    far = standing.returned(script)
     marks = [distance for distance in far if distance < 5]
     assert len(marks) > 80
     assert 99 not in far
 
 
 @needs_chromium
-def test_a_click_shows_that_mode_in_motion(finished: Path) -> None:
+def test_a_click_shows_that_mode_in_motion(standing: Page) -> None:
     script = """
     const plate = document.querySelector('figure.viewer');
     return [...document.querySelectorAll('#campbell a[data-mode]')].map(mark => {
@@ -275,7 +285,7 @@ def test_a_click_shows_that_mode_in_motion(finished: Path) -> None:
               document.querySelectorAll('#campbell .now').length];
     });
     """
-    found = driven(finished / "report.html", script)
+    found = standing.returned(script)
     assert len(found) >= 10
     for title, said, marked in found:
         rpm, hz = re.search(r": (\S+) rpm, (\S+) Hz", title).groups()  # type: ignore[union-attr]
