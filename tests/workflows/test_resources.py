@@ -207,7 +207,7 @@ from workflows.report import plots
 if sys.argv.pop() == "undrawn":
     plots.svg = lambda *_, **__: ""
 status = cli.main(sys.argv[1:])
-print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
+print(1024 * int(pathlib.Path("/proc/self/status").read_text(encoding="ascii").split("VmHWM:")[1].split()[0]))
 sys.exit(status)
 """
 
