@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from fem.solid import sweep
 from meshes import make
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, measured_quickly, refused, shipped_scene, write
+from workflows import pipeline
 from workflows.effects.selection import NAMES, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -98,6 +100,13 @@ def test_what_fails_stays_in_the_table() -> None:
     assert row.failed == "no number came out"
 
 
+def once(patch: pytest.MonkeyPatch, **settings: Any) -> None:
+    """Everything is timed once, in a study of these settings."""
+    patch.setattr(timing, "TOO_LONG", 0.0)
+    for name, value in settings.items():
+        patch.setattr(studies, name, value)
+
+
 @pytest.fixture(scope="module")
 def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
@@ -110,24 +119,15 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     )
     limits = tuple(replace(method, finest=min(method.finest, 6)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(studies, "PLATE_METHODS", few)
-        patch.setattr(studies, "LIMITS", limits)
-        patch.setattr(studies, "SPEEDS", 20)
-        patch.setattr(studies, "SOLID_AT_MOST", 5_000)
-        patch.setattr(studies, "ASKED", (1e-2, 1e-3))
-        patch.setattr(studies, "FINEST", 1e-4)
-        patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(studies, "CYCLES", 3)
-        patch.setattr(timing, "TOO_LONG", 0.0)
+        once(patch, PLATE_METHODS=few, LIMITS=limits, SPEEDS=20, SOLID_AT_MOST=5_000)
+        once(patch, ASKED=(1e-2, 1e-3), FINEST=1e-4, METHODS=FEW_INTEGRATORS, CYCLES=3)
         patch.setattr(damper_stage, "figures", measured_quickly)
         return study(source, QUIET).document()
 
 
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shares the reference's mesh shares its error, and looks better than it is."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
-    monkeypatch.setattr(studies, "FINEST", 1e-4)
+    once(monkeypatch, ASKED=(0.5, 1e-4), FINEST=1e-4)
     few = {"speeds": (500.0, 1000.0), "modes": 1}
     source = load.load("campbell").changed(rotor=few, accuracy={"frequency": 0.5})
     with QUIET("pipeline", 3) as step:
@@ -191,9 +191,7 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     """The error of a step is that of the ball's energy, as rolling and impacts have it in the books."""
     damper, shown = scenes.paper(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0, ())
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timing, "TOO_LONG", 0.0)
-        patch.setattr(studies, "METHODS", {})
-        patch.setattr(studies, "STEPS", (40,))
+        once(patch, METHODS={}, STEPS=(40,))
         ladder, _ = studies.damper_study(damper, RELEASE, shown, step)
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -235,9 +233,7 @@ def test_choices_keep_their_word(accuracy: dict[str, Any]) -> None:
 
 def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "METHODS", FEW_INTEGRATORS)
-    monkeypatch.setattr(studies, "CYCLES", 3)
+    once(monkeypatch, METHODS=FEW_INTEGRATORS, CYCLES=3)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
     assert "exact events" in outcome.out
@@ -295,11 +291,8 @@ def test_the_verdict_says_when_nothing_will_do() -> None:
 
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "PLATE_METHODS", (replace(studies.PLATE_METHODS[0], finest=1),))
-    monkeypatch.setattr(studies, "SPEEDS", 7)
-    monkeypatch.setattr(studies, "limits", lambda *_: {})
-    monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
+    once(monkeypatch, PLATE_METHODS=(replace(studies.PLATE_METHODS[0], finest=1),), SPEEDS=7)
+    once(monkeypatch, limits=lambda *_: {}, pipeline_studies=lambda *_: ([], {}))
     source = load.load("paper").changed(damper=None, release=None)
     thin = {"thickness": 0.002}  # which the load bends under stagger
     for stagger, coriolis, words in (
@@ -350,18 +343,10 @@ COSTS = {
 @pytest.mark.parametrize("on", [False, True])
 def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Counted in calls; and switched on it does make them, or the count would mean nothing."""
-    import importlib
-
-    from workflows import pipeline
-
     calls: list[str] = []
     for target in COSTS[effect]:
         head, _, name = target.rpartition(".")
-        try:
-            owner: Any = importlib.import_module(head)
-        except ModuleNotFoundError:
-            module, _, kind = head.rpartition(".")
-            owner = getattr(importlib.import_module(module), kind)
+        owner = resolve_name(head)
         plain = getattr(owner, name)
         if isinstance(plain, property):
             counted: Any = property(lambda self, get=plain.fget, name=name: (calls.append(name), get(self))[1])

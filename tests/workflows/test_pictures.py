@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-import fem
 import workflows
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import BALL, KNOWN, Command, Scene, changed, measured_quickly, write
+from tests.workflows.test_viewer import plate
 from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
@@ -98,13 +98,9 @@ ROUGH = BALL | {"rolling_friction": "0.1 mm"}
 
 @pytest.fixture(scope="module")
 def with_a_hole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A mesh of triangles, of 20 cm by 8 cm without a rectangle in its middle."""
-    mesh = fem.rectangle(0.2, 0.08, 10, 4).to_meshtri()
-    x, y = mesh.p[:, mesh.t].mean(axis=1)
-    triangles = mesh.remove_elements(np.flatnonzero((abs(x - 0.1) < 0.03) & (abs(y) < 0.02)))
-    path = tmp_path_factory.mktemp("mesh") / "hole.vtu"
-    points = np.column_stack([triangles.p.T, np.zeros(triangles.p.shape[1])])
-    meshio.write(path, meshio.Mesh(points, [("triangle", triangles.t.T)]))
+    """A mesh of triangles, of 20 cm by 8 cm without a square in its middle."""
+    surface, path = plate(10, hole=True), tmp_path_factory.mktemp("mesh") / "hole.vtu"
+    meshio.write(path, meshio.Mesh(surface.points, [surface.cells]))
     return path
 
 
