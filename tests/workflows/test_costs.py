@@ -590,6 +590,7 @@ def test_a_release_does_not_change_with_an_effect(tilting: SceneFile, tilted: di
     assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
 
 
+@pytest.mark.usefixtures("hasty")
 def test_damping_is_compared_where_the_ball_moves(paper: Scene) -> None:
     """At 10000 rpm the plate endures nothing that moves it; without stiffening the tilt takes most of the drive."""
     source = load.as_scene_file(changed(paper, rotor__speeds=["5000 rpm", "10000 rpm"], accuracy__frequency=0.05))

@@ -21,10 +21,10 @@ from workflows.studies.sweep import evaluate, executor, store, study
 from workflows.studies.sweep.evaluate import Block
 from workflows.studies.sweep.executor import Workers
 
-VARY = {"damper.friction": [0.1, 0.2, 0.3, 0.4], "damper.restitution": [0.3, 0.6]}
+VARY = {"damper.friction": [0.1, 0.2, 0.4], "damper.restitution": [0.3, 0.6]}
 
 
-BLOCKS = 4
+BLOCKS = 3
 """Of at most three points, one dimension whole; each is one part."""
 
 COORDINATES, ARRAYS = 4, len(evaluate.QUANTITIES) + 2
@@ -159,14 +159,14 @@ def test_stopped_while_a_block_is_written(asked, undisturbed, tmp_path, monkeypa
 
 
 def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tmp_path):
-    first = Here(stops=4)
+    first = Here(stops=3)
     with pytest.raises(KeyboardInterrupt):
         complete(asked, tmp_path / "out", first, size=1)
     assert folder.restart_advice() == "what is finished stays; the same command goes on"
     with folder.orderly_end(to_the_end=False):
         assert folder.restart_advice().endswith("starts over")
     blocks = finished(tmp_path / "out") // 2
-    assert 0 < blocks < 4
+    assert 0 < blocks < BLOCKS
     second = Here()
     assert complete(asked, tmp_path / "out", second) == undisturbed
     assert second.count == BLOCKS - blocks
@@ -177,11 +177,11 @@ def test_stopped_and_started_again_computes_nothing_twice(asked, undisturbed, tm
 
 @pytest.mark.parametrize(("seldom", "calls"), [(1e9, 0), (0.0, 0), (0.0, COORDINATES + ARRAYS)])
 def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(in_parts, tmp_path, monkeypatch, seldom, calls):
-    """Eight points are one region, in parts of one. It ends as the fourth is handed out, or while one is written."""
+    """Six points are one region, in parts of one. It ends as the fourth is handed out, or while one is written."""
     in_blocks(monkeypatch, 256, 64)
     monkeypatch.setattr(store, "SELDOM", seldom)
     asked = study.of_scene("structure", VARY, quick=True)
-    assert [len(asked.parts(region)) for region in asked.regions()] == [8]
+    assert [len(asked.parts(region)) for region in asked.regions()] == [6]
     out = tmp_path / "out"
     with stopping(monkeypatch, calls or 10**9):
         complete(asked, out, Here(stops=4), size=1)
@@ -189,7 +189,7 @@ def test_a_sweep_smaller_than_a_region_keeps_its_finished_points(in_parts, tmp_p
     assert points == ((calls - COORDINATES) // ARRAYS if calls else 2)
     second = Here()
     assert complete(asked, out, second) == in_parts
-    assert second.count == 8 - points
+    assert second.count == 6 - points
 
 
 def test_a_plate_is_solved_at_sampled_speeds_of_a_whole_region_whatever_its_parts(monkeypatch):
@@ -321,7 +321,7 @@ def test_the_data_set_is_read_back(whole):
         found = xr.open_dataset(whole / "sweep.zarr", engine="zarr")
         assert found.identical(xr.open_zarr(whole / "sweep.zarr"))
     assert found.done.all()
-    assert dict(found.sizes) == {"damper.friction": 4, "damper.restitution": 2, "rotor.speeds": 1}
+    assert dict(found.sizes) == {"damper.friction": 3, "damper.restitution": 2, "rotor.speeds": 1}
     assert list(found["damper.friction"].values) == VARY["damper.friction"]
     assert found.damping_ratio_peak.attrs["units"] == "1"
 
@@ -347,6 +347,6 @@ def test_processes_give_the_same_bits_to_a_script_without_a_guard(in_parts, tmp_
     call = f'spindamp.sweep("structure", {VARY}, quick=True, workers=1, out="out")'
     script.write_text(f"import spindamp\nprint(dict({call}.sizes))\n", encoding="utf-8")
     done = python(script, cwd=tmp_path)
-    sizes = "{'damper.friction': 4, 'damper.restitution': 2, 'rotor.speeds': 1}\n"
+    sizes = "{'damper.friction': 3, 'damper.restitution': 2, 'rotor.speeds': 1}\n"
     assert (done.returncode, done.stdout) == (0, sizes), done.stderr
     assert contents(tmp_path / "out") == in_parts
