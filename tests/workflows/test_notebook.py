@@ -182,16 +182,15 @@ def test_save(damper: Results, coarse: Results, tmp_path: Path, monkeypatch: pyt
     assert "data:image/png;base64," in html, "the mode shape is drawn"
 
 
-def test_a_saved_run_is_that_of_the_command(tmp_path: Path, spindamp: Any) -> None:
+def test_a_saved_run_is_that_of_the_command(damper: Results, tmp_path: Path, spindamp: Any) -> None:
     outcome: Outcome = spindamp("run", "structure", "--out", "one")
     assert outcome.status == 0
-    workflows.save(workflows.run("structure"), "two")
+    workflows.save(damper, "two")
     for folder in ("one", "two"):
         document = json.loads((tmp_path / folder / "results.json").read_text(encoding="utf-8"))
         del document["timings"]
         (tmp_path / folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
-    texts = ("results.json", MANIFEST)
-    for name in texts:
+    for name in ("results.json", MANIFEST):
         assert (tmp_path / "one" / name).read_text() == (tmp_path / "two" / name).read_text()
 
 

@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.damper.scenes import paper
-from tests.workflows.browser import Page, needs_chromium, opened
+from tests.workflows.browser import Page, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.io import files
 from workflows.report import figures
@@ -160,13 +159,6 @@ def test_without_a_damper_that_moves_there_is_no_player(paper: Scene, spindamp: 
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert 'id="path"' not in page
     assert "does not move in this ring-down" in page
-
-
-@pytest.fixture(scope="module")
-def standing(finished: Path) -> Iterator[Page]:
-    """The report in a browser."""
-    with opened(finished / "report.html", motion="reduce") as page:
-        yield page
 
 
 @needs_chromium

@@ -1,7 +1,6 @@
 """The report: one file, for a person, that loads nothing and runs only what stands in it."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -240,13 +239,6 @@ def test_damping_says_what_the_results_say(finished: Path, document: dict[str, A
     for title in damping:
         mm, percent = re.fullmatch(r".*: (\S+) mm, (\S+) %", title).groups()  # type: ignore[union-attr]
         assert np.isclose(curve, (float(mm), float(percent)), rtol=SHOWN, atol=0.0).all(axis=1).any()
-
-
-@pytest.fixture(scope="module")
-def standing(finished: Path) -> Iterator[Page]:
-    """The report in a browser."""
-    with opened(finished / "report.html", motion="reduce") as page:
-        yield page
 
 
 @needs_chromium

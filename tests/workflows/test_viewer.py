@@ -4,14 +4,13 @@ import base64
 import dataclasses
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.workflows.browser import NO_GL, PHONE, VIEWER, Page, driven, needs_chromium, opened
+from tests.workflows.browser import NO_GL, VIEWER, Page, driven, needs_chromium
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
 from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
@@ -202,13 +201,6 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
     for drawn, found in ((fine.shapes, surface.shapes), (fine.behind, surface.behind)):
         assert np.abs((drawn[:, :, at] - found) / largest).max() <= 2.0**-15, "16 bits"
     assert (finished / "results.nc").stat().st_size < 650_000, "no more digits than a picture shows"
-
-
-@pytest.fixture(scope="module")
-def standing(finished: Path) -> Iterator[Page]:
-    """The report in a browser."""
-    with opened(finished / "report.html", width=PHONE, motion="reduce") as page:
-        yield page
 
 
 @needs_chromium
