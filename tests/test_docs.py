@@ -11,12 +11,20 @@ from pathlib import Path
 
 import pytest
 
+from tests.workflows.conftest import measured_quickly
 from workflows.cli.main import main
-from workflows.report import mode_viewer
+from workflows.report import figures, mode_viewer
+from workflows.solve import damper
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
+
+
+@pytest.fixture(autouse=True)
+def _undrawn(monkeypatch):
+    """Reports without their figures, which are not looked at."""
+    monkeypatch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
 
 
 def test_examples_assert_what_they_show():
@@ -49,6 +57,7 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     assert main(["check", "mine.toml"]) == 2
     assert "did you mean 'length'?" in capsys.readouterr().err
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    monkeypatch.setattr(damper, "figures", measured_quickly)
     (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.S)
     exec(compile(code, "tour.md", "exec"), {"__name__": "__main__"})
     assert (tmp_path / "campbell.png").is_file()

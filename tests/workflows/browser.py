@@ -39,8 +39,8 @@ WIDE = 1000
 SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 """Flags by which WebGL is drawn without a graphics card."""
 
-NO_GL = ("--disable-gpu", "--disable-3d-apis")
-"""Flags by which it is not drawn at all."""
+NO_GL = "HTMLCanvasElement.prototype.getContext = () => null;"
+"""What a page finds that has no WebGL."""
 
 VIEWER = """
 const figure = document.querySelector('figure.viewer'), canvas = figure.querySelector('canvas');
@@ -99,13 +99,13 @@ class Reader(HTMLParser):
 class Browser:
     """One process; commands go down its file 3, answers and events come up its file 4, each ended by a zero byte."""
 
-    def __init__(self, gl: tuple[str, ...]) -> None:
+    def __init__(self) -> None:
         self.profile = tempfile.mkdtemp(prefix="browser-")
         down, self.down = os.pipe()
         self.up, up = os.pipe()
         ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (down, up)]
         quiet = ("--headless", "--no-sandbox", "--hide-scrollbars", "--disable-background-networking")
-        arguments = (*quiet, *gl, "--remote-debugging-pipe", f"--user-data-dir={self.profile}", "about:blank")
+        arguments = (*quiet, *SOFTWARE_GL, "--remote-debugging-pipe", f"--user-data-dir={self.profile}", "about:blank")
         self.process = subprocess.Popen(
             [str(CHROMIUM), *arguments],
             stderr=subprocess.DEVNULL,
@@ -182,6 +182,14 @@ class Page:
         values = {"prefers-color-scheme": scheme, "prefers-reduced-motion": motion}
         self.ask("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in values.items()])
 
+    def resize(self, width: int) -> None:
+        """Have a screen of so many pixels across."""
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
+
+    def file(self, method: str, **given: Any) -> bytes:
+        """The page as the file that a command makes of it."""
+        return base64.b64decode(self.ask(method, **given)["data"])
+
     def words(self) -> list[dict[str, Any]]:
         """Whatever it had to say on the console."""
         mine = (each for each in self.browser.events if each.get("sessionId") == self.session)
@@ -192,11 +200,12 @@ _running = cache(Browser)
 
 
 @contextmanager
-def opened(
-    path: Path, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL, motion: str = "no-preference"
-) -> Iterator[Page]:
-    """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console."""
-    browser = _running(gl)
+def opened(path: Path, *, width: int = WIDE, motion: str = "no-preference", before: str = "") -> Iterator[Page]:
+    """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console.
+
+    before: a script that runs before any of the page's own.
+    """
+    browser = _running()
     browser.events.clear()
     home = browser.ask("Target.createBrowserContext")["browserContextId"]
     target = browser.ask("Target.createTarget", url="about:blank", browserContextId=home)["targetId"]
@@ -204,7 +213,8 @@ def opened(
     page = Page(browser, session)
     for domain in ("Page", "Runtime", "Log"):
         page.ask(f"{domain}.enable")
-    page.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
+    page.ask("Page.addScriptToEvaluateOnNewDocument", source=before)
+    page.resize(width)
     page.prefers("light", motion)
     page.ask("Page.navigate", url=path.as_uri())
     browser.wait("Page.loadEventFired", session)
@@ -216,9 +226,9 @@ def opened(
         browser.ask("Target.disposeBrowserContext", browserContextId=home)
 
 
-def driven(path: Path, script: str, *, width: int = WIDE, gl: tuple[str, ...] = SOFTWARE_GL) -> Any:
+def driven(path: Path, script: str, *, before: str = "") -> Any:
     """What a script returns that a page runs once it stands; nothing in it moves by itself."""
-    with opened(path, width=width, gl=gl, motion="reduce") as page:
+    with opened(path, motion="reduce", before=before) as page:
         return page.returned(script)
 
 
@@ -242,19 +252,7 @@ def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
         rules = "{}"
         for scheme in schemes:
             page.prefers(scheme, "reduce")
-            look = f"const {{ violations }} = await axe.run({{ resultTypes: ['violations'], ...{rules} }});"
-            found += page.returned(look + show)
+            options = f"{{ resultTypes: ['violations'], preload: false, ...{rules} }}"
+            found += page.returned(f"const {{ violations }} = await axe.run({options});" + show)
             rules = "{ runOnly: ['color-contrast', 'link-in-text-block'] }"
     return found
-
-
-def printed(path: Path) -> bytes:
-    """The page as PDF."""
-    with opened(path) as page:
-        return base64.b64decode(page.ask("Page.printToPDF", printBackground=True)["data"])
-
-
-def picture(path: Path, *, width: int) -> bytes:
-    """The page as PNG."""
-    with opened(path, width=width) as page:
-        return base64.b64decode(page.ask("Page.captureScreenshot")["data"])

@@ -19,6 +19,7 @@ from filelock import FileLock
 
 import workflows
 from tests.limits import HANG
+from tests.workflows.browser import Page, opened
 from workflows import progress
 from workflows.cli.main import main
 from workflows.effects import selection
@@ -206,6 +207,13 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with FileLock(f"{folder}.lock"):
         assert folder.exists() or main(["run", "--out", str(folder)]) == 0
     return folder
+
+
+@pytest.fixture(scope="module")
+def standing(finished: Path) -> Iterator[Page]:
+    """Its report in a browser."""
+    with opened(finished / "report.html", motion="reduce") as page:
+        yield page
 
 
 @pytest.fixture(scope="session")

@@ -201,10 +201,12 @@ def test_the_time_remaining_does_not_count_what_is_done_once(
     ]
 
 
-def test_progress_only_on_a_terminal() -> None:
+def test_progress_only_on_a_terminal(paper: Scene, tmp_path: Path) -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "workflows.cli", "ringdown", "paper", "--json"]
+    few = changed(paper, rotor__speeds=["5000 rpm"], rotor__modes=1, accuracy__frequency=0.05)
+    scene = write(few, tmp_path / "scene.toml")
+    command = [sys.executable, "-m", "workflows.cli", "campbell", scene, "--json"]
     with ThreadPoolExecutor(1) as reader:  # a terminal holds 4 KB that nobody has read, and the run then waits
         shown = reader.submit(_all_shown, ours)
         try:
@@ -351,24 +353,6 @@ def test_output_into_a_file_is_utf_8(monkeypatch: pytest.MonkeyPatch) -> None:
         assert (sys.stdout.encoding, sys.stdout.errors) == (encoding, "backslashreplace")
 
 
-TWICE = """
-from workflows import cli, progress
-from workflows.report import figures
-assert cli.main(["run", "structure", "--out", "out"]) == 0
-figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")  # as it was
-assert cli.main(["run", "structure", "--out", "out"]) == 0
-"""
-
-
-def test_every_text_file_says_its_encoding(tmp_path: Path) -> None:
-    """A file name, a title or a reason may hold letters that the system's own encoding has not."""
-    environment = os.environ | {"PYTHONWARNDEFAULTENCODING": "1", "PYTHONWARNINGS": "always::EncodingWarning"}
-    done = python("-c", TWICE, cwd=tmp_path, env=environment)
-    assert done.returncode == 0, done.stderr
-    ours = [line for line in done.stderr.splitlines() if "EncodingWarning" in line and "site-packages" not in line]
-    assert not ours
-
-
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("fem", "damper", "workflows")
 
@@ -398,38 +382,42 @@ def test_what_a_command_does_python_can_call() -> None:
     assert {command.__name__ for command in COMMANDS} - functions == {"view", "check"}
 
 
-def _loaded(statement: str) -> set[str]:
-    code = f"import sys\n{statement}\nprint('\\n' + ' '.join(sys.modules))"
-    done = python("-c", code)
-    assert done.returncode == 0, done.stderr
-    return set(done.stdout.splitlines()[-1].split())
-
-
 HEAVY = "h5netcdf h5py jinja2 llvmlite matplotlib meshio numba pandas pint pyvista rich scipy skfem vtkmodules xarray"
 
+COMMANDS_IN_TURN = """
+import sys
+import damper, fem, workflows
+from workflows.cli.main import main
+for line in ("--version", "--help", "check paper", "check paper --json"):
+    main(line.split())
+def loaded():
+    print(f"\\nloaded: {' '.join(sys.modules)}")
+loaded()
+assert main(["design", "locked.toml", "--out", "out"]) == 3
+loaded()
+assert main(["ringdown", "structure", "--json"]) == 0
+loaded()
+"""
 
-def test_packages_and_light_commands_load_nothing_heavy() -> None:
-    """What solves, draws and compiles takes longer to load than a check of a rectangle takes, in words and as JSON."""
-    calls = [f"main({line.split()})" for line in ("--version", "--help", "check paper", "check paper --json")]
-    code = ["import damper, fem, workflows", "from workflows.cli.main import main", *calls]
-    assert not _loaded("\n".join(code)) & set(HEAVY.split())
 
+def test_commands_load_what_they_need_and_no_more(tmp_path: Path) -> None:
+    """One after the other in one process.
 
-def test_a_design_space_that_the_load_locks_starts_nothing(tmp_path: Path) -> None:
-    """A formula answers: no worker starts, no kernel is compiled, and no chart is drawn on the page."""
+    Packages and light commands load nothing heavy: what solves, draws and compiles takes longer to load than a check
+    of a rectangle takes. A design space that the load locks starts no worker, compiles no kernel and draws no chart
+    on its page: a formula answers. A damper alone loads no plate.
+    """
     scene = shipped_scene("structure")
-    del scene["release"]
     scene["design"] = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm"], "amplitude": ["1 um", "2 um"]}
-    scene["damper"] |= {"ball_density": "7850 kg/m^3"}
-    del scene["damper"]["mass_ratio"], scene["damper"]["count"]
-    arguments = ["design", str(write(scene, tmp_path / "locked.toml")), "--out", str(tmp_path / "out")]
-    loaded = _loaded(f"from workflows.cli.main import main\nassert main({arguments!r}) == 3")
-    assert not loaded & {"loky", "matplotlib", "numba", "scipy.sparse", "skfem"}
+    alone = {"release": None, "damper__ball_density": "7850 kg/m^3", "damper__mass_ratio": None, "damper__count": None}
+    write(changed(scene, **alone), tmp_path / "locked.toml")
+    done = python("-c", COMMANDS_IN_TURN, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    light, design, ringdown = (set(line.split()) for line in done.stdout.splitlines() if line.startswith("loaded: "))
+    assert not light & set(HEAVY.split())
+    assert not design & {"loky", "matplotlib", "numba", "scipy.sparse", "skfem"}
+    assert not ringdown & {"skfem", "matplotlib", "xarray", "pyvista"}
+    assert "numba" in ringdown
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "the load holds every ball at rest" in page
     assert "<svg" not in page
-
-
-def test_a_damper_alone_loads_no_plate() -> None:
-    loaded = _loaded("from workflows.cli.main import main\nmain(['ringdown', 'structure', '--json'])")
-    assert not loaded & {"skfem", "matplotlib", "xarray", "pyvista"}

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from fem.solid import sweep
 from meshes import make
 from tests.damper import scenes
 from tests.workflows.conftest import Command, Scene, changed, measured_quickly, refused, shipped_scene, write
+from workflows import pipeline
 from workflows.effects.selection import NAMES, OF_THE_PLATE
 from workflows.errors import BadInput
 from workflows.progress import Stages
@@ -40,6 +42,8 @@ QUIET = Stages(visible=False)
 
 
 FEW_INTEGRATORS = {"RK45": (1e-3,), "DOP853": (1e-12,)}
+REFINED = ("thin plate, BFS", "thin plate, Argyris", "Mindlin, Q2 rect", "Mindlin, P2", "solid, 2")
+"""Methods of the plate that are tried on two meshes."""
 
 
 @pytest.mark.parametrize(
@@ -96,30 +100,34 @@ def test_what_fails_stays_in_the_table() -> None:
     assert row.failed == "no number was obtained"
 
 
+def once(patch: pytest.MonkeyPatch, **settings: Any) -> None:
+    """Everything is timed once, in a study of these settings."""
+    patch.setattr(timing, "TOO_LONG", 0.0)
+    for name, value in settings.items():
+        patch.setattr(studies, name, value)
+
+
 @pytest.fixture(scope="module")
 def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The paper's plate with its damper at one speed, on few meshes, limits from coarser ones."""
-    source = load.load("paper").changed(rotor={"speeds": (500.0,), "modes": 2})
-    few = tuple(replace(method, finest=min(method.finest, 2)) for method in studies.PLATE_METHODS)
+    plain = {"coriolis": False, "large_deflection": False}
+    source = load.load("paper").changed(rotor={"speeds": (500.0,), "modes": 2}, effects=plain)
+    few = tuple(
+        replace(method, finest=2 if method.name.startswith(REFINED) else 1)
+        for method in studies.PLATE_METHODS
+        if method.model != "solid/4"
+    )
     limits = tuple(replace(method, finest=min(method.finest, 6)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(studies, "PLATE_METHODS", few)
-        patch.setattr(studies, "LIMITS", limits)
-        patch.setattr(studies, "SPEEDS", 20)
-        patch.setattr(studies, "SOLID_AT_MOST", 5_000)
-        patch.setattr(studies, "ASKED", (1e-2, 1e-3))
-        patch.setattr(studies, "FINEST", 1e-4)
-        patch.setattr(studies, "METHODS", FEW_INTEGRATORS)
-        patch.setattr(studies, "CYCLES", 10)
-        patch.setattr(timing, "TOO_LONG", 0.0)
+        once(patch, PLATE_METHODS=few, LIMITS=limits, SPEEDS=20, SOLID_AT_MOST=5_000)
+        once(patch, ASKED=(1e-2, 1e-3), FINEST=1e-4, METHODS=FEW_INTEGRATORS, CYCLES=3)
+        patch.setattr(damper_stage, "figures", measured_quickly)
         return study(source, QUIET).document()
 
 
 def test_no_error_on_the_mesh_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What shares the reference's mesh shares its error, and looks better than it is."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "ASKED", (0.5, 1e-4))
-    monkeypatch.setattr(studies, "FINEST", 1e-4)
+    once(monkeypatch, ASKED=(0.5, 1e-4), FINEST=1e-4)
     few = {"speeds": (500.0, 1000.0), "modes": 1}
     source = load.load("campbell").changed(rotor=few, accuracy={"frequency": 0.5})
     with QUIET("pipeline", 3) as step:
@@ -153,13 +161,11 @@ def test_ladders_have_what_was_promised(accuracy: dict[str, Any]) -> None:
     json.dumps(accuracy, allow_nan=False)
 
 
-@pytest.mark.parametrize(
-    "method", ["thin plate, BFS", "thin plate, Argyris", "Mindlin, Q2 rect", "Mindlin, P2", "solid"]
-)
+@pytest.mark.parametrize("method", REFINED)
 def test_finer_meshes_are_better(accuracy: dict[str, Any], method: str) -> None:
-    found = rows(accuracy, "plate", method)[:2]
-    assert found[1]["error"] < found[0]["error"]
-    assert found[1]["unknowns"] > found[0]["unknowns"]
+    coarse, fine = rows(accuracy, "plate", method)
+    assert fine["error"] < coarse["error"]
+    assert fine["unknowns"] > coarse["unknowns"]
 
 
 def test_theories_stop_at_their_own_error(accuracy: dict[str, Any]) -> None:
@@ -185,9 +191,7 @@ def test_the_structures_own_damping_hides_nothing() -> None:
     """The error of a step is that of the ball's energy, as rolling and impacts have it in the books."""
     damper, shown = scenes.paper(damping_ratio=0.01), SpeedPoint(0.0, 0.0, 0.2, 1.0, ())
     with QUIET("damper", 40) as step, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timing, "TOO_LONG", 0.0)
-        patch.setattr(studies, "METHODS", {})
-        patch.setattr(studies, "STEPS", (40,))
+        once(patch, METHODS={}, STEPS=(40,))
         ladder, _ = studies.damper_study(damper, RELEASE, shown, step)
     books, stepped = ringdown(damper, RELEASE, 20).energy, stepped_ringdown(damper, RELEASE, 20, 40)
     ball = books.rolling + books.impact
@@ -229,9 +233,7 @@ def test_choices_keep_their_word(accuracy: dict[str, Any]) -> None:
 
 def test_accuracy_of_a_known_structure(spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a plate there is the damper's ladder alone; files are whole."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "METHODS", FEW_INTEGRATORS)
-    monkeypatch.setattr(studies, "CYCLES", 10)
+    once(monkeypatch, METHODS=FEW_INTEGRATORS, CYCLES=3)
     outcome = spindamp("accuracy", "structure", "--out", "out")
     assert outcome.status == 0
     assert "exact events" in outcome.out
@@ -289,11 +291,8 @@ def test_the_verdict_says_when_nothing_will_do() -> None:
 
 def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are without large deflection and Coriolis forces; a scene that has them on is told so."""
-    monkeypatch.setattr(timing, "TOO_LONG", 0.0)
-    monkeypatch.setattr(studies, "PLATE_METHODS", (replace(studies.PLATE_METHODS[0], finest=1),))
-    monkeypatch.setattr(studies, "SPEEDS", 7)
-    monkeypatch.setattr(studies, "limits", lambda *_: {})
-    monkeypatch.setattr(studies, "pipeline_studies", lambda *_: ([], {}))
+    once(monkeypatch, PLATE_METHODS=(replace(studies.PLATE_METHODS[0], finest=1),), SPEEDS=7)
+    once(monkeypatch, limits=lambda *_: {}, pipeline_studies=lambda *_: ([], {}))
     source = load.load("paper").changed(damper=None, release=None)
     thin = {"thickness": 0.002}  # which the load bends under stagger
     for stagger, coriolis, words in (
@@ -308,8 +307,11 @@ def test_ladders_say_what_they_leave_out(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.usefixtures("hasty")
-def test_effects_are_what_theory_says(paper: Scene, tmp_path: Path, spindamp: Command) -> None:
+def test_effects_are_what_theory_says(
+    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the plane of rotation softening takes n² off f²; stress stiffening and its absence; rotary inertia lowers."""
+    switch_alone(monkeypatch, "spin_softening", "stress_stiffening", "rotary_inertia", "rolling_resistance")
     rotor = paper["rotor"] | {"speeds": ["10000 rpm"], "stagger": "90 deg", "modes": 2}
     alone = changed(paper, rotor=rotor, effects__coriolis=False, plate__theory="mindlin", accuracy__frequency=0.02)
     scene = write(alone, tmp_path / "scene.toml")
@@ -335,25 +337,16 @@ COSTS = {
     "cavity_mass": ("fem.assembly.footprint",),
 }
 """The functions that only an effect calls."""
-"""What an effect takes that nothing else needs."""
 
 
 @pytest.mark.parametrize("effect", COSTS)
 @pytest.mark.parametrize("on", [False, True])
 def test_an_effect_that_is_off_costs_nothing(effect: str, on: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Counted in calls; and switched on it does make them, or the count would mean nothing."""
-    import importlib
-
-    from workflows import pipeline
-
     calls: list[str] = []
     for target in COSTS[effect]:
         head, _, name = target.rpartition(".")
-        try:
-            owner: Any = importlib.import_module(head)
-        except ModuleNotFoundError:
-            module, _, kind = head.rpartition(".")
-            owner = getattr(importlib.import_module(module), kind)
+        owner = resolve_name(head)
         plain = getattr(owner, name)
         if isinstance(plain, property):
             counted: Any = property(lambda self, get=plain.fget, name=name: (calls.append(name), get(self))[1])
@@ -390,6 +383,12 @@ def hurry(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
     patch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
     patch.setattr(damper_stage, "figures", measured_quickly)
+
+
+def rows_of(scene: Scene | SceneFile) -> dict[str, EffectChange]:
+    """All effects of a scene."""
+    source = scene if isinstance(scene, SceneFile) else load.as_scene_file(scene)
+    return {row.effect: row for row in effect_study(source, QUIET).rows}
 
 
 @pytest.fixture
@@ -456,18 +455,14 @@ def test_the_largest_change_is_at_a_speed_with_a_verdict() -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_divergence_without_stiffening_is_said(
-    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_divergence_without_stiffening_is_said(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the plane of rotation softening wins over bending stiffness at high speed, once nothing stiffens the plate."""
     switch_alone(monkeypatch, "stress_stiffening")
     plate = {"rotor__speeds": ["30000 rpm", "1000 rpm"], "rotor__stagger": "90 deg", "rotor__modes": 1}
     plate["accuracy__frequency"] = 0.05
-    scene = write(changed(paper, **plate, damper=None, release=None), tmp_path / "scene.toml")
-    rows = json.loads(spindamp("effects", scene, "--json").out)["rows"]
-    (row,) = [row for row in rows if row["effect"] == "stress_stiffening"]
-    assert "without it the plate diverges at 30000 rpm" in row["remarks"]
-    assert 0.0 < row["changes"]["frequency_1"] < 0.01  # at 1000 rpm, the only speed that both have
+    row = rows_of(changed(paper, **plate, damper=None, release=None))["stress_stiffening"]
+    assert "without it the plate diverges at 30000 rpm" in row.remarks
+    assert 0.0 < (row.changes["frequency_1"] or 0.0) < 0.01  # at 1000 rpm, the only speed that both have
 
 
 @pytest.mark.usefixtures("hasty")
@@ -491,9 +486,7 @@ def test_what_appears_has_no_number(
 
 
 @pytest.mark.usefixtures("hasty")
-def test_what_needs_each_other_is_switched_together(
-    paper: Scene, tmp_path: Path, spindamp: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_needs_each_other_is_switched_together(paper: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     plate = {"rotor__speeds": ["3000 rpm"], "rotor__stagger": "30 deg", "rotor__modes": 1, "accuracy__frequency": 0.05}
     both = changed(paper, **plate, damper=None, release=None, effects={"large_deflection": True})
     neither = changed(both, effects={"stress_stiffening": False})
@@ -502,11 +495,10 @@ def test_what_needs_each_other_is_switched_together(
         (neither, "large_deflection", "together with stress_stiffening, which it needs"),
     ):
         switch_alone(monkeypatch, effect)
-        outcome = spindamp("effects", write(scene, tmp_path / "scene.toml"), "--json")
-        (row,) = [row for row in json.loads(outcome.out)["rows"] if row["effect"] == effect]
-        assert row["changes"]["frequency_1"] > 0
-        assert words in row["remarks"]
-        assert "failed" not in row
+        row = rows_of(scene)[effect]
+        assert (row.changes["frequency_1"] or 0.0) > 0
+        assert words in row.remarks
+        assert row.failed is None
 
 
 @pytest.mark.usefixtures("hasty")
@@ -542,7 +534,7 @@ def test_large_deflection_of_a_solid_blade(tmp_path: Path, monkeypatch: pytest.M
     solved = []
     plain = sweep.SolvedBlade.__init__
     monkeypatch.setattr(sweep.SolvedBlade, "__init__", lambda *given: (solved.append(given), plain(*given))[1])
-    rows = {row.effect: row for row in effect_study(source, QUIET).rows}
+    rows = rows_of(source)
     assert len(solved) == 2
     assert rows["rotary_inertia"].failed == "solid blades are solved one way alone"
     runs = [workflows.run(source.changed(effects={"large_deflection": on})) for on in (True, False)]
@@ -564,7 +556,7 @@ def tilted(tilting: SceneFile) -> dict[str, EffectChange]:
     """Its effects."""
     with pytest.MonkeyPatch.context() as patch:
         hurry(patch)
-        return {row.effect: row for row in effect_study(tilting, QUIET).rows}
+        return rows_of(tilting)
 
 
 @pytest.mark.usefixtures("hasty")
@@ -598,6 +590,7 @@ def test_a_release_does_not_change_with_an_effect(tilting: SceneFile, tilted: di
     assert row.changes["impacts"] == own.impacts / other.impacts - 1 != own.impacts / smaller.impacts - 1
 
 
+@pytest.mark.usefixtures("hasty")
 def test_damping_is_compared_where_the_ball_moves(paper: Scene) -> None:
     """At 10000 rpm the plate endures nothing that moves it; without stiffening the tilt takes most of the drive."""
     source = load.as_scene_file(changed(paper, rotor__speeds=["5000 rpm", "10000 rpm"], accuracy__frequency=0.05))
@@ -616,7 +609,7 @@ def test_effects_draw_no_plate(paper: Scene, monkeypatch: pytest.MonkeyPatch) ->
     """Whose strength needs its surface only where its mesh is given."""
     alone = {"damper": None, "release": None, "rotor__speeds": ["5000 rpm"], "accuracy__frequency": 0.05}
     monkeypatch.setattr(PlateSolution, "surface", lambda *_, **__: pytest.fail("a surface is drawn"))
-    assert any(row.changes for row in effect_study(load.as_scene_file(changed(paper, **alone)), QUIET).rows)
+    assert any(row.changes for row in rows_of(changed(paper, **alone)).values())
 
 
 def test_a_manifold_change_is_a_factor() -> None:
@@ -663,12 +656,14 @@ def test_pairs_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     assert seconds > others
 
 
-@pytest.mark.parametrize(("low", "high", "noise"), [(-0.01, 0.05, True), (0.002, 0.14, False), (-0.03, -0.01, False)])
-def test_what_is_within_noise_is_called_so(low: float, high: float, noise: bool) -> None:
-    row = EffectChange("coriolis", False, "", False, time_s=0.02, time_spread_s=(low, high), time_share=0.1)
-    assert row.within_noise is noise
-    assert ("within noise" in effects_report.text(EffectStudy("", 1e-3, (row,)))) is noise
-    assert ("within noise" in effects_report.draw(EffectStudy("", 1e-3, (row,)))) is noise
+def test_what_is_within_noise_is_called_so() -> None:
+    ends = ((-0.01, 0.05), (0.002, 0.14), (-0.03, -0.01))
+    timed = EffectChange("coriolis", False, "", False, time_s=0.02, time_share=0.1)
+    rows = tuple(replace(timed, time_spread_s=each) for each in ends)
+    assert [row.within_noise for row in rows] == [True, False, False]
+    for drawn in (effects_report.text, effects_report.draw):
+        assert drawn(EffectStudy("", 1e-3, rows)).count("within noise") == 1
+        assert drawn(EffectStudy("", 1e-3, rows[1:])).count("within noise") == 0
 
 
 def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -681,7 +676,7 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
     free = {"damper__rolling_friction": "0.01 mm", "damper__restitution": 0.8, "damper__ball_density": "7850 kg/m^3"}
     free |= {"rotor__speeds": ["400 rpm"], "release__displacement": ["3 mm", "0 mm"], "release__cycles": 2000}
     scene = changed(scene, damper__count=5, damper__mass_ratio=None, **free)
-    rows = {row.effect: row for row in effect_study(load.as_scene_file(scene), QUIET).rows}
+    rows = rows_of(scene)
     scatter = rows["floor_tilt"].scatter  # of the scene's own state, as there is no tilt
     assert scatter["peak_sdc"] > 1e-3, "a billionth of the cavity moves it by thousandths"
     assert scatter["ball_damping_ratio"] < 1e-6
@@ -692,18 +687,12 @@ def test_scatter_of_chaotic_motion_is_no_effect(monkeypatch: pytest.MonkeyPatch)
         assert ("within the scatter of chaotic motion: peak_sdc" in said) is not beyond
 
 
-@pytest.fixture(scope="module")
-def switched() -> dict[str, EffectChange]:
-    """Effects of the known structure, untimed."""
-    with pytest.MonkeyPatch.context() as patch:
-        switch_alone(patch, "floor_tilt", "rolling_resistance", "impact_friction", "ball_slip")
-        return {row.effect: row for row in effect_study(load.load("structure"), QUIET).rows}
-
-
-def test_either_side_may_scatter(switched: dict[str, EffectChange]) -> None:
+def test_either_side_may_scatter(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball that rolls without resistance bounces at random, which the scene's own state does not."""
-    assert switched["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
-    assert switched["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
+    switch_alone(monkeypatch, "floor_tilt", "rolling_resistance")
+    rows = rows_of(load.load("structure"))
+    assert rows["floor_tilt"].scatter["ball_damping_ratio"] < 1e-6
+    assert rows["rolling_resistance"].scatter["ball_damping_ratio"] > 1e-5
 
 
 def test_a_change_within_the_error_of_its_sides_is_none() -> None:
@@ -723,26 +712,32 @@ def test_a_change_within_the_error_of_its_sides_is_none() -> None:
             assert ("within the error that run estimates: ball_damping_ratio" in said) is not beyond
 
 
-@pytest.mark.parametrize(
-    ("found", "words"),
-    [
-        ({"failed": "no plate in the scene"}, "no numbers"),
-        ({"changes": {"frequency_1": 0.0, "frequency_2": -2e-12 / 3}}, "none"),
-        ({"changes": {"peak_sdc": 0.1, "impacts": 0.0}, "scatter": {"peak_sdc": 0.06}}, "within scatter"),
-        ({"changes": {"ball_damping_ratio": 0.1}, "error": {"ball_damping_ratio": 0.4}}, "within error"),
-        ({"changes": {"cutoff_g": None, "impacts": 0.0}}, "none"),
-        ({"changes": {"cutoff_g": None, "impacts": 0.0}, "one_sided": {"cutoff_g": "only with it"}}, "only with it"),
-    ],
-)
-def test_a_row_without_a_largest_change_says_why(found: dict[str, Any], words: str) -> None:
-    rpm = dict.fromkeys(found.get("changes", {}), 1000.0)
-    switches = EffectStudy("", 1e-3, (EffectChange("coriolis", False, "slow", False, rpm=rpm, **found),))
-    assert re.split(r"\s{2,}", effects_report.text(switches).splitlines()[1])[3] == words
-    assert f'<td class="number">{words}<div' in str(effects_report.files(switches)["report.html"])
+def test_a_row_without_a_largest_change_says_why() -> None:
+    cases: list[tuple[str, dict[str, Any]]] = [
+        ("no numbers", {"failed": "no plate in the scene"}),
+        ("none", {"changes": {"frequency_1": 0.0, "frequency_2": -2e-12 / 3}}),
+        ("within scatter", {"changes": {"peak_sdc": 0.1, "impacts": 0.0}, "scatter": {"peak_sdc": 0.06}}),
+        ("within error", {"changes": {"ball_damping_ratio": 0.1}, "error": {"ball_damping_ratio": 0.4}}),
+        ("none", {"changes": {"cutoff_g": None, "impacts": 0.0}}),
+        ("only with it", {"changes": {"cutoff_g": None, "impacts": 0.0}, "one_sided": {"cutoff_g": "only with it"}}),
+    ]
+    words = [word for word, _ in cases]
+    rows = [
+        EffectChange("coriolis", False, "slow", False, rpm=dict.fromkeys(found.get("changes", {}), 1000.0), **found)
+        for _, found in cases
+    ]
+    switches = EffectStudy("", 1e-3, tuple(rows))
+    lines = [line for line in effects_report.text(switches).splitlines() if line.startswith("coriolis")]
+    assert [re.split(r"\s{2,}", line)[3] for line in lines] == words
+    page = str(effects_report.files(switches)["report.html"])
+    assert re.findall(r'<td class="number">([a-z ]+)<div', page) == words
 
 
-def test_times_are_those_of_the_effect(switched: dict[str, EffectChange]) -> None:
+@pytest.mark.usefixtures("hasty")
+def test_times_are_those_of_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Switched off, the other run is what an effect that is on saves; switched on, what one that is off would take."""
-    on, off = switched["impact_friction"], switched["ball_slip"]
+    switch_alone(monkeypatch, "impact_friction", "ball_slip")
+    rows = rows_of(load.load("structure"))
+    on, off = rows["impact_friction"], rows["ball_slip"]
     assert (on.on, on.time_s, on.time_spread_s, on.time_share) == (True, -1.0, (-2.0, -0.5), -0.5)
     assert (off.on, off.time_s, off.time_spread_s, off.time_share) == (False, 1.0, (0.5, 2.0), 1 / 3)

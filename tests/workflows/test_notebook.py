@@ -182,16 +182,15 @@ def test_save(damper: Results, coarse: Results, tmp_path: Path, monkeypatch: pyt
     assert "data:image/png;base64," in html, "the mode shape is drawn"
 
 
-def test_a_saved_run_is_that_of_the_command(tmp_path: Path, spindamp: Any) -> None:
+def test_a_saved_run_is_that_of_the_command(damper: Results, tmp_path: Path, spindamp: Any) -> None:
     outcome: Outcome = spindamp("run", "structure", "--out", "one")
     assert outcome.status == 0
-    workflows.save(workflows.run("structure"), "two")
+    workflows.save(damper, "two")
     for folder in ("one", "two"):
         document = json.loads((tmp_path / folder / "results.json").read_text(encoding="utf-8"))
         del document["timings"]
         (tmp_path / folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
-    texts = ("results.json", MANIFEST)
-    for name in texts:
+    for name in ("results.json", MANIFEST):
         assert (tmp_path / "one" / name).read_text() == (tmp_path / "two" / name).read_text()
 
 
@@ -251,11 +250,14 @@ def _executed(cells: list[str], folder: Path) -> list[Any]:
     return [cell.outputs for cell in notebook.cells]
 
 
-UNDRAWN = """
+QUICKLY = """
+from damper import damping_curve
 from workflows.report import figures
+from workflows.solve import damper as stage
 figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")
+stage.figures = lambda system: damping_curve(stage.in_leading_modes(system), **stage.QUICK)
 """
-"""Pages without figures; those of `results.plot` are drawn."""
+"""Quick figures of the damper, and pages without pictures; those of `results.plot` are drawn."""
 
 
 @pytest.mark.filterwarnings("default")  # of the notebook's client: those of the cells are on their stderr
@@ -267,7 +269,7 @@ def test_the_cells_of_the_guide_run_in_a_notebook_and_show_their_pictures(paper:
     rotor = paper["rotor"] | {"speeds": paper["rotor"]["speeds"][:4], "modes": 2}
     write(changed(paper, rotor=rotor, accuracy={"frequency": 0.05}, excitation=None), tmp_path / "paper")
     cells = _blocks(GUIDE / "python.md", "python")
-    outputs = _executed([UNDRAWN, *cells], tmp_path)[1:]
+    outputs = _executed([QUICKLY, *cells], tmp_path)[1:]
     for cell, shown in zip(cells, outputs, strict=True):
         assert not [each for each in shown if each.get("name") == "stderr"], cell
         pictures = [each.data["image/png"] for each in shown if "image/png" in each.get("data", {})]

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 import workflows
 from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import BALL, KNOWN, Command, Scene, changed, measured_quickly, write
+from tests.workflows.test_viewer import plate
 from workflows.io.files import write_study
 from workflows.report import figures as figures_of
 from workflows.report import plots
@@ -28,7 +29,6 @@ from workflows.studies.work_precision import report
 from workflows.studies.work_precision.effects import EffectChange, EffectStudy
 from workflows.studies.work_precision.timing import Choice, ConvergenceStudy, Setting, WorkPrecision
 
-MESHES = Path(__file__).parents[2] / "meshes"
 WORKING = [*np.geomspace(1e-3, 300.0, 8)]
 
 
@@ -97,15 +97,24 @@ ROUGH = BALL | {"rolling_friction": "0.1 mm"}
 
 
 @pytest.fixture(scope="module")
-def holed(captured: list[Any]) -> Drawn:
+def with_a_hole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A mesh of triangles, of 20 cm by 8 cm without a square in its middle."""
+    surface, path = plate(10, hole=True), tmp_path_factory.mktemp("mesh") / "hole.vtu"
+    meshio.write(path, meshio.Mesh(surface.points, [surface.cells]))
+    return path
+
+
+@pytest.fixture(scope="module")
+def holed(captured: list[Any], with_a_hole: Path) -> Drawn:
     """A plate of triangles with a hole, and a damper off its middle."""
     scene = {
         "title": "Hole",
-        "plate": {"mesh": str(MESHES / "plate_with_hole.msh"), "thickness": "1 cm"},
+        "plate": {"mesh": str(with_a_hole), "thickness": "1 cm"},
         "material": {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
         "rotor": {"speeds": ["10 rpm", "3000 rpm"], "modes": 3},
         "damper": ROUGH | {"at": ["15 cm", "2 cm"], "mass": "2 g"},
         "release": {"displacement": ["4 mm", "0 mm"], "cycles": 100},
+        "effects": {"coriolis": False, "large_deflection": False},
         "accuracy": {"frequency": 0.1},
     }
     return drawn(captured, scene)
@@ -288,15 +297,14 @@ def boundary(cells: np.ndarray) -> set[tuple[int, int]]:
     return {(a, b) for a, b in edges if edges.count((a, b)) == 1}
 
 
-def test_the_plate_at_rest_is_its_outline(holed: Drawn) -> None:
+def test_the_plate_at_rest_is_its_outline(holed: Drawn, with_a_hole: Path) -> None:
     """The mesh's boundary, the hole's among it."""
     surface = holed.results.surface
-    mesh = meshio.read(MESHES / "plate_with_hole.msh")
+    mesh = meshio.read(with_a_hole)
     cells = surface.cells[1]
     assert len(cells) == len(mesh.get_cells_type("triangle"))
     expected = boundary(cells)
     assert len(expected) == len(boundary(mesh.get_cells_type("triangle")))
-
     assert {tuple(sorted(edge)) for edge in surface.outline.tolist()} == expected
 
 

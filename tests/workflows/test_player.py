@@ -13,7 +13,7 @@ import spindamp
 from damper import ParticleDamper, ringdown, sample
 from damper.state import GRIP, HIT, RELEASE, REVERSAL, RUB, START
 from tests.damper.scenes import paper
-from tests.workflows.browser import driven, needs_chromium
+from tests.workflows.browser import Page, needs_chromium
 from tests.workflows.conftest import Command, Scene, changed, write
 from workflows.io import files
 from workflows.report import figures
@@ -153,7 +153,7 @@ def test_the_still_picture_marks_the_walls_that_were_hit(finished: Path, results
 
 @pytest.mark.usefixtures("quickly")
 def test_without_a_damper_that_moves_there_is_no_player(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
-    cheap = {"plate__theory": "kirchhoff", "accuracy__frequency": 0.02, "excitation": None}
+    cheap = {"plate__theory": "kirchhoff", "accuracy__frequency": 0.02, "rotor__modes": 1, "excitation": None}
     scene = changed(paper, release__displacement=["1 um", "0 mm"], rotor__speeds=["10000 rpm"], **cheap)
     assert spindamp("run", write(scene, tmp_path / "scene.toml"), "--out", "out").status == 0
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
@@ -162,7 +162,7 @@ def test_without_a_damper_that_moves_there_is_no_player(paper: Scene, spindamp: 
 
 
 @needs_chromium
-def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, path: BallPath) -> None:
+def test_the_ball_goes_from_event_to_event(standing: Page, path: BallPath) -> None:
     script = """
     const ball = svg.querySelector('.ball'), frame = JSON.parse(svg.dataset.axes)[0], found = [];
     const scale = (frame.box[1] - frame.box[0]) / (frame.x[1] - frame.x[0]);
@@ -172,10 +172,11 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
     for (let k = 0; k < 40; k++) { form.on.click(); found.push([figure.player.at(), ...place(), says.textContent]); }
     form.back.click();
     const back = figure.player.at();
+    box.dispatchEvent(new KeyboardEvent('keydown', { key: 'Home' }));
     return { radius: ball.getAttribute('r') / scale, begun, found, back,
              live: figure.classList.contains('live'), hidden: form.hidden };
     """
-    found = driven(finished / "report.html", START_JS + script)
+    found = standing.returned(START_JS + script)
     assert found["live"]
     assert not found["hidden"]
     assert found["radius"] == pytest.approx(1.0, rel=1e-3), "to scale"
@@ -193,7 +194,7 @@ def test_the_ball_goes_from_event_to_event(finished: Path, results: Results, pat
 
 
 @needs_chromium
-def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
+def test_it_plays_pauses_and_listens_to_keys(standing: Page) -> None:
     script = """
     const at = () => figure.player.at(), press = key => box.dispatchEvent(new KeyboardEvent('keydown', { key }));
     press(' '); const playing = form.play.textContent, pressed = form.play.getAttribute('aria-pressed');
@@ -210,7 +211,7 @@ def test_it_plays_pauses_and_listens_to_keys(finished: Path) -> None:
              cursor: (cursor.getAttribute('x1') - frame.box[0]) / (frame.box[1] - frame.box[0]),
              spoken: form.time.getAttribute('aria-valuetext'), said: says.textContent };
     """
-    found = driven(finished / "report.html", START_JS + script)
+    found = standing.returned(START_JS + script)
     assert (found["playing"], found["pressed"], found["paused"]) == ("pause", "true", "play")
     assert 0 < found["played"] < found["cycle"]
     assert found["home"] == found["back"] == found["again"] == 0

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from tests.workflows.browser import findings, needs_chromium
+from tests.workflows.conftest import measured_quickly
 from workflows.io.files import write_study
+from workflows.solve import damper
 from workflows.studies.reproduction import (
     FORMULATIONS,
     RELEASE,
@@ -30,7 +32,10 @@ VERDICTS = tomllib.loads(Path(__file__).with_name("verdicts.toml").read_text(enc
 
 @pytest.fixture(scope="module")
 def found() -> Reproduction:
-    return reproduce()
+    """All of it, with the damping ratios of quick figures."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(damper, "figures", measured_quickly)
+        return reproduce()
 
 
 @pytest.fixture(scope="module")

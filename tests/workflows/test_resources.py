@@ -207,7 +207,7 @@ from workflows.report import plots
 if sys.argv.pop() == "undrawn":
     plots.svg = lambda *_, **__: ""
 status = cli.main(sys.argv[1:])
-print(1024 * int(pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]))
+print(1024 * int(pathlib.Path("/proc/self/status").read_text(encoding="ascii").split("VmHWM:")[1].split()[0]))
 sys.exit(status)
 """
 
@@ -242,7 +242,7 @@ def test_the_estimate_of_a_cycle_is_of_the_right_size(structure: Scene, tmp_path
     assert 0.3 < cycles / most < 3
 
 
-@pytest.mark.parametrize("changes", [{}, {"rotor__modes": 12}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
+@pytest.mark.parametrize("changes", [{"rotor__modes": 12}, {"plate__width": "20 mm"}, {"plate__theory": "mindlin"}])
 def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Command, tmp_path: Path) -> None:
     """Speeds, modes, ring-downs, and the unknowns of a mesh that the search does try."""
     alone = changed(

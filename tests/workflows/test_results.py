@@ -10,7 +10,7 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from tests.workflows.conftest import Command, Scene, changed, python, write
 from tests.workflows.test_resources import MEASURED
 from workflows.effects import selection
 from workflows.io import provenance, serialise
+from workflows.io.folder import MANIFEST
 from workflows.scene import quantities
 from workflows.scene.load import load, parse
 from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint
@@ -223,10 +224,12 @@ def test_what_comes_back_is_what_was_written(finished: Path, document: dict[str,
     assert "data:image/png" in page
 
 
+@pytest.mark.usefixtures("quickly")
 def test_names_and_varying_thickness_survive(paper: Scene, tmp_path: Path) -> None:
-    scene = changed(paper, material={"name": "Ti-6Al-4V"}, rotor__speeds=["5000 rpm"], effects=None)
-    scene = changed(scene, plate__thickness={"x": [0, 0.2], "values": [[0.01], [0.008]]}, damper__mass_ratio=None)
-    found = spindamp.run(changed(scene, damper__ball_material="tungsten carbide"))
+    named = {"material": {"name": "Ti-6Al-4V"}, "damper__ball_material": "tungsten carbide", "damper__mass_ratio": None}
+    tapered = {"plate__thickness": {"x": [0, 0.2], "values": [[0.01], [0.008]]}}
+    few = {"rotor__speeds": ["5000 rpm"], "rotor__modes": 2, "effects": None}
+    found = spindamp.run(changed(paper, **named, **tapered, **few))
     spindamp.save(found, tmp_path / "out")
     back = spindamp.load_results(tmp_path / "out")
     assert back.scene == found.scene
@@ -379,28 +382,47 @@ TIMES = {"results.json": rb'"timings": \{[^}]*\},', "report.html": rb"Time in se
 """What may differ between two runs."""
 
 
+@dataclass(frozen=True)
+class Again:
+    """Another run: its folder, the most memory that it took, and what it had to warn of."""
+
+    out: Path
+    memory: float
+    warnings: list[str]
+
+
 @pytest.fixture(scope="module")
-def again(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
-    """The paper's scene once more, by a process of its own with another seed for its hashes, and its most memory."""
-    out = tmp_path_factory.mktemp("again") / "out"
+def again(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Again:
+    """The paper's scene once more, in the place of an older run, by a process with another seed for its hashes."""
+    out = tmp_path_factory.mktemp("again")
+    for name in ("results.json", MANIFEST):
+        shutil.copy(finished / name, out)
     seed = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
-    done = python("-c", MEASURED, "run", "--out", out, "drawn", env=os.environ | {"PYTHONHASHSEED": seed})
+    warned = {"PYTHONWARNDEFAULTENCODING": "1", "PYTHONWARNINGS": "always::EncodingWarning"}
+    environment = os.environ | {"PYTHONHASHSEED": seed} | warned
+    done = python("-c", MEASURED, "run", "--out", out, "drawn", env=environment)
     assert done.returncode == 0, done.stderr
-    return out, float(done.stdout.split()[-1])
+    return Again(out, float(done.stdout.split()[-1]), done.stderr.splitlines())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the peak of a process is read from /proc")
-def test_the_memory_promised_is_what_a_run_takes(again: tuple[Path, float], spindamp: Command) -> None:
+def test_the_memory_promised_is_what_a_run_takes(again: Again, spindamp: Command) -> None:
     promised = json.loads(spindamp("check", "paper", "--json").out)["sizes"]["memory"]
-    assert 0.5 < promised / again[1] < 2.0
+    assert 0.5 < promised / again.memory < 2.0
 
 
-def test_same_scene_same_bits(finished: Path, again: tuple[Path, float]) -> None:
+def test_every_text_file_says_its_encoding(again: Again) -> None:
+    """A file name, a title or a reason may hold letters that the system's own encoding has not."""
+    ours = [line for line in again.warnings if "EncodingWarning" in line and "site-packages" not in line]
+    assert not ours
+
+
+def test_same_scene_same_bits(finished: Path, again: Again) -> None:
     names = {path.name for path in finished.iterdir()}
-    assert names == {path.name for path in again[0].iterdir()}
+    assert names == {path.name for path in again.out.iterdir()}
     assert {"results.json", "results.nc", "modes.vtu", "report.html"} < names
     for name in names:
-        one, other = (folder / name for folder in (finished, again[0]))
+        one, other = (folder / name for folder in (finished, again.out))
         times = TIMES.get(name)
         if times is None:
             assert one.read_bytes() == other.read_bytes(), name

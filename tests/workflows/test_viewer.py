@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.workflows.browser import NO_GL, PHONE, VIEWER, driven, needs_chromium, printed
+from tests.workflows.browser import NO_GL, VIEWER, Page, driven, needs_chromium
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
 from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
@@ -204,7 +204,7 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
 
 
 @needs_chromium
-def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) -> None:
+def test_the_plate_is_drawn_and_turns(standing: Page) -> None:
     script = """
     figure.viewer.play(true);  // frames by hand: a page that is only written out has none
     const now = performance.now(); figure.viewer.frame(now + 60); const before = count();
@@ -221,7 +221,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) 
              home, plays,
              remark: figure.querySelector('.viewer-remark').textContent };
     """
-    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script)
+    found = standing.returned(VIEWER + COUNT_COLOURS + script)
     assert found["live"]
     assert found["moves"]
     assert found["remark"] == ""
@@ -233,7 +233,7 @@ def test_the_plate_is_drawn_and_turns(finished: Path, document: dict[str, Any]) 
 
 
 @needs_chromium
-def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, Any]) -> None:
+def test_every_mode_at_every_speed_is_there(standing: Page, document: dict[str, Any]) -> None:
     script = """
     figure.viewer.play(false);
     const found = [];
@@ -248,7 +248,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
     form.speed.selectedIndex = form.speed.options.length - 1; form.speed.dispatchEvent(new Event('change'));
     return { found, family, then: figure.querySelector('output').textContent.split(' ')[0] };
     """
-    found = driven(finished / "report.html", VIEWER + COUNT_COLOURS + script, width=PHONE)
+    found = standing.returned(VIEWER + COUNT_COLOURS + script)
     rpm = [f"{speed['rpm']:,.0f}".replace(",", "\u2009") for speed in document["speeds"]]
     said = [
         f"{mode['family']} mode at {at} rpm: {mode['frequency_hz']:.2f} Hz"
@@ -264,7 +264,7 @@ def test_every_mode_at_every_speed_is_there(finished: Path, document: dict[str, 
 def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path) -> None:
     script = VIEWER + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
-    said, hidden, still, moving = driven(finished / "report.html", script, gl=NO_GL)
+    said, hidden, still, moving = driven(finished / "report.html", script, before=NO_GL)
     assert "not support WebGL2" in said
     assert hidden
     assert still == "block"
@@ -272,7 +272,7 @@ def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: P
 
 
 @needs_chromium
-def test_in_print_the_still_picture_stands(finished: Path) -> None:
-    paper = printed(finished / "report.html")
+def test_in_print_the_still_picture_stands(standing: Page) -> None:
+    paper = standing.file("Page.printToPDF", printBackground=True)
     assert paper.startswith(b"%PDF")
     assert b"/Subtype /Image" in paper or b"/Subtype/Image" in paper
