@@ -53,8 +53,9 @@ STRUCTURE = KNOWN | {
 
 @pytest.fixture
 def few_speeds(monkeypatch):
-    """A third of the speeds, the crossing's among them."""
-    monkeypatch.setattr(study, "SPEEDS", 21)
+    """A quarter of the speeds, the crossing's among them."""
+    monkeypatch.setattr(study, "SPEEDS", 9)
+    monkeypatch.setattr(study, "ROUNDS", 1)
 
 
 @pytest.fixture
@@ -92,11 +93,12 @@ def test_the_short_way_stands_beside(known):
         assert abs(row.difference) < 0.02
 
 
+@pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("thickness", ["9 mm", "10 mm"])
 def test_no_level_is_called_endured_that_overstresses_the_root(paper, thickness):
     """Whether the ball still damps at what the plate endures (10 mm) or not (9 mm): one percent on either side."""
     scene = changed(paper, plate__thickness=thickness, rotor__speeds=["5000 rpm", "7500 rpm"], rotor__modes=1)
-    scene["accuracy"] = {"frequency": 0.05}
+    scene |= {"accuracy": {"frequency": 0.05}, "release": {"cycles": 2}}
     (first,) = spindamp.run(changed(scene, excitation__orders=[2])).reductions
     forces = [0.99 * first.endured_level, 1.01 * first.endured_level]
     (again,) = spindamp.run(changed(scene, excitation__orders=[2], excitation__force=forces)).reductions
@@ -552,7 +554,7 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
     found = respond(as_scene_file(scene))
     (passage,) = found.passages
     assert passage.crossing.family == "flap"
-    assert len(passage.omega) in (21 + 4, FEW_SPEEDS + 4)
+    assert len(passage.omega) == min(study.SPEEDS, FEW_SPEEDS) + study.ROUNDS
     without = np.abs(passage.shaped(passage.states.without))[:, 0]
     assert passage.omega[without.argmax()] == pytest.approx(passage.crossing.omega, rel=1e-9), "no ball pulls"
     (row,) = study.rows(found)
@@ -585,7 +587,6 @@ def test_both_halves_of_a_peak_that_a_ball_splits_are_looked_at(monkeypatch):
     tuned |= {"damper__damping_ratio": 0.002, "structure__floor_tilt": "6.8 1/m", "excitation__force": "0.5 N"}
     scene = as_scene_file(changed(STRUCTURE, damper__rolling_friction="1e-4 mm", **tuned))
     (row,) = study.rows(respond(scene))
-    monkeypatch.setattr(study, "SPEEDS", 80)
     monkeypatch.setattr(study, "band", lambda both, *_: (0.8 * both[1], 1.2 * both[1]))
     (fine,) = study.rows(respond(scene))
     assert fine.ratio == pytest.approx(0.33, rel=0.02)
@@ -628,9 +629,9 @@ def test_the_best_level_is_rounded_to_where_it_is_still_the_best(level, ends, ro
     assert study.best_level(VibrationReduction(2, 1, "flap", 5000.0, 333.0, 0.98, level, ends)) == rounded
 
 
-def test_a_level_above_a_fold_is_tried(monkeypatch):
+@pytest.mark.usefixtures("few_speeds")
+def test_a_level_above_a_fold_is_tried():
     """Just below it the ball may go on rolling to and fro, where free vibration promises what it does as it bounces."""
-    monkeypatch.setattr(study, "SPEEDS", 9)
     ball = {"mass_ratio": 0.003, "cavity": ["3.55 mm", "3.55 mm"], "damping_ratio": 0.02, "restitution": 0.6}
     found = respond(as_scene_file(changed(STRUCTURE, damper=STRUCTURE["damper"] | ball)))
     *_, below, above = study.rows(found)
@@ -692,9 +693,9 @@ def test_a_ball_denser_than_any_solid_has_no_verdict(known):
     assert "such as 305 of steel" in said[1]
 
 
+@pytest.mark.usefixtures("few_speeds")
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """40 N, all that is asked for, is too much for the root: what is said of less is held against motion, both ways."""
-    monkeypatch.setattr(study, "SPEEDS", 5)
     monkeypatch.setattr(study, "MOST_CYCLES", 4000)
     found = respond(
         as_scene_file(blade({"orders": [3, 50], "force": "40 N"}, count=20, mass_ratio=0.01, damping_ratio=0.002))
@@ -732,12 +733,12 @@ def titanium(hub, ball, force):
     }
 
 
-def test_without_the_ball_nothing_pulls_on_the_blade(monkeypatch):
+@pytest.mark.usefixtures("few_speeds")
+def test_without_the_ball_nothing_pulls_on_the_blade():
     """Four balls, whose pull stiffens the mode by 0.7 %; the order runs along it, and would meet it 1.6 % later.
 
     The load holds the balls, so that no motion has to be followed.
     """
-    monkeypatch.setattr(study, "SPEEDS", 21)
     ball = {"at": ["185 mm", "0 mm"], "count": 4, "ball_material": "steel", "radius": "2 mm", "damping_ratio": 0.002}
     ball |= {"cavity": ["4.5 mm", "4.5 mm"], "restitution": 0.6, "friction": 0.2, "rolling_friction": "1 mm"}
     scene = titanium("250 mm", ball, "0.1 N")
@@ -781,12 +782,12 @@ def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
 
 @pytest.mark.parametrize(("hub", "mass_ratio"), [("0 mm", 0.06), ("250 mm", 0.01), ("250 mm", 0.06)])
 def test_a_ball_at_rest_moves_the_crossing(hub, mass_ratio):
-    """A locked ball's ratio is that of two oscillators, each where the order meets it among 201 speeds."""
+    """A locked ball's ratio is that of two oscillators, each where the order meets it among 51 speeds."""
     ball = STRUCTURE["damper"] | {"at": ["185 mm", "0 mm"], "count": 40, "mass_ratio": mass_ratio}
     ball |= {"radius": "2 mm", "cavity": ["4.05 mm"] * 2, "rolling_friction": "1 mm"}
     scene = titanium(hub, ball, "0.01 N") | {"effects": {"cavity_mass": False}}
     (level,) = spindamp.run(scene).reductions[0].levels
-    points = StructureSolver(as_scene_file(scene), Stages()).at(np.linspace(3000, 9000, 201) * math.pi / 30).points
+    points = StructureSolver(as_scene_file(scene), Stages()).at(np.linspace(3000, 9000, 51) * math.pi / 30).points
     order = np.array([2 * point.omega for point in points])
     known = {name: np.array([getattr(point.reduced, name) for point in points]) for name in ("K1", "M1", "K2", "M2")}
     amplitude = []
@@ -875,7 +876,8 @@ def test_the_peak_with_the_ball_at_rest_is_followed(at, hub, count, order, numbe
 def test_modes_that_hits_feed_are_followed_where_they_count(monkeypatch):
     """In the two modes that yield most 0.51 mm are left; in three, in six long runs that began apart, 0.59 to 0.70."""
     monkeypatch.setattr(study, "SPEEDS", 4)
-    monkeypatch.setattr(study, "MOST_CYCLES", 4000)
+    monkeypatch.setattr(study, "ROUNDS", 1)
+    monkeypatch.setattr(study, "MOST_CYCLES", 2000)
     ball = {"count": 2, "ball_material": "steel", "radius": "2 mm", "cavity": ["5.9 mm", "12 mm"], "restitution": 0.6}
     scene = {
         "title": "staggered",
@@ -884,6 +886,7 @@ def test_modes_that_hits_feed_are_followed_where_they_count(monkeypatch):
         "rotor": {"speeds": ["7000 rpm", "9500 rpm"], "modes": 3, "hub_radius": "150 mm", "stagger": "60 deg"},
         "damper": ball | {"friction": 0.2, "rolling_friction": "auto", "damping_ratio": 0.002},
         "excitation": {"orders": [3], "force": ["2 N"]},
+        "accuracy": {"frequency": 0.05},
     }
     (row,) = study.rows(respond(as_scene_file(scene)))
     assert 0.57e-3 < row.mean < 0.72e-3
