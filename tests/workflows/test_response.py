@@ -696,7 +696,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict(known):
 @pytest.mark.usefixtures("few_speeds")
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """40 N, all that is asked for, is too much for the root: what is said of less is held against motion, both ways."""
-    monkeypatch.setattr(study, "MOST_CYCLES", 4000)
+    monkeypatch.setattr(study, "MOST_CYCLES", 2000)
     found = respond(
         as_scene_file(blade({"orders": [3, 50], "force": "40 N"}, count=20, mass_ratio=0.01, damping_ratio=0.002))
     )
@@ -873,6 +873,7 @@ def test_the_peak_with_the_ball_at_rest_is_followed(at, hub, count, order, numbe
     assert row.ratio == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.usefixtures("quickly")
 def test_modes_that_hits_feed_are_followed_where_they_count(monkeypatch):
     """In the two modes that yield most 0.51 mm are left; in three, in six long runs that began apart, 0.59 to 0.70."""
     monkeypatch.setattr(study, "SPEEDS", 4)
