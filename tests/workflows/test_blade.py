@@ -1,8 +1,8 @@
 """Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
 
-import dataclasses
 import re
 import tomllib
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -77,12 +77,10 @@ def test_a_finer_mesh_is_named_where_it_is_enough(folder, coriolis, finer):
     """The accuracy asked for is 0.05 %: no mesh takes away what else is in an error."""
     results = pipeline.results(*solved(folder, "'0 rpm'"))
     (point,), scene = results.speeds, results.scene.changed(accuracy={"frequency": 5e-4})
-    none = dict.fromkeys((part.name for part in dataclasses.fields(ErrorParts)), 0.0)
+    none = dict.fromkeys((part.name for part in fields(ErrorParts)), 0.0)
     parts = ErrorParts(**none | {"mesh": 4e-3, "coriolis": coriolis})
-    modes = tuple(dataclasses.replace(mode, error_parts=parts) for mode in point.modes)
-    said = remarks.sentence(
-        dataclasses.replace(results, scene=scene, speeds=(dataclasses.replace(point, modes=modes),))
-    )
+    modes = tuple(replace(mode, error_parts=parts) for mode in point.modes)
+    said = remarks.sentence(replace(results, scene=scene, speeds=(replace(point, modes=modes),)))
     assert ("a finer mesh would achieve it" in said) == finer
     assert ("no setting achieves this" in said) != finer
 
@@ -298,7 +296,7 @@ def test_a_design_whose_cavity_sticks_out_of_a_solid_blade_is_not_feasible(brick
         assert [each.name for each in limits if each.name != "amplitude"] == [name], (
             "a clearance 5 % longer than the first does not fit"
         )
-    elsewhere = Optimum(rows[2], dataclasses.replace(fits, why=None, sticks_out=1e-3), 3)
+    elsewhere = Optimum(rows[2], replace(fits, why=None, sticks_out=1e-3), 3)
     qualified = "; this holds only if the cavity fits: it sticks out of the structure by up to 1 mm"
     assert verdict(space, elsewhere).endswith(qualified), "where the structure is not a solid blade"
 
@@ -466,13 +464,13 @@ def test_the_fundamental_counts_as_the_first_whatever_its_family(twisted):
 def test_every_change_of_the_mode_that_the_damper_follows_is_named(twisted):
     """The first was all that was said; a mode that was not asked for is not taken for the last that was."""
     slow, fast = twisted.speeds
-    second = dataclasses.replace(fast.reduced, f2_hz=fast.modes[1].frequency_hz)
+    second = replace(fast.reduced, f2_hz=fast.modes[1].frequency_hz)
     one, other = (significant(hertz) for hertz in (slow.modes[0].frequency_hz, second.f2_hz))
-    changed = dataclasses.replace(fast, reduced=second)
+    changed = replace(fast, reduced=second)
     cases = {f"mode 2 (flap, {other} Hz": fast.modes, f"a mode not asked for ({other} Hz": fast.modes[:1]}
     for what, modes in cases.items():
-        point = dataclasses.replace(changed, modes=modes)
-        said = remarks.other_mode(dataclasses.replace(twisted, speeds=(point, slow)))
+        point = replace(changed, modes=modes)
+        said = remarks.other_mode(replace(twisted, speeds=(point, slow)))
         assert said.startswith(f"Mode 1 (lag, {one} Hz at 3000 rpm), and from 8000 rpm on {what} at 8000 rpm) moves")
         assert first_frequency(point) == second.f2_hz
 
@@ -544,7 +542,7 @@ def test_a_ball_at_a_wall_moves_with_the_rolling_friction_that_is_said(floor, br
     remedy = remedies.what_moves(results, results.speeds[0])
     state = pipeline.structure(source, QUIET)
     system = particle_damper(source.scene, state.effects, state.points[0])
-    moved = dataclasses.replace(system, rolling_friction=remedy.rolling_friction)
+    moved = replace(system, rolling_friction=remedy.rolling_friction)
     assert moved.amplitude_of(moved.leaving_threshold) == pytest.approx(limits.endured(results), rel=1e-3)
     said = spindamp("check", bricks / "coned.toml").out
     assert "load along (0.99619, 0, -0.087156)" in said
