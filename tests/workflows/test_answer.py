@@ -83,7 +83,7 @@ def test_a_release_that_does_not_set_the_ball_rolling() -> None:
     assert any(note.startswith(said) for note in found.notes)
 
 
-@pytest.mark.parametrize(("zeta", "release"), [("0", "20"), ("5e-3", "20"), ("0", "5"), ("3e-4", "1"), ("5e-3", "0.1")])
+@pytest.mark.parametrize(("zeta", "release"), [("0", "20"), ("3e-4", "5"), ("5e-3", "0.1")])
 def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: str) -> None:
     """What the ring-downs lose to the ball from these releases is held against the figures in tests/damper."""
     plain = results()
