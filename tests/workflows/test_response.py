@@ -676,6 +676,7 @@ def test_a_ball_denser_than_any_solid_has_no_verdict(known):
 @pytest.mark.usefixtures("few_speeds")
 def test_a_force_beyond_the_root_does_not_hide_that_the_ball_helps(monkeypatch):
     """40 N, all that is asked for, is too much for the root: what is said of less is held against motion, both ways."""
+    monkeypatch.setattr(study, "SPEEDS", 5)
     monkeypatch.setattr(study, "MOST_CYCLES", 2000)
     found = respond(
         as_scene_file(blade({"orders": [3, 50], "force": "40 N"}, count=20, mass_ratio=0.01, damping_ratio=0.002))
