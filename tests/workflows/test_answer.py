@@ -83,7 +83,7 @@ def test_a_release_that_does_not_set_the_ball_rolling() -> None:
     assert any(note.startswith(said) for note in found.notes)
 
 
-@pytest.mark.parametrize(("zeta", "release"), [("0", "20"), ("5e-3", "20"), ("0", "5"), ("3e-4", "1"), ("5e-3", "0.1")])
+@pytest.mark.parametrize(("zeta", "release"), [("0", "20"), ("3e-4", "5"), ("5e-3", "0.1")])
 def test_neither_release_nor_own_damping_moves_the_figures(zeta: str, release: str) -> None:
     """What the ring-downs lose to the ball from these releases is held against the figures in tests/damper."""
     plain = results()
@@ -584,7 +584,7 @@ def test_a_damper_that_is_refused_has_no_estimate_at_engine_orders(
 ) -> None:
     """Orders 2 and 3 meet modes within the speeds; where, is not solved."""
     monkeypatch.setattr(excitation, "solved_crossings", lambda *_: pytest.fail("crossings were solved"))
-    scene = changed(paper, release__cycles=2, accuracy__frequency=0.02)
+    scene = changed(paper, rotor__speeds=["3500 rpm", "10000 rpm"], release__cycles=2, accuracy__frequency=0.05)
     said = answer(workflows.run(changed(scene, **{f"damper__{key}": value for key, value in changes.items()})))
     assert said.verdict.startswith(f"No verdict: {verdict}")
     assert [each for each in said.sentences if "ngine order" in each] == [

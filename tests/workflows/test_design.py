@@ -55,8 +55,15 @@ def in_a_range(slow, here):
     free = {"ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "2 mm"], "amplitude": ["1.7 mm", "2.2 mm"]}
     scene = changed(slow | {"design": free}, damper__ball_density="7850 kg/m^3", damper__mass_ratio=None)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "MAP", 7)
+        patch.setattr(study, "MAP", 5)
+        patch.setattr(study, "_NEAREST", 0.03)
         return spindamp.design(scene, executor=here)
+
+
+@pytest.fixture(scope="module")
+def one_of_27(slow, here):
+    """The best of three materials, diameters and clearances."""
+    return spindamp.design(slow, executor=here)
 
 
 @pytest.fixture
@@ -101,14 +108,10 @@ def test_a_contact_that_cannot_be_checked_says_why(slow):
     )
 
 
-def test_something_is_free(slow):
-    with pytest.raises(BadInput, match="nothing to vary"):
-        parse(changed(slow, design__ball_material=None, design__ball_diameter=None, design__clearance=None))
-
-
 def test_a_ball_denser_than_any_solid_is_no_design(slow, here):
     """By its mass, a ball gets denser as it gets smaller: 1 g takes a radius of 2.19 mm of osmium."""
     scene = changed(slow, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None, design__mass=None)
+    scene = changed(scene, design__clearance=["1 mm"])
     found = spindamp.design(changed(scene, design__ball_diameter=["3 mm", "4.5 mm", "6 mm"]), executor=here)
     density = 1e-3 / (4 / 3 * math.pi * found.scene.scene.damper.radius**3)
     assert density <= 22_600.0
@@ -116,13 +119,11 @@ def test_a_ball_denser_than_any_solid_is_no_design(slow, here):
         spindamp.design(changed(scene, design__ball_diameter=["2 mm", "2.5 mm", "3 mm"]), executor=here)
 
 
-def test_a_wall_that_cannot_be_checked_is_refused(slow, here):
+def test_a_wall_that_cannot_be_checked_is_refused(slow, one_of_27):
     """Of a structure that is not a plate nobody knows the thickness; without the key the report says so."""
     with pytest.raises(BadInput, match=r"\[design\] wall = 0.0005: the thickness at the damper is known only"):
         space_of(slow, wall="0.5 mm")
-    few = {"ball_material": ["steel", "lead", "tungsten carbide"], "ball_diameter": ["2 mm", "3 mm", "4 mm"]}
-    found = spindamp.design(slow | {"design": FREE | few | {"clearance": ["1 mm"]}}, executor=here)
-    assert "Whether the cavity fits into the structure is not checked" in " ".join(found.document()["why"])
+    assert "Whether the cavity fits into the structure is not checked" in " ".join(one_of_27.document()["why"])
 
 
 def curve(amplitude, ratio, cutoff=0.0):
@@ -252,11 +253,6 @@ def test_what_has_no_verdict_is_no_design(changes, why):
     assert why in said  # not the wall, which another choice would mend
 
 
-def test_the_printed_equations_have_no_design(slow):
-    with pytest.raises(BadInput, match=r"\[damper\] formulation.*the printed equations do not conserve energy"):
-        space_of(changed(slow, damper__formulation="printed"))
-
-
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, design__amplitude=["4 mm", "20 mm"])))
@@ -278,14 +274,15 @@ def test_the_cutoff_is_that_of_the_damper():
         assert -math.expm1(-4 * math.pi * ratio) == pytest.approx(work_bound(damper, (3e-3, 0.0)))
 
 
+@pytest.mark.usefixtures("quickly")
 def test_a_design_says_what_else_moves_its_ball():
     """Under a stagger, the load's pull round the axis; the same figures as of a run of that design."""
     turned = {"rotor__stagger": "60 deg", "rotor__speeds": ["10000 rpm"], "damper__rolling_friction": "0.005 mm"}
     scene = as_scene_file(changed(SHIPPED_DESIGN, **turned))
     space, shares = spaces.design_space(scene), np.array([0.5, 0.8, 0.5, 0.0])
-    (found,) = spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)
-    plan = space.plan(shares[None])
-    case = next(evaluate.damper_cases(scene, plan, 0, PlateCache(), evaluate.empty(plan.size), []))
+    plan, plates = space.plan(shares[None]), PlateCache()
+    (found,) = spaces.evaluate_designs(space, shares[None], plates, quick=True)
+    case = next(evaluate.damper_cases(scene, plan, 0, plates, evaluate.empty(plan.size), []))
     (point,) = spindamp.run(case.scene).speeds
     assert found.cutoff == pytest.approx(point.damping_curve.cutoff, rel=1e-3)
     assert found.driven_from == pytest.approx(point.damping_curve.driven_from, rel=1e-3)
@@ -403,9 +400,9 @@ def test_designs_stay_known_until_they_are_confirmed(shaken, crossed, here, tmp_
     assert not path.exists()
 
 
-def test_nothing_better_among_all_designs(slow, here):
+def test_nothing_better_among_all_designs(one_of_27):
     """27 designs, all that come within 10 % of the best with full figures: the search finds the best of them."""
-    found = spindamp.design(slow, executor=here)
+    found = one_of_27
     shares = np.array([[(a + 0.5) / 3, (b + 0.5) / 3, (c + 0.5) / 3] for a, b, c in product(range(3), repeat=3)])
     roughly = np.array([each.value for each in score_of(found.space)(shares)])  # to about a percent
     every = score_of(found.space)(shares[roughly > 0.9 * roughly.max()], quick=False)
@@ -617,14 +614,15 @@ def test_a_limit_that_no_design_can_satisfy_is_refused_before_anything_is_solved
 
 
 def test_no_design_uses_less_of_a_limit_than_the_least(slow):
-    """Of the shares of the limits, the corners of the space have the least, and come to it."""
-    by_mass = changed(slow, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None)
-    for scene in (slow, by_mass):
+    """Of the shares of the limits, the corners of the space have the least, and come to it; held balls, too."""
+    held = changed(slow, design__amplitude=["1 um", "2 um"])
+    by_mass = changed(held, damper__mass_ratio=None, damper__mass="1 g", design__ball_material=None)
+    for scene in (held, by_mass):
         space = space_of(scene, ball_diameter=["3 mm", "5 mm"], clearance=["0.5 mm", "1 mm"], count=[1, 2, 4])
         least = spaces.least_shares(space.source)
         corners = np.array(list(product((0.0, 0.5, 1.0), repeat=len(space.axes))))
         used = [dict(each.used) for each in score_of(space)(corners)]
-        assert least.keys() == ({"mass"} if scene is slow else {"mass", "density"})
+        assert least.keys() == ({"mass"} if scene is held else {"mass", "density"})
         for name, share in least.items():
             assert min(each[name] for each in used if name in each) == pytest.approx(share, rel=1e-12)
 
@@ -668,27 +666,31 @@ def placed_of(space, shares):
     return list(evaluate.damper_cases(space.solved_as, plan, 0, PlateCache(), rows, []))
 
 
-def test_one_of_amplitudes_and_excitation(slow, shaken):
-    with pytest.raises(BadInput, match=r"\[design\] amplitude: missing.*or give \[excitation\]"):
-        parse(changed(slow, design__amplitude=None))
+def test_one_of_amplitudes_and_excitation(shaken):
     both = changed(shaken, design__amplitude=["1 mm", "2 mm"])
     assert space_of(both).goal.objective.startswith("least damping ratio")
     assert space_of(shaken).goal.objective == "greatest amplitude at the crossings"
 
 
+NOTHING_FREE = {"design__ball_material": None, "design__ball_diameter": None, "design__clearance": None}
+PRINTED = {"damper__formulation": "printed"}
+
+
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("goal", "changes", "says"),
     [
-        ({"damper__damping_ratio": 0.0}, "[damper] damping_ratio"),
-        ({"excitation__orders": [7]}, "[excitation] orders = [7]: no order crosses a mode between"),
-        ({"rotor__speeds": ["4000 rpm"]}, "[rotor] speeds"),
-        ({"damper__formulation": "printed"}, "[damper] formulation"),
+        ("slow", NOTHING_FREE, "nothing to vary"),
+        ("slow", PRINTED, r"\[damper\] formulation.*the printed equations do not conserve energy"),
+        ("slow", {"design__amplitude": None}, r"\[design\] amplitude: missing.*or give \[excitation\]"),
+        ("shaken", {"damper__damping_ratio": 0.0}, r"\[damper\] damping_ratio"),
+        ("shaken", {"excitation__orders": [7]}, r"\[excitation\] orders = \[7\]: no order crosses a mode between"),
+        ("shaken", {"rotor__speeds": ["4000 rpm"]}, r"\[rotor\] speeds"),
+        ("shaken", PRINTED, r"\[damper\] formulation"),
     ],
 )
-def test_what_a_design_by_amplitude_needs(shaken, changes, says):
-    with pytest.raises(BadInput) as found:
-        spaces.design_space(as_scene_file(changed(shaken, **changes)))
-    assert says in str(found.value)
+def test_what_a_design_needs(request, goal, changes, says):
+    with pytest.raises(BadInput, match=says):
+        space_of(changed(request.getfixturevalue(goal), **changes))
 
 
 @pytest.mark.usefixtures("few_speeds")
@@ -757,10 +759,10 @@ def test_the_bound_of_an_amplitude(shaken):
 def test_nothing_falls_below_the_bound(shaken, monkeypatch):
     """Free balls that hit the walls all the time, and held ones, under forces of all sizes: at resonance alone."""
     monkeypatch.setattr(objectives, "ASIDE", (0.0,))
-    for rolling, force in product((0.0, 2e-5, 1e-4), (0.3, 1.0, 3.0)):
+    for rolling, force in product((0.0, 2e-5, 1e-4), (3.0, 8.0)):
         found, _ = at_the_crossing(changed(shaken, damper__rolling_friction=rolling, excitation__force=force), 0.6)
         lines = objectives.linear(found)
-        assert objectives.followed(found, quick=True) > lines.least, (rolling, force)
+        assert objectives.followed(found, quick=True) > lines.least > 0, (rolling, force)
 
 
 def test_the_balance_is_that_of_the_motion(shaken):
@@ -768,7 +770,7 @@ def test_the_balance_is_that_of_the_motion(shaken):
 
     In the widest cavity a ball that rolls to and fro leaves a larger amplitude than one that hits the walls.
     """
-    for clearance, force in product((0.5e-3, 1e-3, 2e-3), (4.0, 8.0)):
+    for clearance, force in ((0.5e-3, 8.0), (1e-3, 4.0), (1e-3, 8.0), (2e-3, 8.0)):
         scene = changed(shaken, excitation__force=force, design__clearance=[clearance])
         found, _ = at_the_crossing(scene, 0.75)
         lines = objectives.linear(found)
@@ -780,9 +782,9 @@ def test_the_balance_is_that_of_the_motion(shaken):
 
 @pytest.fixture
 def grazing():
-    """A structure whose larger balls, in wide cavities, either roll to and fro or hit the walls, under one force."""
+    """A structure whose balls, in wide cavities, either roll to and fro or hit the walls, under one force."""
     ball = {"count": 10, "ball_material": "steel", "rolling_friction": "0.02 mm", "damping_ratio": 0.002}
-    free = {"ball_diameter": ["4 mm", "4.5 mm", "5 mm"], "clearance": ["1.25 mm", "1.45 mm", "1.66 mm"]}
+    free = {"ball_diameter": ["5 mm"], "clearance": ["1.25 mm", "1.45 mm", "1.66 mm"]}
     shaken = {"excitation": {"orders": [2], "force": ["1 N", "20 N"]}, "design": free}
     rotor = KNOWN["rotor"] | {"speeds": ["7000 rpm", "9000 rpm"]}
     return changed(KNOWN, release=None) | {"rotor": rotor, "damper": BALL | ball} | shaken
@@ -794,10 +796,10 @@ def test_a_ball_that_grazes_the_walls_beside_the_resonance(grazing, clearance):
 
     Against the steady states from all starts, at speeds between which the amplitude changes by a percent.
     """
-    scene = changed(grazing, design__ball_diameter=["5 mm"], design__clearance=[clearance])
+    scene = changed(grazing, design__clearance=[clearance])
     found, _ = at_the_crossing(scene)
     lines = objectives.linear(found)
-    at = [found.at(rpm * math.pi / 30) for rpm in np.arange(8080.0, 8115.0, 0.5)]
+    at = [found.at(rpm * math.pi / 30) for rpm in np.arange(8084.0, 8108.0)]
     states = forced(*zip(*at, strict=True), tuple(Start), probe=found.axis, accuracy=0.01, max_cycles=10_000, threads=1)
     assert is_well_held(found.system)
     assert objectives.amplitude(found, lines.resting, quick=True) == pytest.approx(np.nanmax(states.mean), rel=0.012)
@@ -843,7 +845,7 @@ def test_an_optimum_that_its_motion_refutes(grazing, here, monkeypatch):
     said = " ".join(document["why"])
     assert f"The search's figure, {1e3 * document['search_value']:.3g} mm, is not confirmed" in said
     assert f"achieves {100 * (best.without - row.mean) / (best.without - best.bound):.2g} % of" in said
-    assert (document["worst_deviation"], [each["gain"] for each in document["holds"]]) == (None, [None] * 2)
+    assert (document["worst_deviation"], [each["gain"] for each in document["holds"]]) == (None, [None])
 
 
 def test_a_motion_without_any_reduction_refutes_the_design(monkeypatch):
@@ -907,13 +909,18 @@ def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities():
     assert alone > 1.002 * height
 
 
-def test_the_greatest_of_all_crossings(shaken):
-    """A crossing that is left out, for it cannot have more than another, is not the greatest."""
+def test_the_greatest_of_all_crossings(shaken, monkeypatch):
+    """A crossing that is left out, for it cannot have more than another, is not the greatest: as of held balls."""
     scene = changed(shaken, rotor__speeds=["2800 rpm", "4200 rpm"], excitation__orders=[3, 4])
-    known = [spaces.design_space(as_scene_file(changed(scene, damper__rolling_friction=r))) for r in (0.0, 5e-5)]
-    for space, share in product(known, (0.0, 0.9)):
+    computed, reached = [], objectives._reached
+    for friction, share, count in ((0.0, 0.0, 2), (5e-5, 0.9, 2), (1e-3, 0.9, 1)):
+        space = space_of(changed(scene, damper__rolling_friction=friction))
         placed = placed_of(space, [0.0, share])
-        found = space.goal.worth(placed, quick=True)
+        with monkeypatch.context() as patch:
+            patch.setattr(objectives, "_reached", lambda *a, **how: computed.append(reached(*a, **how)) or computed[-1])
+            found = space.goal.worth(placed, quick=True)
+        assert len(computed) == count
+        computed.clear()
         here = [
             objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
             for each, met in zip(placed, sorted(space.goal.crossings, key=lambda met: met.omega), strict=True)
@@ -947,7 +954,7 @@ def test_nothing_better_at_the_crossings(crossed):
 
 def test_why_none_helps(shaken, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
-    scene = changed(shaken, excitation__force="0.05 N")
+    scene = changed(shaken, excitation__force="0.05 N", design__ball_material=["steel"])
     found = spindamp.design(scene, executor=here)
     evaluation = found.optimum.evaluation
     assert not evaluation.works

@@ -66,6 +66,7 @@ def test_how_far_a_cavity_sticks_out_is_said_of_each_damper_on_the_same_modes(fi
         assert any("it does not fit" in remark for remark in state.source.remarks) == (far > 0.0)
 
 
+@pytest.mark.usefixtures("quickly")
 def test_a_plate_by_its_modes_is_the_plate(files: Path, plate: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """From CalculiX's modes, whose mesh is 0.17 % too stiff, and from our own in a neutral file; against our plate."""
     monkeypatch.chdir(files)

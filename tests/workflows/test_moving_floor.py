@@ -258,11 +258,12 @@ def test_a_tilt_that_no_spring_holds_names_its_key(structure: Scene) -> None:
         workflows.run(soft)
 
 
+@pytest.mark.usefixtures("quickly")
 def test_what_coriolis_forces_on_the_ball_would_add() -> None:
     """Of a blade at a stagger of 60°, by its velocity at its best over that of the tip; none on a structure."""
     ball = {"mass": "0.26 g", "radius": "2 mm", "cavity": ["6 mm", "6 mm"], "rolling_friction": "0.01 mm"}
     rotor = {"speeds": ["5000 rpm"], "hub_radius": "7 cm", "stagger": "60 deg"}
-    found = workflows.run(thin(plate__thickness="1 cm", rotor=rotor, damper=BALL | ball))
+    found = workflows.run(thin(plate__thickness="1 cm", rotor=rotor, damper=BALL | ball, **ROUGH))
     (point,) = found.speeds
     speed = 2 * math.pi * point.reduced.f1_hz * point.verdict.amplitude
     chord = 2 * speed * math.sin(math.pi / 3) / (point.omega * point.radius)
@@ -324,7 +325,7 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float, rolls: fl
 @pytest.mark.parametrize("stagger", ["0 deg", "60 deg", "90 deg"])
 def test_the_share_of_the_drive_is_that_of_the_damper(stagger: str) -> None:
     """Of its tilt and of what it gains in the plane of rotation, as sentences and limits have it."""
-    scene = thin(rotor__stagger=stagger, rotor__hub_radius="7 cm", effects__structural_modes=False)
+    scene = thin(rotor__stagger=stagger, rotor__hub_radius="7 cm", effects__structural_modes=False, **ROUGH)
     found = workflows.run(scene)
     at, amplitude, rolls = found.speeds[0], 1e-3, 0.016 / 1.2
     system = damper.particle_damper(found.scene, found.effects, at)
@@ -346,7 +347,7 @@ def test_how_the_place_of_a_damper_comes_nearer_to_the_axis() -> None:
     for place, stagger in ((1.0, 0.0), (0.7, 1.0)):
         inside = x <= place
         exact = np.trapezoid(whole[inside], x[inside]) / (shape[inside][-1] / shape[-1]) ** 2 / 0.2
-        blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0])
+        blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0], **ROUGH)
         _, point = built(blade)
         assert coupling.shortening(point) == pytest.approx(exact, rel=0.01)
 
@@ -370,10 +371,11 @@ def span(found: Results, name: str) -> str:
     return " to ".join(f"{end:.2g}" for end in (values[0], values[-1]))
 
 
+@pytest.mark.usefixtures("quickly")
 def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     """Under a stagger the load pulls it round the axis; in flap the cavity's way towards the axis pushes it."""
     staggered = {"rotor__stagger": "60 deg", "rotor__hub_radius": "7 cm", "damper__rolling_friction": "0.005 mm"}
-    found = workflows.run(thin(effects__structural_modes=False, **staggered))
+    found = workflows.run(thin(effects__structural_modes=False, **staggered, **ROUGH))
     (point,) = found.speeds
     own = point.damping_curve
     round_axis = point.omega**2 * math.sin(math.pi / 3) * math.cos(math.pi / 3) * own.driven_from
@@ -383,7 +385,7 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     others = "Coriolis forces, a sideways pull or a varying load may move"
     assert f"below {1e3 * own.cutoff:.2g} mm, above which {others} it, which is not simulated" in answer
 
-    held = workflows.run(thin(damper__rolling_friction="0.022 mm", rotor__speeds=["10000 rpm", "11000 rpm"]))
+    held = workflows.run(thin(damper__rolling_friction="0.022 mm", rotor__speeds=["10000 rpm", "11000 rpm"], **ROUGH))
     point, _ = held.speeds
     own, limit = point.damping_curve, limits.endured(held)
     assert own.cutoff < limit < own.driven_from

@@ -32,7 +32,7 @@ def test_the_theory_that_would_do_does(paper: Scene, accuracy: float, theory: st
     assert "would achieve it" not in str(remarks.sentence(mended))
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("undrawn", "quickly")
 def test_the_accuracy_is_said_once(paper: Scene) -> None:
     """In the answer, and not among the remarks again; what else the remark says stays."""
     scene = changed(paper, rotor__speeds=["3500 rpm"], accuracy__frequency=2e-3)
