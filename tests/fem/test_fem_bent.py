@@ -43,8 +43,8 @@ def test_rotations_as_in_calculix(name):
 
 @needs_calculix
 def test_a_bent_plate_nobody_tabulated():
-    """At a rotation of 0.2, on a mesh on which CalculiX is good to 0.1 %."""
-    mesh, omega, stagger = graded(0.2, 0.1, 12, 6), rpm(12000), np.radians(30.0)
+    """At a rotation of 0.2, on a mesh on which CalculiX is good to 0.2 %."""
+    mesh, omega, stagger = graded(0.2, 0.1, 10, 4), rpm(12000), np.radians(30.0)
     expected = calculix.frequencies_on(mesh, 0.002, 1, TITANIUM, omega, hub=0.02, stagger=stagger, count=4)
     operators = assemble(Plate(mesh, 0.002, Material(*TITANIUM)), Rotor(0.02, stagger), BENT)
     np.testing.assert_allclose(solve_modes(operators, omega, 4).frequencies_hz, expected, rtol=3e-3)
@@ -60,12 +60,12 @@ def test_a_plate_that_hardly_spins_is_stretched_as_in_the_linear_theory(slow, tr
     np.testing.assert_allclose(found, operators.prestress, atol=1e-10 * np.abs(operators.prestress).max())
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
-def test_strain_moves_a_flat_plate_as_it_moves_a_solid(nu):
+@pytest.mark.parametrize(("nu", "size"), [(0.0, 1), (0.3, 1), (0.45, 2)])
+def test_strain_moves_a_flat_plate_as_it_moves_a_solid(nu, size):
     """At a strain of 1.2 %: what gets longer gets thinner and narrower, by as much as bricks do."""
     shifts = []
     for theory in ("mindlin", "solid"):
-        flat = Plate(Rectangle(0.2, 0.08).mesh(2), 0.01, Material(182.6e9, nu, 7850.0))
+        flat = Plate(Rectangle(0.2, 0.08).mesh(size), 0.01, Material(182.6e9, nu, 7850.0))
         operators = assemble(flat, Rotor(), FLAT, theory)
         found = [solve_modes(replace(operators, effects=e), rpm(35000)).frequencies_hz for e in (BENT, FLAT)]
         shifts.append(found[0] / found[1] - 1.0)
@@ -123,7 +123,7 @@ def coarse_shifts():
 @pytest.mark.parametrize("wider", [-2e-3, -5e-4, 0.0, 5e-4, 2e-3])
 def test_what_mixes_modes_that_nearly_coincide(wider):
     """Flap and lag cross as the plate gets wider: one coarse mesh bounds the shifts of all, and not by far at one."""
-    found, true = coarse_shifts(), true_shifts(NEAR[1] * (1.0 + wider), 5, rpm(1180))
+    found, true = coarse_shifts(), true_shifts(NEAR[1] * (1.0 + wider), 4, rpm(1180))
     assert (true < 1.02 * found).all()
     if wider == 0.0:
         assert true.max() > 1e-3
@@ -137,7 +137,7 @@ def test_a_heavy_mass_is_softened():
     CalculiX softens the plate alone, of a fiftieth of the mass.
     """
     omega, kg = rpm(3000), 15.0
-    nodes, bricks = calculix.extruded(rectangle(0.1, 0.04, 10, 4), 0.01, 2)
+    nodes, bricks = calculix.extruded(rectangle(0.1, 0.04, 6, 2), 0.01, 1)
     material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
 
     def squares(stagger, mass):
@@ -151,7 +151,7 @@ def test_a_heavy_mass_is_softened():
 @pytest.mark.parametrize(("stagger", "hub"), [(0.0, 0.1), (0.4, 0.05)])
 @needs_calculix
 def test_a_plate_nobody_tabulated(stagger, hub):
-    mesh, omega = rectangle(0.16, 0.06, 16, 6), rpm(8000)
+    mesh, omega = rectangle(0.16, 0.06, 12, 5), rpm(8000)
     material = (STEEL.youngs_modulus, STEEL.poissons_ratio, STEEL.density)
     expected = calculix.frequencies_on(mesh, 0.006, 2, material, omega, hub=hub, stagger=stagger, count=4, timeout=HANG)
     plate = Plate(mesh, 0.006, STEEL)

@@ -79,7 +79,7 @@ def test_two_meshes_that_hardly_resolve_a_stiffened_plate_are_doubted(length, th
         return assemble(Plate(form.mesh(size), thickness, STEEL), Rotor(), Effects(), "kirchhoff")
 
     choice = choose_mesh(form, build, (omega,), 6, 1e-3)
-    limit = solve_modes(build(12), omega, 6).frequencies_hz
+    limit = solve_modes(build(10), omega, 6).frequencies_hz
     true = np.abs(solve_modes(choice.operators, omega, 6).frequencies_hz / limit - 1.0)
     assert (true <= 1.2 * choice.errors[0] + 1e-6).all()
 
@@ -162,14 +162,14 @@ def test_a_speed_at_which_only_the_finer_meshes_have_modes(monkeypatch):
     planform, probe = Rectangle(0.2, 0.08), fem.accuracy.error_estimates.probe
 
     def gone(operators, *given):
-        return probe(operators, *given)[: 1 if operators.mass.shape[0] < 1000 else 2]
+        return probe(operators, *given)[: 1 if operators.mass.shape[0] < 300 else 2]
 
     monkeypatch.setattr("fem.accuracy.error_estimates.probe", gone)
     speeds = 0.0, rpm(9000)
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-2)
     assert choice.met
     assert choice.errors.shape == (2, 2)
-    monkeypatch.setitem(THEORIES, "mindlin", replace(THEORIES["mindlin"], most_unknowns=1500))
+    monkeypatch.setitem(THEORIES, "mindlin", replace(THEORIES["mindlin"], most_unknowns=800))
     choice = choose_mesh(planform, builder(planform, 0.01), speeds, 2, 1e-5)
     assert not choice.met
     assert choice.errors.shape[0] == 1 or np.isnan(choice.errors[1]).all()
@@ -200,7 +200,7 @@ def test_corners_that_point_inwards():
     x, y = mesh.p[:, mesh.t].mean(axis=1)
     planform = Given(mesh.remove_elements(np.flatnonzero((np.abs(y) < 0.017) & (x > 0.06) & (x < 0.14))))
     build = builder(planform, 0.005, effects=AT_REST)
-    promise_kept(choose_mesh(planform, build, (0.0,), COUNT, 1e-2), build, 8, 1e-2)
+    promise_kept(choose_mesh(planform, build, (0.0,), COUNT, 1.5e-2), build, 4, 1.5e-2)
 
 
 def test_errors_between_probes():

@@ -19,11 +19,18 @@ def with_mass(theory, size, thickness, mass):
     return assemble(plate, Rotor(), AT_REST, theory)
 
 
-@pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
-@pytest.mark.parametrize(("thickness", "mass"), [(0.004, 0.05), (0.01, 0.1)])
-def test_drift_under_a_point_mass(theory, thickness, mass):
+@pytest.mark.parametrize(
+    ("theory", "thickness", "mass", "sizes"),
+    [
+        ("mindlin", 0.004, 0.05, (8, 12)),
+        ("mindlin", 0.01, 0.1, (6, 9)),
+        ("kirchhoff", 0.004, 0.05, (6, 9)),
+        ("kirchhoff", 0.01, 0.1, (6, 9)),
+    ],
+)
+def test_drift_under_a_point_mass(theory, thickness, mass, sizes):
     """Where the formula says that a frequency falls for ever, it falls by that much from mesh to mesh."""
-    coarse, fine = (with_mass(theory, size, thickness, mass) for size in (8, 12))
+    coarse, fine = (with_mass(theory, size, thickness, mass) for size in sizes)
     modes = solve_modes(fine, 0.0, COUNT)
     predicted = drift(fine, modes.eigenvalues, modes.shapes)
     found = (solve_modes(coarse, 0.0, COUNT).frequencies_hz / modes.frequencies_hz - 1.0) / np.log(1.5)
@@ -67,7 +74,7 @@ def test_a_mass_gives_way_to_its_own_pull():
         return assemble(plate, Rotor(), Effects(large_deflection=bent), "mindlin")
 
     moved = []
-    for size in (4, 8):
+    for size in (3, 6):
         operators = [build(size, large) for large in (False, True)]
         flat, bent = (solve_modes(each, top, COUNT) for each in operators)
         moved.append(bent.frequencies_hz / flat.frequencies_hz)
@@ -96,7 +103,7 @@ def test_no_mass_no_drift():
 @pytest.mark.parametrize(("mass", "met"), [(0.0, True), (0.05, False)])
 def test_a_point_mass_is_not_said_to_converge(mass, met):
     form = Rectangle(0.2, 0.08)
-    choice = choose_mesh(form, lambda size: with_mass("mindlin", size, 0.004, mass), (0.0,), COUNT, 1e-4)
+    choice = choose_mesh(form, lambda size: with_mass("mindlin", size, 0.004, mass), (0.0,), COUNT, 3e-4)
     assert choice.met is met
     finer = 1.5
     limit = solve_modes(with_mass("mindlin", int(finer * choice.size), 0.004, mass), 0.0, COUNT).frequencies_hz
@@ -129,29 +136,29 @@ def test_a_row_of_elements_is_as_stiff_as_the_formula_says():
 @pytest.mark.parametrize("h_over_b", [1 / 70, 1 / 160])
 def test_twist_is_off_by_what_the_layer_and_the_rest_leave(h_over_b):
     """Errors of three meshes of a thin plate divide into the layer's part, by its formula, and one of fourth order."""
-    form, sizes = Rectangle(0.2, 0.04), (2, 4, 7)
+    form, sizes = Rectangle(0.2, 0.04), (2, 3, 5)
 
     def frequencies(size):
         plate = Plate(form.mesh(size), 0.04 * h_over_b, STEEL)
         return solve_modes(assemble(plate, Rotor(), AT_REST, "mindlin"), 0.0, COUNT).frequencies_hz
 
     found = [frequencies(size) for size in sizes]
-    true = found[-1] / frequencies(11) - 1.0
+    true = found[-1] / frequencies(8) - 1.0
     missed = tuple(unseen(form.edge(size), 0.04 * h_over_b) for size in sizes)
     apart = found[0] / found[1] - 1.0, found[1] / found[2] - 1.0
     estimate = layer_and_rest(apart, missed, sizes, 4.0)
     assert true.max() / 1.5 <= estimate.max() <= 1.5 * true.max()
 
 
-@pytest.mark.parametrize(("slenderness", "tolerance"), [(200, 3e-4), (700, 1e-3)])
-def test_thin_plates_with_shear_keep_the_promise(slenderness, tolerance):
+@pytest.mark.parametrize(("slenderness", "tolerance", "finer"), [(200, 3e-4, 12), (700, 1e-3, 9)])
+def test_thin_plates_with_shear_keep_the_promise(slenderness, tolerance, finer):
     """Meshes that miss the layer along the edges agree with each other, and are wrong by all of it."""
     form = Rectangle(0.2, 0.04)
 
     def build(size):
         return assemble(Plate(form.mesh(size), 0.04 / slenderness, STEEL), Rotor(), AT_REST, "mindlin")
 
-    promise_kept(choose_mesh(form, build, (0.0,), COUNT, tolerance), build, 12, tolerance)
+    promise_kept(choose_mesh(form, build, (0.0,), COUNT, tolerance), build, finer, tolerance)
 
 
 def test_large_deflection_is_part_of_the_estimate():
@@ -161,7 +168,7 @@ def test_large_deflection_is_part_of_the_estimate():
     def build(size, effects=Effects(large_deflection=True)):  # noqa: B008
         return assemble(Plate(form.mesh(size), 0.002, STEEL), Rotor(0.0, np.pi / 4), effects, "mindlin")
 
-    true = promise_kept(choose_mesh(form, build, (top,), COUNT, tolerance), build, 6, tolerance)
+    true = promise_kept(choose_mesh(form, build, (top,), COUNT, tolerance), build, 5, tolerance)
     flat = choose_mesh(form, lambda size: build(size, Effects()), (top,), COUNT, tolerance)
     assert flat.errors.max() < true
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fem_cases import rpm
 from scipy.linalg import eigh
+from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
 from fem import Effects, Material, MeshError, equilibrium, linalg
@@ -112,6 +113,7 @@ def rows():
     return csv.DictReader(line for line in lines if not line.startswith("#"))
 
 
+@cache
 def references():
     found = {}
     for row in rows():
@@ -170,15 +172,12 @@ def tip(name, operators, state, speed):
     return float(np.linalg.norm(moved[middle] - there) / np.linalg.norm(there)), float(abs(turned))
 
 
-SHARP = {("hexahedron20", (12, 6, 1)): 8.0, ("tetra10", (8, 4, 2)): 3.0, ("wedge15", (8, 4, 2)): 3.5}
-
-
-@pytest.mark.parametrize(("kind", "cells"), SHARP)
-def test_errors_at_rest_are_sharp_on_three_kinds_of_cells(kind, cells):
+@pytest.mark.parametrize(("kind", "sharp"), [("hexahedron20", 8.0), ("tetra10", 3.0), ("wedge15", 3.5)])
+def test_errors_at_rest_are_sharp_on_three_kinds_of_cells(kind, sharp):
     """Six blades, eight modes each; modes that change places on coarse meshes among them."""
     ratios = []
     for name, (shape, _, material) in BLADES.items():
-        plain = box(kind, cells, (1.0, 2.0, 2.0))
+        plain = box(kind, (8, 4, 1), (1.0, 2.0, 2.0))
         s, eta, zeta = plain.points.T
         points = shape.points((4.0**s - 1.0) / 3.0, eta - 1.0, zeta - 1.0)
         mesh = VolumeMesh(points, plain.cells)
@@ -190,7 +189,7 @@ def test_errors_at_rest_are_sharp_on_three_kinds_of_cells(kind, cells):
         off = np.abs(modes.frequencies_hz[:8] - f)
         assert (off <= u + estimated * f).all(), (name, off / f, estimated)
         ratios += list(estimated * f / off)
-    assert np.median(ratios) < SHARP[kind, cells]
+    assert np.median(ratios) < sharp
 
 
 def still(shape, cells, count):
@@ -210,11 +209,11 @@ COARSELY = {
 @pytest.mark.parametrize("name", COARSELY)
 def test_errors_are_covered_on_meshes_that_are_far_too_coarse(name):
     """Blades with one error of 1.2 to 1.5 times an estimate that knew neither mixed modes nor such meshes."""
-    _, fine = still(COARSELY[name], (24, 12, 2), 8)
+    _, fine = still(COARSELY[name], (16, 8, 2), 8)  # which is itself off by up to 4 % of the coarse ones' errors
     for cells in ((6, 3, 1), (6, 3, 2)):
         operators, modes = still(COARSELY[name], cells, 10)
         off = modes.frequencies_hz[:8] / fine.frequencies_hz - 1.0
-        assert (off <= mesh_errors(operators, modes.shapes, modes.eigenvalues)[:8]).all(), (cells, off)
+        assert (1.04 * off <= mesh_errors(operators, modes.shapes, modes.eigenvalues)[:8]).all(), (cells, off)
 
 
 BLUNT = {
@@ -251,7 +250,7 @@ FAR_ABOVE = {
 @pytest.mark.parametrize("name", FAR_ABOVE)
 def test_modes_far_above_say_nothing_of_the_first_error(name):
     """Of 0.7 %, 77 to 510 % were said, by how many modes were asked for: those that are hardly known chained down."""
-    _, fine = still(FAR_ABOVE[name], (20, 12, 2), 1)
+    _, fine = still(FAR_ABOVE[name], (14, 8, 2), 1)
     operators, modes = still(FAR_ABOVE[name], (8, 4, 1), 8)
     off = modes.frequencies_hz[0] / fine.frequencies_hz[0] - 1.0
     errors = [mesh_errors(operators, modes.shapes[:, :k], modes.eigenvalues[:k])[0] for k in range(1, 9)]
@@ -280,9 +279,8 @@ def test_blades_of_calculix_within_both_uncertainties(name):
 
     The tip is where CalculiX' finer mesh has it and the section turns as far, within 0.5 %.
     """
-    operators = blade(name)
-    ratios = []
-    state = None
+    one_layer = "P2_compressor", "P3_turbine", "P4_twisted_plate"
+    operators, state, ratios = blade(name, (12, 6, 1 if name in one_layer else 2)), None, []
     for (other, speed), (f, u) in references().items():
         if other != name:
             continue
@@ -378,10 +376,8 @@ def test_coriolis_shifts_of_all_modes(name, speed):
     squares, axes = np.linalg.eigh(operators.mass.toarray())
     mass = np.linalg.solve(lower, axes * np.sqrt(np.maximum(squares, 0.0)))
     drag = np.linalg.solve(lower, np.linalg.solve(lower, operators.gyroscopic.toarray()).T).T
-    still, moving = (
-        1.0 / np.linalg.eigvalsh(np.block([[-1j * turn * drag, mass], [mass.T, np.zeros_like(mass)]]))[:-9:-1]
-        for turn in (0.0, omega)
-    )
+    whole = (np.block([[-1j * turn * drag, mass], [mass.T, np.zeros_like(mass)]]) for turn in (0.0, omega))
+    still, moving = (np.sort(1.0 / eigsh(each, 8, which="LA", return_eigenvectors=False)) for each in whole)
     expected = np.abs(moving / still - 1.0)
     for speeds in (np.array([omega]), np.linspace(0.0, omega, 30)):
         shifts = sweep_blade(operators, speeds, 8).coriolis_shifts(omega)
@@ -504,14 +500,15 @@ def test_the_pull_of_a_ball_follows_the_metal(case):
     """
     solved, (point, *others) = _flanged(), WITH_A_MASS[case]
     at = place(solved.model, np.array(point))
+    pulled = solved.pull(at)
     for omega, alone, other in zip((0.0, 1000.0), (165.0107, 329.3471), others, strict=True):
         modes = solved.at(omega)
-        reduced, _ = reduced_modes(modes, floor(solved.model, at, modes, AXIS), solved.pull(at), ball_mass=0.01)
+        reduced, _ = reduced_modes(modes, floor(solved.model, at, modes, AXIS), pulled, ball_mass=0.01)
         assert reduced.f2_hz == pytest.approx(alone, rel=3e-5)
         assert reduced.f1_hz - reduced.f2_hz == pytest.approx(other - alone, abs=0.04), "by the line, 0.7 Hz off"
     line = [pull(solved.model, at, samples).stiffness(modes)[0, 0] for samples in (48, 200)]
     assert line[1] == pytest.approx(line[0], rel=0.02)
-    assert line[0] == pytest.approx(solved.pull(at).stiffness(modes)[0, 0], rel=0.25)
+    assert line[0] == pytest.approx(pulled.stiffness(modes)[0, 0], rel=0.25)
 
 
 def test_the_pull_of_a_ball_between_solved_speeds_is_that_of_each():
@@ -519,9 +516,10 @@ def test_the_pull_of_a_ball_between_solved_speeds_is_that_of_each():
     operators, speeds = blade("P1_fan", (8, 4, 1)), rpm(np.linspace(0, 9000, 4))
     swept = SolvedBlade(operators, speeds, 4, 2e-4)
     at = place(swept.model, BLADES["P1_fan"][0].points(*map(np.array, (0.95, 0.6, 0.0))))
+    pulled = swept.pull(at)
     for speed in rpm(np.array([2000.0, 5000.0, 8000.0])):
         alone = SolvedBlade(operators, np.array([speed]), 4, 2e-4)
-        one, other = (each.pull(at).stiffness(each.at(speed)) for each in (swept, alone))
+        one, other = pulled.stiffness(swept.at(speed)), alone.pull(at).stiffness(alone.at(speed))
         assert one[0, 0] == pytest.approx(other[0, 0], rel=1e-3)
         np.testing.assert_allclose(np.abs(one)[:2, :2], np.abs(other)[:2, :2], rtol=0.01)
 
@@ -605,9 +603,12 @@ def test_distorted_cells_are_taken(kind):
             VolumeMesh(made.points, ((kind, broken_cells),))
 
 
-@pytest.mark.parametrize("case", broken())
+BROKEN = broken()
+
+
+@pytest.mark.parametrize("case", BROKEN)
 def test_a_broken_mesh_is_one_clear_line(case):
-    points, cells, problem = broken()[case]
+    points, cells, problem = BROKEN[case]
     with pytest.raises(MeshError, match=problem) as refused:
         VolumeMesh(points, cells)
     assert "\n" not in str(refused.value)

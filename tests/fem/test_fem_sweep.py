@@ -125,16 +125,11 @@ def test_sparse_and_dense_agree():
     np.testing.assert_allclose(solve_modes(operators, TOP, 20).frequencies_hz, expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("cells", [9, 12, 15])
+@pytest.mark.parametrize("cells", [9, 15])
 def test_a_soft_mode_does_not_drown_the_stiff_ones(cells):
     """Under a huge point mass one basis answers all speeds, as tightly as rounding lets each mode, and is right."""
-    plate = Plate(
-        rectangle(0.2, 0.45, cells, 3 * cells // 2),
-        3.5e-4,
-        STEEL,
-        1000.0 * STEEL.density * 0.2 * 0.45 * 3.5e-4,
-        (0.2, 0.0),
-    )
+    mesh, mass = rectangle(0.2, 0.45, cells, 3 * cells // 2), 1000.0 * STEEL.density * 0.2 * 0.45 * 3.5e-4
+    plate = Plate(mesh, 3.5e-4, STEEL, mass, (0.2, 0.0))
     operators = assemble(plate, Rotor(0.0, -1.2), Effects())
     speeds = np.linspace(0.2, 1.0, 20)
     found = campbell(operators, speeds, 5, tolerance=2e-7)
@@ -159,7 +154,7 @@ def test_a_thousand_speeds_for_the_factors_of_one(monkeypatch):
     found = campbell(assemble(paper_plate(28, 11), Rotor(), Effects()), np.linspace(0.0, TOP, 1000), 6)
     assert len(factored) - one == one == 2
     assert found.bounds.max() <= 1e-6
-    fine = solve_modes(assemble(paper_plate(56, 22), Rotor(), Effects()), 0.0, 6).frequencies_hz
+    fine = solve_modes(assemble(paper_plate(42, 16), Rotor(), Effects()), 0.0, 6).frequencies_hz
     np.testing.assert_allclose(found.frequencies_hz[0], fine, rtol=1e-3)
 
 
@@ -218,7 +213,7 @@ def test_veering_is_flagged():
     assert not fine.veerings
 
 
-@pytest.mark.parametrize(("speeds", "coriolis"), [(6, False), (41, False), (101, False), (6, True), (31, True)])
+@pytest.mark.parametrize(("speeds", "coriolis"), [(6, False), (101, False), (6, True), (21, True)])
 def test_sharp_veering_is_flagged(speeds, coriolis):
     """The second flap and the first lag come within 0.9 Hz under stagger and cross without one."""
     plate = Plate(rectangle(0.3, 0.03, 12, 2), 0.002, STEEL)

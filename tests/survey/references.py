@@ -12,7 +12,6 @@ import csv
 import hashlib
 import sys
 import time
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +66,6 @@ def layers_of(case):
     return (1, 1) if rounding(case, 2).max() > TOLERABLE else (2, 2)
 
 
-@cache
 def rounding(case, layers):
     """How far apart, relatively, CalculiX's own frequencies (COUNT,) are on the coarser mesh, numbered otherwise."""
     if case.thickness > THIN * case.planform.sides[0]:

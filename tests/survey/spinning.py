@@ -11,6 +11,7 @@ matrices before they are written, tell by how much, and the ones found here are 
 
 import tempfile
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 import scipy.linalg
@@ -94,6 +95,7 @@ def matrices(case, fineness, layers, timeout=600.0):
     return Matrices(*_concentrated(case, stiffness, mass, free, column), uncut)
 
 
+@cache
 def own_frequencies(case, fineness, layers, number, timeout=600.0):
     """CalculiX's own lowest (COUNT,) in Hz, point masses apart, of nodes and bricks in another order and in another
     unit of length: with number 0 those that `matrices` corrects by, with others the same but for rounding."""
