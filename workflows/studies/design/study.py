@@ -50,7 +50,7 @@ _FEW, _FOREMOST = 300, 4
 MAP = 12
 """Values of each range, in the map around the best and where all designs are looked at."""
 
-_NEAR, _NEAREST = 0.08, 2e-3
+NEAR, NEAREST = 0.08, 2e-3
 """How far from the best its neighbours are at first, and when the search ends, in shares."""
 
 
@@ -172,9 +172,9 @@ def _globally(space: Space, score: Score, seed: int) -> Floats:
 
 def _locally(space: Space, score: Score, start: Floats) -> tuple[Floats, Evaluation]:
     """The best by full figures near a design: of all neighbours at once, then of closer ones."""
-    best, evaluation, step = start, score(start[None], False)[0], _NEAR
+    best, evaluation, step = start, score(start[None], False)[0], NEAR
     ways = _ways(len(space.axes), space.continuous)
-    while len(ways) and step > _NEAREST:
+    while len(ways) and step > NEAREST:
         near = np.clip(best + step * ways, 0.0, 1.0)
         here = score(near, False)
         k = max(range(len(here)), key=lambda n: here[n].score)
