@@ -400,9 +400,8 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
             raise ModesFileError(f"key '{name}': expected numbers of 0 or above{', and below 1' * (below == 1.0)}")
     norm = np.sqrt(masses)[:, :, None, None]
     scales = {"shapes": norm, "rotations": norm, "drawn": norm[..., 0]}
-    fields = {"shapes": "shapes", "static": "static", "rotations": "rotations", "damping_ratios": "damping_ratios"}
-    fields |= {"errors": "frequency_errors", "drawn": "drawn"}
-    whole = {field: arrays[name] / scales.get(name, 1.0) for field, name in fields.items() if name in arrays}
+    own = {"errors": "frequency_errors"} | {name: name for name in ("static", "damping_ratios", *scales)}
+    whole = {field: arrays[name] / scales.get(name, 1.0) for field, name in own.items() if name in arrays}
     known = tuple(
         ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{name: values[k] for name, values in whole.items()})
         for k in np.argsort(speeds)
