@@ -188,6 +188,12 @@ def python(*arguments: object, **options: Any) -> subprocess.CompletedProcess[st
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANG, **options)
 
 
+def strict_json(text: str) -> dict[str, Any]:
+    """A document without NaN and infinity, which are not JSON."""
+    found: dict[str, Any] = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+    return found
+
+
 def refused(outcome: Outcome, start: str, message: str = "", status: int = 2) -> str:
     """What a command says in the one line on standard error with which it ends; nothing else is said."""
     assert (outcome.status, outcome.out) == (status, ""), outcome
@@ -225,6 +231,5 @@ def coarse() -> Results:
 
 @pytest.fixture(scope="session")
 def document(finished: Path) -> dict[str, Any]:
-    """Its results.json."""
-    found: dict[str, Any] = json.loads((finished / "results.json").read_text(encoding="utf-8"))
-    return found
+    """Its results.json, in which there is no NaN."""
+    return strict_json((finished / "results.json").read_text(encoding="utf-8"))

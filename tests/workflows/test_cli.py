@@ -24,7 +24,17 @@ import pytest
 import fem
 import spindamp
 from tests.limits import HANG
-from tests.workflows.conftest import Command, Outcome, Scene, changed, python, refused, shipped_scene, write
+from tests.workflows.conftest import (
+    Command,
+    Outcome,
+    Scene,
+    changed,
+    python,
+    refused,
+    shipped_scene,
+    strict_json,
+    write,
+)
 from workflows import cli, progress
 from workflows.cli.commands import COMMANDS
 from workflows.progress import Stages
@@ -87,7 +97,7 @@ def test_json_is_all_that_is_printed(command: str, spindamp: Command, tmp_path: 
     outcome = spindamp(command, scene, "--json")
     assert outcome.status == 0
     assert outcome.err == ""
-    document = json.loads(outcome.out, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+    document = strict_json(outcome.out)
     assert document["schema_version"] == 1
     point = document["speeds"][0]
     assert ("damper" in point) == ("reduced" in point) == (command != "campbell")

@@ -33,10 +33,21 @@ def endless(tmp_path: Path) -> Path:
     return scene
 
 
+def skip_where_ignored(number: signal.Signals) -> None:
+    if signal.getsignal(number) is signal.SIG_IGN:
+        pytest.skip("ignored here, as below nohup and in the background, and so by what is started here")
+
+
+def ended() -> int:
+    """The number of a process that is gone."""
+    process = subprocess.Popen([sys.executable, "-S", "-c", ""])
+    process.wait(HANG)
+    return process.pid
+
+
 @pytest.mark.parametrize(("number", "status", "after"), [(signal.SIGHUP, 129, 0.35), (signal.SIGINT, 130, 2.0)])
 def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
-    if signal.getsignal(number) is signal.SIG_IGN:
-        pytest.skip("ignored here, as below nohup, and so by what is started here")
+    skip_where_ignored(number)
     with subprocess.Popen(
         [*COMMAND, "ringdown", endless, "--out", "out"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path
     ) as process:
@@ -76,8 +87,7 @@ def test_an_error_that_a_signal_left_behind(
     number: signal.Signals, status: int, says: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a handler raises within a lock may end as an error of the lock."""
-    if signal.getsignal(number) is signal.SIG_IGN:
-        pytest.skip("ignored here, as below nohup and in the background")
+    skip_where_ignored(number)
 
     def unlucky(*_: object, **__: object) -> None:
         try:
@@ -215,14 +225,12 @@ for turn in range(40):
 
 def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where a system cannot exchange two folders in one step, the next run brings the old results back first."""
-    dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait(HANG)
-    out = tmp_path / "out"
-    aside = tmp_path / f"{folder._prefix(out)}{dead.pid}-abc{folder.ASIDE}"
+    out, dead = tmp_path / "out", ended()
+    aside = tmp_path / f"{_prefix(out)}{dead}-abc{folder.ASIDE}"
     aside.mkdir()
     (aside / "results.json").write_text("old")
     (aside / folder.MANIFEST).write_text("results.json\n")
-    (tmp_path / f"{folder._prefix(out)}{dead.pid}-abc").mkdir()
+    (tmp_path / f"{_prefix(out)}{dead}-abc").mkdir()
     with pytest.raises(RuntimeError, match="broke"), folder.replacing(out):
         raise RuntimeError("broke")
     assert (out / "results.json").read_text() == "old"
@@ -397,8 +405,7 @@ with replacing(Path(sys.argv[1])) as scratch:
 
 @pytest.mark.parametrize("with_what", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None:
-    if signal.getsignal(with_what) is signal.SIG_IGN:
-        pytest.skip("ignored here, as below nohup and in the background")
+    skip_where_ignored(with_what)
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     with subprocess.Popen(
@@ -415,10 +422,8 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
 
 def test_what_another_run_writes_stays(tmp_path: Path) -> None:
     """Only what processes that are gone have left is removed."""
-    ended = subprocess.Popen([sys.executable, "-c", ""])
-    ended.wait(HANG)
     out = tmp_path / "out"
-    alive, dead = (tmp_path / f"{_prefix(out)}{number}-abc" for number in (os.getpid(), ended.pid))
+    alive, dead = (tmp_path / f"{_prefix(out)}{number}-abc" for number in (os.getpid(), ended()))
     alive.mkdir()
     dead.mkdir()
     _publish(out, "new", "results.json")

@@ -316,25 +316,26 @@ def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
     assert found["axes"] == "xyz"
 
 
-def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
-    """A cube of one cell: of its 12 edges, in two parts each, the four around its top."""
-    nodes = cell("hexahedron20").nodes
+def cube(**options: Any) -> Surface:
+    """The surface of one cell, of 2 m about the origin."""
     cells = (("hexahedron20", np.arange(20)[None]),)
-    lines, triangles = edges_of(cells), modal_model.faces(cells)
-    surface = Surface(nodes, ("triangle", triangles), lines, lines[:0], np.zeros((0, 0, 20, 3)), (), frame=np.eye(3))
+    lines, triangles, none = edges_of(cells), modal_model.faces(cells), np.zeros((0, 0, 20, 3))
+    return Surface(cell("hexahedron20").nodes, ("triangle", triangles), lines, lines[:0], none, (), **options)
+
+
+def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
+    """Of the 12 edges of a cube, in two parts each, the four around its top."""
+    surface = cube(frame=np.eye(3))
     seen = figures.seen_from_above(surface)
-    np.testing.assert_array_equal(seen, nodes[:, 2] > 0.5)
-    assert seen[lines].all(axis=1).sum() == 8
+    np.testing.assert_array_equal(seen, surface.points[:, 2] > 0.5)
+    assert seen[surface.outline].all(axis=1).sum() == 8
 
 
 @pytest.mark.parametrize(("origin", "least"), [(None, -1.0), ([7.0, 0.0, -2.0], 1.0)])
 def test_the_still_picture_measures_outwards_from_the_spin_axis(origin: list[float] | None, least: float) -> None:
     """Not from the origin of the file: a cube of 2 m about it with its damper, and an axis 2 m away."""
-    nodes, none = cell("hexahedron20").nodes, np.zeros((0, 0, 20, 3))
-    cells = (("hexahedron20", np.arange(20)[None]),)
-    lines, triangles = edges_of(cells), modal_model.faces(cells)
     frame, turns = np.array([[0.0, 0, 1], [0, -1, 0], [1, 0, 0]]), None if origin is None else np.array(origin)
-    surface = Surface(nodes, ("triangle", triangles), lines, lines[:0], none, (), frame=frame, origin=turns)
+    surface = cube(frame=frame, origin=turns)
     (axes,) = figures.mesh_of(surface, (0.5, -0.5), "clamped root").axes
     assert axes.get_xlabel().startswith("outwards, ")
     scale = 1e3 if axes.get_xlabel().endswith("mm") else 1.0
