@@ -17,6 +17,8 @@ from workflows.report import remarks
 from workflows.scene import load as loading
 from workflows.studies import comparison as report
 
+pytestmark = pytest.mark.usefixtures("quickly")
+
 
 @pytest.fixture(scope="module")
 def soft_and_stiff(tmp_path_factory):

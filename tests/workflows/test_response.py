@@ -54,6 +54,13 @@ def requested_alone(monkeypatch):
         monkeypatch.setattr(study, more, lambda *_: set())
 
 
+@pytest.fixture
+def unpictured(monkeypatch):
+    """Pages without their pictures, which take most of their time and are not looked at."""
+    for name in ("campbell_plot", "response", "damping"):
+        monkeypatch.setattr(report, name, lambda *_: "")
+
+
 @pytest.fixture(scope="module")
 def known():
     return respond(as_scene_file(STRUCTURE))
@@ -110,6 +117,7 @@ def test_no_level_is_called_endured_that_overstresses_the_root(paper, thickness)
     assert [each.endured for each in again.levels] == [True, False]
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_the_estimate_is_that_of_a_run_and_follows_from_the_table(known):
     """The largest amplitude by free vibration over the one without; and how far it is off, both as they are printed."""
     run = {each.level: each for each in spindamp.run(STRUCTURE).reductions[0].levels}
@@ -172,6 +180,7 @@ def test_the_headline_says_that_a_cavity_that_sticks_out_has_to_fit(known):
     assert "cavities fit" not in " ".join(report.sentences(unknown))
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_what_the_table_leaves_open_is_open_in_json(known):
     """A ratio that answers nothing; and an estimate of a ball that the load holds loosely is rough."""
     entries = report.document(with_estimate(known, reason="outside_speeds"))["crossings"]
@@ -288,7 +297,6 @@ def test_an_interpolation_whose_error_is_not_known(known):
     assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_files(known, written):
     names = {path.name for path in written.iterdir()}
     assert {"response.json", "response.nc", "report.html"} <= names
@@ -625,7 +633,7 @@ def test_a_level_above_a_fold_is_tried():
     assert added == f"{above.force:g} N is therefore evaluated as well."
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("unpictured")
 def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypatch):
     """A structure has no such limit; one between the amplitudes under 2 and 20 N parts them, here and on the page."""
     weak, strong, best = study.rows(known)
@@ -655,6 +663,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     assert said.endswith("At 20 N the structure would be overstressed.")
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_the_report_says_where_the_stress_is(known, monkeypatch):
     """Of a plate at its root, of a structure in space where its mesh is strained most; none where it is not known."""
     assert "Stress:" not in report.render(known)
