@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from damper import (
     Mode,
     Outcome,
     ParticleDamper,
+    RingDown,
     capacity,
     damping_curve,
     intrinsic_sdc,
@@ -20,7 +22,7 @@ from damper import (
 )
 from damper.state import GRIP, HIT, REVERSAL, ROLLING, STUCK
 from tests.compiler import needs_compiler
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 
 HEAVY = 1e15  # a structure that the ball does not move
 
@@ -30,6 +32,17 @@ def heavy(omega: float, gap: float, **changes: object) -> ParticleDamper:
     stiffness, side = HEAVY * omega**2, 2 * (gap + 1e-3)
     base = ParticleDamper(HEAVY, (stiffness,) * 2, 1.0, 1e-3, (side, side), 0.0, 0.5, sticking_ratio=0.0)
     return dataclasses.replace(base, **changes)
+
+
+def thrown(damper: ParticleDamper, seconds: float, *velocity: float, **start: object) -> RingDown:
+    """A ball that is thrown in a structure at rest, and its events."""
+    cycles = seconds * damper.stuck_frequency / (2 * math.pi)
+    return ringdown(damper, (0.0, 0.0), cycles, ball_velocity=velocity, keep_events=True, **start)
+
+
+def of(run: RingDown, kind: int) -> Any:
+    """Its events of a kind."""
+    return run.rows[run.rows["kind"] == kind]
 
 
 @pytest.mark.parametrize(("e", "zeno"), [(0.5, 1.354571), (0.8, 4.063713)])
@@ -42,7 +55,7 @@ def test_zeno_time(e: float, zeno: float) -> None:
     run = ringdown(
         heavy(omega, 1.0, restitution=e), (-9.81 / omega**2, 0.0), cycles=10 * omega / 2 / math.pi, keep_events=True
     )
-    hits = run.rows[run.rows["kind"] == HIT]
+    hits = of(run, HIT)
     assert hits["direction"][-1] == 0, "the sequence ends in sticking"
     assert hits["time"][-1] == pytest.approx(zeno, rel=2e-5)
     assert len(hits) < 200
@@ -53,7 +66,7 @@ def test_free_rolling_stops() -> None:
     damper = heavy(1e-6, 10.0, centrifugal_acceleration=1e3, rolling_friction=1e-4)
     v0 = 3.0
     run = ringdown(damper, (0.0, 0.0), 1e-5, ball_velocity=(v0, 0.0), keep_events=True)
-    stop = run.rows[run.rows["kind"] == REVERSAL][0]
+    stop = of(run, REVERSAL)[0]
     assert stop["s"] == pytest.approx(7 * v0**2 / (10 * damper.rolling_threshold), rel=1e-12)
     assert stop["direction"] == 0
     assert run.energy.rolling == pytest.approx(0.5 * 1.4 * v0**2, rel=1e-12), "all of the energy of rolling"
@@ -65,8 +78,7 @@ def test_one_impact(e: float, mass_ratio: float) -> None:
     """Momentum is kept, the relative speed is multiplied by e, and half m (1-e^2) w^2 is lost."""
     m2, mp, w0 = 2.0, 2.0 * mass_ratio, 0.7
     damper = ParticleDamper(m2, (1e-12, 1e-12), mp, 1e-3, (0.022, 0.022), 0.0, e, sticking_ratio=0.0)
-    period = 2 * math.pi / damper.stuck_frequency
-    run = ringdown(damper, (0.0, 0.0), 0.02 / period, ball_velocity=(w0, 0.0), keep_events=True)
+    run = thrown(damper, 0.02, w0, 0.0)
     assert run.impacts == 1
     after = sample(run, run.duration)
     v, w = after.velocity[0, 0], after.relative_velocity[0, 0]
@@ -88,8 +100,7 @@ def test_oblique_impact(mu: float, load: complex) -> None:
     damper = ParticleDamper(
         structure, (1e-12,) * 2, m, r, (0.022, 0.202), load.real, e, mu, floor_tilt=(load.imag, load.imag)
     )
-    period = 2 * math.pi / damper.stuck_frequency
-    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(speed, along), keep_events=True)
+    run = thrown(damper, 0.015, speed, along)
     after = sample(run, run.duration)
     laws = np.array([[m, 0, 0, 1], [0, structure, 0, -1], [0, 0, 0.4 * m * r, -1], [1, -1, -r, 0]])
     ball, wall, turning, impulse = np.linalg.solve(laws, [m * along, 0, 0, 0])
@@ -119,8 +130,7 @@ def test_a_published_oblique_impact() -> None:
     for angle, ratio in zip(np.radians(angles), measured, strict=True):
         across, along = 3.9 * math.cos(angle), 3.9 * math.sin(angle)
         damper = ParticleDamper(1e6, (1e-6,) * 2, 2.6e-4, 2.5e-3, (0.025, 1.0), 0.0, 0.98, 0.092)
-        cycles = 0.015 / across * damper.stuck_frequency / (2 * math.pi)
-        run = ringdown(damper, (0.0, 0.0), cycles, ball_velocity=(across, along), keep_events=True)
+        run = thrown(damper, 0.015 / across, across, along)
         after = sample(run, run.duration).relative_velocity[0]
         assert after[0] == pytest.approx(-0.98 * across)
         assert after[1] / along == pytest.approx(ratio, rel=0.02 if angle > 0.6 else 0.2)
@@ -130,8 +140,7 @@ def test_the_printed_friction_stops_the_centre() -> None:
     """Eq. (11): rough enough walls leave no velocity along them."""
     damper = ParticleDamper(3.0, (1e-12,) * 2, 1.0, 1e-3, (0.022, 0.202), 1e-6, 0.5, 5.0)
     damper = dataclasses.replace(damper, formulation=Formulation.PRINTED)
-    period = 2 * math.pi / damper.stuck_frequency
-    run = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(1.0, 0.5), keep_events=True)
+    run = thrown(damper, 0.015, 1.0, 0.5)
     assert sample(run, run.duration).relative_velocity[0, 1] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -156,7 +165,7 @@ def test_two_impacts_a_cycle(e: float, least: float) -> None:
             ball_velocity=(-speed - rate, 0.0),
             keep_events=True,
         )
-        hits = run.rows[run.rows["kind"] == HIT]
+        hits = of(run, HIT)
         assert len(hits) == 1
         assert hits["time"][0] == pytest.approx(math.pi, abs=1e-9)
         return float(hits["v"][0] + hits["w"][0] - speed)
@@ -172,7 +181,7 @@ def test_two_impacts_a_cycle(e: float, least: float) -> None:
 
 def test_structure_alone_decays_as_it_should() -> None:
     """A ball that never moves: sdc is the structure's own in every cycle, and the damping books close."""
-    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=0.02, centrifugal_acceleration=1e9)
+    damper = paper(damping_ratio=0.02, centrifugal_acceleration=1e9)
     run = ringdown(damper, (1e-3, 0.0), 30)
     result = capacity(run)
     zeta = 0.02 / math.sqrt(1.006)  # the dashpot 2 zeta w2 M2 against the stuck mass
@@ -194,11 +203,17 @@ def slippery(e: float = 0.5, **changes: object) -> ParticleDamper:
     return dataclasses.replace(base, **changes)
 
 
+def at_the_wall(damper: ParticleDamper, cycles: float = 1.0) -> RingDown:
+    """The slippery ball rolls at 3 m/s, 1 mm before a wall."""
+    start = {"ball_position": (9.999, 0.0), "ball_velocity": (3.0, 0.0)}
+    return ringdown(damper, (0.0, 0.0), cycles, keep_events=True, **start)
+
+
 def test_slip_to_roll() -> None:
     """A ball that slides without spin rolls with 5/7 of its speed after 2 u0 / (7 mu g)."""
     damper, u0 = slippery(), 3.0
     run = ringdown(damper, (0.0, 0.0), 1e-8, ball_velocity=(u0, 0.0), ball_spin=(0.0, 0.0), keep_events=True)
-    grip = run.rows[run.rows["kind"] == GRIP][0]
+    grip = of(run, GRIP)[0]
     assert grip["time"] == pytest.approx(2 * u0 / (7 * 0.3 * 2e3), rel=1e-9)
     assert grip["w"] == pytest.approx(5 / 7 * u0, rel=1e-9)
     assert run.energy.slip == pytest.approx(0.5 * 2 / 7 * u0**2, rel=1e-9)
@@ -207,9 +222,8 @@ def test_slip_to_roll() -> None:
 @pytest.mark.parametrize("e", [0.41, 0.5, 0.8, 1.0])
 def test_effective_restitution_of_a_rolling_ball(e: float) -> None:
     """It leaves a wall with its old spin and rolls at (2 - 5e)/7 of its speed, momentum about the contact kept."""
-    run = ringdown(slippery(e), (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
-    hits = run.rows[run.rows["kind"] == HIT]
-    grips = run.rows[run.rows["kind"] == GRIP]
+    run = at_the_wall(slippery(e))
+    hits, grips = of(run, HIT), of(run, GRIP)
     assert grips["w"][0] == pytest.approx((2 - 5 * e) / 7 * 3.0, rel=1e-6)
     assert grips["time"][0] > hits["time"][0]
 
@@ -220,30 +234,28 @@ def test_the_wall_takes_spin(friction: float, spin: float, tilt: float) -> None:
     """A vertical impulse at the wall, at most mu J or what ends the sliding there; at mu = 0.3, e = 0.5 the effective
     restitution is 0.276 instead of 0.071, on either way through the engine."""
     damper = slippery(0.5, friction=friction, floor_tilt=(tilt, tilt))
-    run = ringdown(damper, (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
-    hit, grip = (run.rows[run.rows["kind"] == kind][0] for kind in (HIT, GRIP))
+    run = at_the_wall(damper)
+    hit, grip = (of(run, kind)[0] for kind in (HIT, GRIP))
     assert hit["spin"] == pytest.approx(3.0 * spin, rel=1e-6)
     assert grip["w"] == pytest.approx(-3.0 * (5 * 0.5 - 2 * spin) / 7, rel=1e-6)
     if friction == 0.3:
         assert -grip["w"] / 3.0 == pytest.approx(0.276, abs=5e-4)
-    cycles = 1.001 * grip["time"] * damper.stuck_frequency / (2 * math.pi)
-    books = ringdown(damper, (0.0, 0.0), cycles, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0)).energy
+    books = at_the_wall(damper, 1.001 * grip["time"] * damper.stuck_frequency / (2 * math.pi)).energy
     assert books.impact + books.slip == pytest.approx(0.7 * (9.0 - grip["w"] ** 2), rel=1e-6)
 
 
 @pytest.mark.parametrize(("e", "presses"), [(0.11, True), (0.12, False)])
 def test_below_which_restitution_the_ball_comes_back_to_the_wall(e: float, presses: bool) -> None:
     """0.114 with the wall's friction, where it was 0.4 without."""
-    damper = slippery(e, friction=0.6)
-    run = ringdown(damper, (0.0, 0.0), 1e-3, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
-    assert (run.rows["w"][run.rows["kind"] == GRIP][0] > 0) == presses
+    run = at_the_wall(slippery(e, friction=0.6), 1e-3)
+    assert (of(run, GRIP)["w"][0] > 0) == presses
 
 
 @pytest.mark.parametrize("e", [0.0, 0.2, 0.39])
 def test_a_dull_rolling_ball_keeps_pressing_the_wall(e: float) -> None:
     """Below e = 0.4 the ball bounces on the wall, friction pressing it there, until its spin is spent."""
     damper = slippery(e, rolling_friction=1e-9)
-    run = ringdown(damper, (0.0, 0.0), 1.0, ball_position=(9.999, 0.0), ball_velocity=(3.0, 0.0), keep_events=True)
+    run = at_the_wall(damper)
     last = run.rows[run.rows["axis"] == 0][-1]
     assert (last["kind"], last["regime"], last["spin"]) == (GRIP, STUCK, 0.0)
     assert last["s"] == damper.half_gap[0]
@@ -253,7 +265,7 @@ def test_a_dull_rolling_ball_keeps_pressing_the_wall(e: float) -> None:
 @pytest.mark.parametrize("zeta", [pytest.param(0.0, marks=needs_compiler), 0.01])
 def test_cutoff_is_the_rolling_threshold(zeta: float) -> None:
     """The last moving cycle's amplitude is mu_r / r of the load, within one cycle's decay."""
-    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=zeta)
+    damper = paper(damping_ratio=zeta)
     result = capacity(ringdown(damper, (20e-3, 0.0)))
     assert result.cutoff is not None
     ratio = result.cutoff / damper.centrifugal_acceleration
@@ -265,7 +277,7 @@ def test_cutoff_is_the_rolling_threshold(zeta: float) -> None:
 def test_bounds_hold() -> None:
     """No cycle loses more than the work bound, nor than two hits of a free ball could take."""
     for e in (0.0, 0.3, 0.5, 0.8, 0.99):
-        damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), restitution=e)
+        damper = paper(restitution=e)
         result = capacity(ringdown(damper, (20e-3, 0.0), 300))
         bounds = [work_bound(damper, (v / damper.stuck_frequency, 0.0)) for v in result.peak_velocity]
         assert (result.sdc < np.array(bounds) * (1 + 0.02)).all()
@@ -276,7 +288,7 @@ def test_bounds_hold() -> None:
 @pytest.mark.parametrize("formulation", list(Formulation))
 def test_rolling_demand_is_what_accelerates_the_ball(zeta: float, formulation: Formulation) -> None:
     """Between hits only the floor pushes the ball: m q'' over its load, by differences of the sampled velocity."""
-    damper = dataclasses.replace(paper_like(formulation), damping_ratio=zeta, ball_mass=0.05, restitution=0.9)
+    damper = paper(formulation=formulation, damping_ratio=zeta, ball_mass=0.05, restitution=0.9)
     run = ringdown(damper, (20e-3, 7e-3), 1, keep_events=True)
     assert run.impacts > 2
     found = 0.0
@@ -293,15 +305,14 @@ def test_rolling_demand_is_what_accelerates_the_ball(zeta: float, formulation: F
 @pytest.mark.parametrize("mass", [0.2, 7.0])
 def test_dashpot_of_a_structure_of_any_mass(mass: float) -> None:
     """c = 2 zeta sqrt(K M2): with a ball of no weight the ratio is zeta itself."""
-    base = paper_like(Formulation.CONSISTENT)
-    damper = dataclasses.replace(base, modal_mass=mass, ball_mass=1e-12, damping_ratio=0.03)
+    damper = paper(modal_mass=mass, ball_mass=1e-12, damping_ratio=0.03)
     exact = 1 - math.exp(-4 * math.pi * 0.03 / math.sqrt(1 - 0.03**2))
     assert intrinsic_sdc(damper) == pytest.approx(exact, rel=1e-9)
 
 
 def test_a_tremor_is_rest() -> None:
     """Without damping a ball a hair above the threshold nears it for ever: the run ends soon, and it counts as rest."""
-    base = paper_like(Formulation.CONSISTENT)
+    base = paper()
     amplitude = base.rolling_threshold / base.stuck_frequency**2
     run = ringdown(base, (amplitude * 1.0005, 0.0))
     assert run.outcome is Outcome.TREMBLES
@@ -313,7 +324,7 @@ def test_a_tremor_is_rest() -> None:
 
 def test_a_vibration_dies_out() -> None:
     """A ball afloat never rests; once the structure does, the run ends, without a cut-off."""
-    damper = dataclasses.replace(paper_like(Formulation.CONSISTENT), centrifugal_acceleration=0.0, damping_ratio=0.2)
+    damper = paper(centrifugal_acceleration=0.0, damping_ratio=0.2)
     run = ringdown(damper, (2e-3, 0.0))
     assert run.outcome is Outcome.DIED_OUT
     assert not run.rested
@@ -325,11 +336,8 @@ def test_a_sliding_ball_goes_from_wall_to_wall() -> None:
     """On a floor too slippery to turn it, it hits the walls in turn, after the time that its speed asks for."""
     gap, speed = 1e-2, 3.0
     damper = slippery(1.0, floor_friction=1e-9, cavity=(2 * (gap + 1e-3),) * 2)
-    period = 2 * math.pi / damper.stuck_frequency
-    run = ringdown(
-        damper, (0.0, 0.0), 0.035 / period, ball_velocity=(speed, 0.0), ball_spin=(0.0, 0.0), keep_events=True
-    )
-    hits = run.rows[run.rows["kind"] == HIT]
+    run = thrown(damper, 0.035, speed, 0.0, ball_spin=(0.0, 0.0))
+    hits = of(run, HIT)
     assert hits["s"] == pytest.approx([gap, -gap, gap, -gap, gap], rel=1e-12)
     assert hits["time"] == pytest.approx([(2 * k + 1) * gap / speed for k in range(5)], rel=1e-6)
 
@@ -342,7 +350,7 @@ def test_a_start_on_a_wall_with_spin_into_it(side: int, tilt: float) -> None:
     damper = dataclasses.replace(rolls, floor_friction=0.1, floor_tilt=(tilt, tilt))
     place, spin = (side * 1e-3, 0.0), (side * 0.3, 0.0)
     run = ringdown(damper, (1e-4, 0.0), 5, ball_position=place, ball_spin=spin, keep_events=True)
-    grip = run.rows[run.rows["kind"] == GRIP][0]
+    grip = of(run, GRIP)[0]
     assert grip["time"] == pytest.approx(0.3 / (2.5 * 0.1 * 1e4), rel=1e-12)
     assert grip["s"] == place[0]
     assert abs(run.rows["s"]).max() <= 1e-3
@@ -361,7 +369,7 @@ def test_restitution_by_impact_speed(series: bool) -> None:
     modes = tuple(Mode(HEAVY, damper.stiffness[0], shape) for shape in ((1.0, 0.0), (0.0, 1.0)))
     damper = dataclasses.replace(damper, modes=modes) if series else damper
     run = ringdown(damper, (0.0, 0.0), 1e-3, ball_velocity=(first, 0.0), keep_events=True)
-    hits, speed = run.rows[run.rows["kind"] == HIT], first
+    hits, speed = of(run, HIT), first
     assert hits["w_before"][-1] ** 2 < 0.5**2 < 4.0**2 < first**2
     for k, hit in enumerate(hits):
         if speed > 4.0:

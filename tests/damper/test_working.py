@@ -21,6 +21,12 @@ curve = cache(damping_curve)
 """Of a damper that several tests look at, measured once."""
 
 
+def alike(damper: ParticleDamper, apart: float) -> list[DampingCurve]:
+    """Curves of six dampers whose balls differ by a share of their mass."""
+    masses = [damper.ball_mass * (1 + k * apart) for k in range(6)]
+    return [damping_curve(replace(damper, ball_mass=mass), threads=1) for mass in masses]
+
+
 def at(found: DampingCurve, amplitude: float) -> float:
     """Damping ratio of the curve at an amplitude."""
     return float(np.interp(math.log(amplitude), np.log(found.amplitude), found.damping_ratio))
@@ -195,8 +201,7 @@ def test_a_falling_ball_bounces_on_where_few_sweeps_fall_off_early() -> None:
         amplitudes = np.geomspace(first, 0.105e-3, 1000)
         lost = led(damper, amplitudes, 0.5)
         ramps.append((np.log2(amplitudes) - 0.5 * lost / math.log(2), lost / (2 * math.pi)))
-    alike = [replace(damper, ball_mass=damper.ball_mass * (1 + k * 1e-12)) for k in range(6)]
-    every = [damping_curve(each, threads=1) for each in alike]
+    every = alike(damper, 1e-12)
     for amplitude in (0.112e-3, 0.141e-3, 0.2e-3, 0.282e-3):
         near = [lost[np.abs(place - math.log2(amplitude)) < 1 / 24].mean() for place, lost in ramps]
         for found in every:
@@ -447,8 +452,7 @@ def test_where_growing_vibration_begins_to_bounce_is_in_the_error(given: tuple[f
     turned = {"floor_tilt": (slope, 0.88 * slope), "rotation": turn, "stagger": stagger}
     pair, side = (stiffness, 50 * stiffness), 2 * (radius + gap)
     damper = ParticleDamper(mass, pair, ball, radius, (side, side), load, restitution, 0.3, lever, **turned)
-    alike = [replace(damper, ball_mass=ball * (1 + k * 1e-12)) for k in range(6)]
-    every = [damping_curve(each, threads=1) for each in alike]
+    every = alike(damper, 1e-12)
     figures = np.array([(found.peak, *found.half) for found in every])
     off = np.abs(figures / np.median(figures, axis=0) - 1).max(axis=1)
     assert np.linalg.norm(off) < np.linalg.norm([found.error for found in every])
@@ -463,8 +467,7 @@ def test_the_error_covers_what_starts_that_are_alike_show() -> None:
     turned = {"rotation": 314.159, "stagger": -2.68231, "modes": modes}
     stiffness, cavity = (4.753577e5, 1.05903555e7), (5e-3, 4.6e-3)
     damper = ParticleDamper(0.295832, stiffness, 7.89168e-4, 2e-3, cavity, 50213.9, 0.6, 0.2, 2e-5, **turned)
-    alike = [replace(damper, ball_mass=damper.ball_mass * (1 + k * 1e-5)) for k in range(6)]
-    every = [damping_curve(each, threads=1) for each in alike]
+    every = alike(damper, 1e-5)
     peaks = np.array([found.peak for found in every])
     assert peaks.max() > 1.05 * peaks.min()
     for found in every:

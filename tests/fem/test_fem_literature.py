@@ -129,7 +129,7 @@ def test_calculix(stagger, softening):
 @pytest.mark.parametrize("stagger", [0.0, 90.0])
 def test_calculix_by_bricks(stagger):
     """The solid model's first three modes within 0.3 % at every speed."""
-    operators = assemble(paper_plate(20, 10), Rotor(stagger=np.deg2rad(stagger)), Effects(), "solid")
+    operators = assemble(paper_plate(18, 9), Rotor(stagger=np.deg2rad(stagger)), Effects(), "solid")
     table = {speed: f[:3] for (angle, softened, speed), f in calculix().items() if angle == stagger and softened}
     assert len(table) == 7
     found = campbell(operators, rpm(np.array(list(table))), 3).frequencies_hz
