@@ -76,7 +76,7 @@ def test_interrupt_ends_the_call() -> None:
     [
         ({"restitution": np.full(N, 1.2)}, "restitution must be between 0 and 1, got 1.2"),
         ({"restitution": np.zeros(2)}, f"restitution must have {N} values"),
-        ({"colour": np.zeros(N)}, "colour is no field"),
+        ({"colour": np.zeros(N)}, "colour is not a field"),
         ({"cavity": np.full(N, 1e-3)}, "cavity must be at least the ball's diameter"),
     ],
 )

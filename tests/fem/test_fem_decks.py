@@ -82,7 +82,10 @@ REFUSED = {
     "generated elements": ([*MESH, "*ELGEN,ELSET=EALL", "1,2,1,1"], r"line \d+: \*ELGEN generates elements"),
     "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
     "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
-    "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"line \d+: a set of nodes holds 'FACE', which is no number"),
+    "no such set": (
+        [*MESH, "*NSET,NSET=NROOT", "FACE"],
+        r"line \d+: a set of nodes holds 'FACE', which is neither a number",
+    ),
     "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
     "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),

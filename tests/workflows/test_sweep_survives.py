@@ -261,7 +261,7 @@ def test_a_full_disk_refuses_and_can_be_helped(asked, undisturbed, tmp_path, mon
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", full)
         patch.chdir(tmp_path)
-        says = r"^--out = 'out': cannot be written: No space left on device; what is finished stays"
+        says = r"^--out = 'out': cannot be written: No space left on device; finished points are kept"
         with pytest.raises(BadInput, match=says):
             complete(asked, Path("out"))
     for _ in range(100):  # a thread of zarr's that was writing at the time takes its own away
@@ -290,7 +290,7 @@ def test_another_study_is_refused(asked, out):
         with pytest.raises(BadInput, match=what):
             complete(other, out)
     keys = study.of_scene("structure", {"damper.friction": [0.1, 0.2, 0.3]}, quick=True)
-    with pytest.raises(BadInput, match="differs in its points and keys: expected another folder"):
+    with pytest.raises(BadInput, match="differs in its points and keys: use another folder"):
         complete(keys, out)
     assert contents(out) == before
 
