@@ -173,17 +173,20 @@ def largest_stress(results: Results, crossing: Crossing) -> float | None:
     Of a plate by bending at its root, of a structure in space wherever its strain is largest.
     """
     material, strain = results.scene.material, limits.largest_strain(results, 1.0)
-    if material is None or strain is None:
+    if material is None or strain is None or not _is_followed(results, crossing):
         return None
-    point = min(results.speeds, key=lambda point: abs(point.omega - crossing.omega))
-    followed = point.followed
-    known = followed is not None and point.modes[followed].branch == crossing.branch
-    return material.youngs_modulus * strain if known else None
+    return material.youngs_modulus * strain
 
 
 def endured(results: Results, crossing: Crossing) -> float:
     """Amplitude at the cavity that the structure endures [m]; inf where it is not known."""
-    return math.inf if largest_stress(results, crossing) is None else limits.endured(results)
+    return limits.endured(results) if _is_followed(results, crossing) else math.inf
+
+
+def _is_followed(results: Results, crossing: Crossing) -> bool:
+    """Whether a crossing is that of the mode the damper follows, whose strain is known."""
+    point = min(results.speeds, key=lambda point: abs(point.omega - crossing.omega))
+    return point.followed is not None and point.modes[point.followed].branch == crossing.branch
 
 
 def refused(results: Results) -> Reason | None:

@@ -33,7 +33,7 @@ class Passage:
         states: of the damper, s * f points, the speeds one after the other.
         reduction: the same by free vibration, as a run estimates it, at the levels followed.
         least_force: from which on the ball cannot stay at rest, in the unit of the forces.
-        figures: the damper's own, at the crossing.
+        figures: the damper's own, at the crossing; None where another mode leads along axis 1, whose they would be.
     """
 
     crossing: Crossing
@@ -43,7 +43,7 @@ class Passage:
     states: damper.Forced
     reduction: VibrationReduction
     least_force: float
-    figures: damper.DampingCurve
+    figures: damper.DampingCurve | None
 
     def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Values of the points as (s, f) or (s, f, starts)."""
@@ -474,9 +474,8 @@ def _followed(
     system = excitation.damper_at(solver, at, crossing, forcing)
     if isinstance(system, str):
         return system
-    _, axis, _ = excitation.modes_at_crossing(at, crossing)
+    _, axis, leads = excitation.modes_at_crossing(at, crossing)
     share = coupling.resting_share(system, at) if axis == 0 else 1.0
-    figures = damper_stage.figures(system)
     omega = _speeds(solver, met, system)
     cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
     states = _steady_states(solver, crossing, cases(omega), axis)
@@ -491,7 +490,10 @@ def _followed(
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
         least_force = share * float((levels * states.moves_from).min())
-    figures = replace(figures, cutoff=share * figures.cutoff)
+    figures = None
+    if leads:
+        own = damper_stage.figures(system)
+        figures = replace(own, cutoff=share * own.cutoff)
     return Passage(crossing, axis, omega, forcing.levels, states, reduction, least_force, figures)
 
 

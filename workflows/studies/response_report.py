@@ -55,6 +55,7 @@ def dataset(result: Response) -> xr.Dataset:
     data = data.assign_coords(
         order=("crossing", [passage.crossing.order for passage in passages]),
         mode=("crossing", [passage.crossing.branch + 1 for passage in passages]),
+        axis=("crossing", [t.axis + 1 for t in passages], {"long_name": "axis of the cavity of the amplitudes"}),
         force=("force", list(result.excitation.levels), {"units": unit, "long_name": f"height of the {kind}"}),
         start=("start", [str(start) for start in passages[0].states.starts]),
         rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
@@ -112,7 +113,7 @@ def response(result: Response, passage: Passage, name: str, shades: Sequence[str
         for start in range(mean.shape[2]):
             label = f"{significant(force)} {result.excitation.unit}" if start == 0 else None
             axes.plot(rpm, 1e3 * mean[:, k, start], color=colour, lw=1.0, label=label)
-    axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel="amplitude at the cavity, mm")
+    axes.set(yscale="log", xlabel="rotation speed, rpm", ylabel=f"amplitude along axis {passage.axis + 1}, mm")
     plots.legend(figure, axes, title=result.excitation.kind)
     return plots.svg(figure, f"response-{name}", "Amplitude over speed, without and with the ball")
 
@@ -120,21 +121,21 @@ def response(result: Response, passage: Passage, name: str, shades: Sequence[str
 @plots.style()
 def damping(result: Response) -> str:
     """The ball's equivalent damping ratio over amplitude at each crossing, its working range, and what the air does."""
-    shown = [passage for passage in result.passages if passage.figures.amplitude.size]
+    every = [(passage.crossing, passage.figures) for passage in result.passages if passage.figures is not None]
+    shown = [(c, figures) for c, figures in every if figures.amplitude.size]
     if not shown:
         return ""
     figure, (axes,) = plots.canvas(3.0)
-    for passage, colour in zip(shown, plots.shades(len(shown)), strict=True):
-        figures, c = passage.figures, passage.crossing
-        some = figures.damping_ratio > 0
+    for (c, own), colour in zip(shown, plots.shades(len(shown)), strict=True):
+        some = own.damping_ratio > 0
         label = f"order {c.order}, {whole(c.rpm)} rpm"
-        axes.plot(1e3 * figures.amplitude[some], 100 * figures.damping_ratio[some], color=colour, label=label)
-        low, high = (1e3 * end for end in figures.range)
+        axes.plot(1e3 * own.amplitude[some], 100 * own.damping_ratio[some], color=colour, label=label)
+        low, high = (1e3 * end for end in own.range)
         if np.isfinite(low) and np.isfinite(high):
-            axes.plot([low, high], [50 * figures.peak] * 2, color=colour, lw=3, alpha=0.35)
+            axes.plot([low, high], [50 * own.peak] * 2, color=colour, lw=3, alpha=0.35)
     air = [100 * ratio for ratio in AIR]
     axes.axhspan(*air, color=plots.RULE, lw=0)
-    least = 100 * min(passage.figures.peak for passage in shown) / 30
+    least = 100 * min(figures.peak for _, figures in shown) / 30
     axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
     axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     plots.legend(figure, axes, ncols=1)
@@ -235,7 +236,7 @@ def text(result: Response) -> str:
     values = {"rows": best_rows(result), "zeta": zeta, "unit": result.excitation.unit}
     added = templates.said("response/added", result.results.scene.ball_count, **values) if zeta else []
     return "\n".join(
-        [result.results.scene.title, *sentences(result), "", *table, *legend(result, every), *rough(result), *added]
+        [result.results.scene.title, *sentences(result), "", *table, *legend(result, every), *captions(result), *added]
     )
 
 
@@ -244,10 +245,12 @@ def legend(result: Response, table: list[Row]) -> list[str]:
     return [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in table) else []
 
 
-def rough(result: Response) -> list[str]:
-    """Where estimated ratios are rough."""
+def captions(result: Response) -> list[str]:
+    """Where estimated ratios are rough, and where amplitudes are along axis 2."""
     loose = [each.crossing for each in result.passages if each.reduction.loose]
-    return templates.said("response/rough", result.results.scene.ball_count, crossings=loose) if loose else []
+    across, balls = [each.crossing for each in result.passages if each.axis == 1], result.results.scene.ball_count
+    said = templates.said("response/rough", balls, crossings=loose) if loose else []
+    return said + (templates.said("response/across", crossings=across) if across else [])
 
 
 def best_rows(result: Response) -> list[Row]:
@@ -330,6 +333,7 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "frequency_error": finite(c.error),
         "basis_error": finite(c.basis),
         "force": row.force,
+        "axis": row.passage.axis + 1,
         "peak_rpm": in_rpm(row.omega),
         "peak_frequency_hz": row.frequency,
         "amplitude_without": row.without,
@@ -346,19 +350,24 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
 
 
 def _damper(result: Response, passage: Passage) -> dict[str, Any]:
-    """The damper's own figures at a crossing, and the force from which it moves."""
+    """The force from which the damper moves at a crossing, and its own figures where the mode leads along axis 1."""
     c, figures, spec = passage.crossing, passage.figures, result.results.scene.damper
+    own: dict[str, Any] = dict.fromkeys(("damping_ratio_peak", "at_amplitude", "range", "cutoff", "curve"))
+    if figures is not None:
+        own = {
+            "damping_ratio_peak": figures.peak,
+            "at_amplitude": finite(figures.peak_amplitude),
+            "range": [finite(end) for end in figures.range],
+            "cutoff": finite(figures.cutoff),
+            "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
+        }
     return {
         "order": c.order,
         "mode": c.branch + 1,
         "least_force": finite(passage.least_force),
         "structure_damping_ratio": None if spec is None else spec.damping_ratio,
-        "damping_ratio_peak": figures.peak,
-        "at_amplitude": finite(figures.peak_amplitude),
-        "range": [finite(end) for end in figures.range],
-        "cutoff": finite(figures.cutoff),
         "endured_amplitude": finite(endured(result.results, c)),
-        "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
+        **own,
     }
 
 
@@ -390,5 +399,5 @@ def render(result: Response, drawn: dict[str, str] | None = None) -> str:
         drawn=drawn or draw(result),
         damping=damping(result),
         mark=remarks.BEYOND,
-        **{each.__name__: each for each in (endured, is_beyond, legend, ratio_cell, rough, rows, sentences, tag)},
+        **{each.__name__: each for each in (captions, endured, is_beyond, legend, ratio_cell, rows, sentences, tag)},
     )
