@@ -1,5 +1,6 @@
 """Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
 
+import math
 import re
 import tomllib
 from dataclasses import fields, replace
@@ -464,6 +465,10 @@ def test_the_fundamental_counts_as_the_first_whatever_its_family(twisted):
     assert excitation.largest_stress(twisted, met["lag 1"]) == pytest.approx(strained)
     assert excitation.endured(twisted, met["lag 1"]) == limits.endured(twisted)
     assert excitation.largest_stress(twisted, met["flap 1"]) is None
+    given = replace(twisted, scene=twisted.scene.model_copy(update={"material": None}))  # as of known modes
+    assert excitation.largest_stress(given, met["lag 1"]) is None
+    assert excitation.endured(given, met["lag 1"]) == limits.endured(twisted) < math.inf
+    assert excitation.endured(given, met["flap 1"]) == math.inf
 
 
 def test_every_change_of_the_mode_that_the_damper_follows_is_named(twisted):
@@ -611,13 +616,13 @@ def flat(tmp_path):
 
 
 def test_a_load_that_no_metal_bears_is_remarked_at_the_fastest_speed(flat, spindamp):
-    """Mean stress at the root of a bar from r to R: ρΩ²(R² - r²)/2 = 2500 MPa at 41 419 rpm, the edges left out."""
+    """Mean stress at the root of a bar from r to R: ρΩ²(R² - r²)/2 = 2400 MPa at 40 582 rpm, the edges left out."""
     for rpm, said in (41000, False), (42000, True):
         scene(flat, SCENE, f"'0 rpm', '{rpm} rpm'", level=('stagger = "35 deg"', 'stagger = "0 deg"'))
         out = spindamp("check", flat / "fan.toml").out
-        assert ("more than any metal bears (2500 MPa): are [blade] unit" in out) == said
+        assert ("more than any blade metal bears (2400 MPa): are [blade] unit" in out) == said
     tip, stress = map(float, re.findall(r"tip moves at (\d+) m/s, .* by (\d+) MPa on average", out)[0])
-    omega = 42000 * np.pi / 30
+    omega = 41200 * np.pi / 30
     assert tip == pytest.approx(omega * np.hypot(0.25, 0.04), rel=1e-2)
     assert stress == pytest.approx(0.5e-6 * 4430 * omega**2 * (0.25**2 - 0.05**2), rel=1e-2)
 

@@ -193,6 +193,21 @@ def test_what_the_table_leaves_open_is_open_in_json(known):
         assert (rough in report.render(page)) != known_well
 
 
+def test_the_axis_of_amplitudes_is_told(known):
+    """A mode that moves the cavity more along axis 2 has its amplitudes there, and no figures of another mode."""
+    across = with_passage(known, axis=1, figures=None)
+    rpm = known.passages[0].crossing.rpm
+    said = f"At order 3 ({rpm:.0f} rpm), amplitudes are along axis 2 of the cavity, along which"
+    for one, axis in ((known, 1), (across, 2)):
+        assert {each["axis"] for each in report.document(one)["crossings"]} == {axis}
+        assert report.dataset(one)["axis"].values == [axis]
+        page = report.render(one)
+        assert f"amplitude along axis {axis}, mm" in page
+        assert [said in " ".join(each.split()) for each in (report.text(one), page)] == [axis == 2] * 2
+    assert report.damping(known)
+    assert not report.damping(across)
+
+
 def test_a_prediction_that_failed_is_said(known, monkeypatch):
     """Of the level evaluated besides: what free vibration predicts there, and what the motion shows."""
     *_, best = every = study.rows(known)
@@ -858,8 +873,11 @@ def test_the_peak_with_the_ball_at_rest_is_followed(at, hub, count, order, numbe
         "excitation": {"orders": [order], "force": ["0.01 N"]},
         "accuracy": {"frequency": 0.01},
     }
-    row = max(study.rows(respond(as_scene_file(scene))), key=lambda row: row.frequency)
+    found = respond(as_scene_file(scene))
+    row = max(study.rows(found), key=lambda row: row.frequency)
     assert (row.regime, row.passage.crossing.branch) == ("locked", number)
+    (own,) = (each for each in report.document(found)["dampers"] if each["mode"] == number + 1)
+    assert (own["curve"] is None) == (own["cutoff"] is None) == (number != 0)  # they are of the mode that leads
     made = Plate(rectangle(0.4, 0.06, 16, 4), 0.012, Material(70e9, 0.3, 2700.0))
     operators = assemble(made, Rotor(hub_radius=hub), Effects(), "kirchhoff")
     loaded = with_point_mass(operators, (at, 0.0), count * 15600.0 * 4 / 3 * math.pi * 0.004**3)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from damper import Outcome
 from damper.contact import Contact, hit_time
 from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS
@@ -378,11 +379,14 @@ def wide(results: Results) -> Values:
     return {"width": width, "length": length} if width > _WIDE * length else None
 
 
+_CAPS = Outcome.CYCLE_CAP, Outcome.EVENT_CAP
+
+
 @remark
 def capped(results: Results) -> Values:
     """All speeds whose ring-down ended before its ball did."""
     rung = [(p, d.outcome) for p, _, d in ring_downs(results)]
-    ended = {outcome: [p for p, own in rung if own == outcome] for _, outcome in rung if "cap" in outcome}
+    ended = {outcome: [p for p, own in rung if own == outcome] for _, outcome in rung if outcome in _CAPS}
     marked = {outcome: any(cutoff_mark(results, p) for p in points) for outcome, points in ended.items()}
     return {"ended": ended, "marked": marked, "mark": AT_REST, "points": [p for p, _ in rung]} if ended else None
 

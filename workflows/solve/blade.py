@@ -19,7 +19,7 @@ from workflows.formatting import beside, percent, share, significant, span, turn
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
-from workflows.solve import known_modes, resources
+from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
 from workflows.solve.results import Floats
 
@@ -47,20 +47,16 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
 
 
 def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
-    """A remark where the load at a speed [rad/s] tears the root of any metal."""
+    """A remark where the load at a speed [rad/s] tears the root of any blade metal."""
     stress = 0.0 if structure.root_stress is None else omega**2 * structure.root_stress
-    if stress <= _STRONGEST:
+    if stress <= limits.STRONGEST:
         return ()
     tip = omega * float(np.linalg.norm(structure.model.load(structure.model.points), axis=1).max())
     return (
         f"At {turning(omega)} the tip moves at {significant(tip)} m/s, and the load pulls at the root by"
-        f" {significant(1e-6 * stress)} MPa on average, more than any metal bears"
-        f" ({1e-6 * _STRONGEST:g} MPa): are [blade] unit, [rotor] origin and speeds right?",
+        f" {significant(1e-6 * stress)} MPa on average, more than any blade metal bears"
+        f" ({1e-6 * limits.STRONGEST:g} MPa): are [blade] unit, [rotor] origin and speeds right?",
     )
-
-
-_STRONGEST = 2.5e9
-"""Strength [Pa] that no metal in bulk exceeds: maraging steel C350, 2.4 GPa."""
 
 
 def blade_structure(source: SceneFile) -> SpaceStructure:
