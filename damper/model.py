@@ -7,7 +7,7 @@ table (`PARAMETERS`), so that many are computed at once: derived quantities and 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import lru_cache
 from numbers import Integral, Real
 from typing import Any, TypeAlias
 
@@ -447,7 +447,7 @@ class ParticleDamper:
             raise ValueError("modes: none of them moves the cavity")
         if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
             raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
-        validate(self.parameters)
+        validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
@@ -455,23 +455,10 @@ class ParticleDamper:
         if self.modes is not None:
             object.__setattr__(self, "modes", tuple(self.modes))
 
-    @cached_property
+    @property
     def parameters(self) -> Parameters:
         """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
-        rows = np.zeros(1, PARAMETERS)
-        for name in PARAMETERS.names or ():
-            if name == "printed" or (name in _ABSENT and getattr(self, name) is None):
-                rows[name] = _ABSENT[name]
-                continue
-            if name == "restitution_by_speed":
-                rows[name] = (math.inf, 0.0)
-                for k, each in enumerate(self.restitution_by_speed):
-                    rows[name][0, k] = each
-                continue
-            rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(self, name))
-        rows["printed"] = self.formulation == Formulation.PRINTED
-        rows.flags.writeable = False
-        return rows
+        return _known_row(self)
 
     @property
     def level(self) -> bool:
@@ -621,3 +608,24 @@ def _speed_pairs(pairs: object) -> tuple[tuple[float, float], ...]:
     if not isinstance(pairs, tuple | list | np.ndarray) or len(pairs) > PAIRS:
         raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {pairs!r}")
     return tuple(pair(name, each) for each in pairs)
+
+
+def _row(damper: ParticleDamper) -> Parameters:
+    """The fields of a damper as one row, shape (1,)."""
+    rows = np.zeros(1, PARAMETERS)
+    for name in PARAMETERS.names or ():
+        if name == "printed" or (name in _ABSENT and getattr(damper, name) is None):
+            rows[name] = _ABSENT[name]
+            continue
+        if name == "restitution_by_speed":
+            rows[name] = (math.inf, 0.0)
+            for k, each in enumerate(damper.restitution_by_speed):
+                rows[name][0, k] = each
+            continue
+        rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(damper, name))
+    rows["printed"] = damper.formulation == Formulation.PRINTED
+    rows.flags.writeable = False
+    return rows
+
+
+_known_row = lru_cache(maxsize=256)(_row)
