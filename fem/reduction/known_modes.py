@@ -12,6 +12,8 @@ from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fem.linalg import Array
     from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
     from fem.plate import Material
@@ -219,7 +221,9 @@ def reduced_modes(
     return system, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
 
 
-def cavity_shifts(modes: ModesAtSpeed, pull: Pull, material: Material, volume: float, weakens: float) -> Array:
+def cavity_shifts(
+    modes: ModesAtSpeed, pull: Pull, material: Material, volume: float, weakens: float, metal: Sequence[Place]
+) -> Array:
     """What cavities at a place that the modes know nothing of do to frequencies, relatively, without sign, (k,).
 
     To first order: by the mass that they take out with its load, and by the strain energy of as much material.
@@ -230,12 +234,15 @@ def cavity_shifts(modes: ModesAtSpeed, pull: Pull, material: Material, volume: f
         material: what is cut.
         volume: of all cavities [m³].
         weakens: stiffness that they take over that of as much material, at most.
+        metal: places in the metal that is cut; their mean is the mean of its strain energy.
     """
-    moved, (gradient, _) = pull.place.displacement(modes.shapes), pull.place.gradient(modes)
-    turned = _deformed(pull.place, modes)[0].T @ gradient
-    strain = 0.5 * (turned + turned.swapaxes(1, 2))
-    spread = material.poissons_ratio / (1.0 - 2.0 * material.poissons_ratio) * np.trace(strain, axis1=1, axis2=2) ** 2
-    energy = 2.0 * material.shear_modulus * ((strain**2).sum(axis=(1, 2)) + spread)
+    moved, energy = pull.place.displacement(modes.shapes), np.zeros(len(modes.shapes))
+    dilation = material.poissons_ratio / (1.0 - 2.0 * material.poissons_ratio)
+    for each in metal:
+        turned = _deformed(each, modes)[0].T @ each.gradient(modes)[0]
+        strain = 0.5 * (turned + turned.swapaxes(1, 2))
+        spread = dilation * np.trace(strain, axis1=1, axis2=2) ** 2
+        energy += 2.0 * material.shear_modulus / len(metal) * ((strain**2).sum(axis=(1, 2)) + spread)
     drawn = modes.omega**2 * np.diagonal(pull.stiffness(modes)) / modes.squares
     lighter = material.density * np.abs((moved**2).sum(axis=1) - drawn)
     return np.asarray(0.5 * volume * (lighter + weakens * energy / modes.squares))

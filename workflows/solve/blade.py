@@ -116,9 +116,9 @@ def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callab
     from fem.reduction.known_modes import cavity_shifts
 
     damper = scene.damper
-    if damper is None or seat is None or not seat.filled or scene.effects.cavity_mass is False:
+    if damper is None or seat is None or not seat.metal or scene.effects.cavity_mass is False:
         return None
-    return lambda modes: cavity_shifts(modes, seat.pull, material, damper.cut, damper.weakens)
+    return lambda modes: cavity_shifts(modes, seat.pull, material, damper.cut, damper.weakens, seat.metal)
 
 
 def root_stress(operators: SolidOperators) -> float | None:

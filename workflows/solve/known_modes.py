@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 class Seat:
     """Where the damper sits: its place, axis 1 of its cavity (3,) before what of it is along the normal, its pull.
 
-    `normal`: of the floor (3,) at rest; None: along the load. `filled`: whether there is metal where the cavity is, so
-    that the mesh does not have it cut. `sticks_out`: how far the cavity does, out of the structure [m].
+    `normal`: of the floor (3,) at rest; None: along the load. `metal`: places in the metal where the cavity is; none
+    where the mesh has it cut. `sticks_out`: how far the cavity does, out of the structure [m].
 
     `force`: where and in which direction (3,) a force shakes the structure; None: not elsewhere than here.
     """
@@ -46,7 +46,7 @@ class Seat:
     pull: Pull
     force: tuple[Place, Floats] | None = None
     normal: Floats | None = None
-    filled: bool = False
+    metal: tuple[Place, ...] = ()
     sticks_out: float = 0.0
 
     def load(self, modes: ModesAtSpeed) -> Floats | None:
@@ -606,7 +606,7 @@ def seat_of(
             f"The damper is placed at the nearest point of the structure to the requested place, ({there}) mm,"
             f" {significant(1e3 * at.distance)} mm from it."
         )
-    filled, sticks_out, misfit = _fit(source, model, at, seen)
+    metal, sticks_out, misfit = _fit(source, model, at, seen)
     remarks += misfit
     leads = int(np.argmax(seen.moved[0] ** 2 / modes.squares))  # most of what moves along axis 1
     lift, slope, spread = (float(each[0, leads]) for each in (seen.moved, seen.slope, seen.spread))
@@ -633,11 +633,11 @@ def seat_of(
             " outside the structure: how the ball's pull stiffens it, by the shortening of that line, is a rough"
             " estimate (a solid blade, [blade], is stiffened by the stress in its metal)."
         )
-    return Seat(at, direction, pull, force, normal, filled, sticks_out), tuple(remarks)
+    return Seat(at, direction, pull, force, normal, metal, sticks_out), tuple(remarks)
 
 
-def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[bool, float, list[str]]:
-    """Whether there is metal where the cavity is, how far its box sticks out of it [m], and a remark on that.
+def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[tuple[Place, ...], float, list[str]]:
+    """Places in the metal where the cavity is, how far its box sticks out of it [m], and a remark on that.
 
     The box stands on the floor. Where metal surrounds a hollow, the mesh has the cavity cut: then its corners count.
 
@@ -651,27 +651,36 @@ def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[
     def in_space(grid: Floats) -> Floats:
         return np.asarray(at.point - damper.radius * seen.normal + (grid * sides) @ np.vstack([seen.axes, seen.normal]))
 
+    def metal(*, cut: bool) -> tuple[Place, ...]:
+        """By Gauss' rule, as far as they are inside: the mean over them is that of a quadratic over the box."""
+        gauss = in_space(ends[corners] / math.sqrt(3))
+        off = None if cut else modal_model.outside(model, gauss)
+        if off is None:
+            return ()
+        return tuple(modal_model.place(model, point) for point in gauss[off < slack]) or (at,)
+
     ends, slack = np.array(list(product((-0.5, 0.0, 0.5), repeat=3))), _STICKS * sides.min()
     points, corners = in_space(ends), (ends != 0.0).all(axis=1)
     off = modal_model.outside(model, points)
     if off is None or off.max() < slack:
-        return off is not None, 0.0, []
+        return metal(cut=off is None), 0.0, []
     inner = modal_model.outside(model, in_space(np.array(list(product(_PARTS, repeat=3)))))
-    metal = 0.0 if inner is None else float((inner < slack).mean())
-    hollow = off[len(ends) // 2] >= slack and (metal < _NO_METAL or off[corners].max() < _SURROUNDED * sides.min())
+    filled = 0.0 if inner is None else float((inner < slack).mean())
+    hollow = off[len(ends) // 2] >= slack and (filled < _NO_METAL or off[corners].max() < _SURROUNDED * sides.min())
     off = np.where(corners | (not hollow), off, 0.0)
     if (far := float(off.max())) < slack:
-        return not hollow, 0.0, []
+        return metal(cut=hollow), 0.0, []
     box = f"box of {' x '.join(significant(1e3 * each) for each in sides)} mm on the floor"
     there = ", ".join(f"{each:.4g}" for each in 1e3 * points[off.argmax()])
     sticks_out = f"sticks out of the structure by up to {significant(1e3 * far, 2)} mm, near ({there}) mm"
-    if source.scene.blade is not None and not hollow and metal < _MOST:
+    if source.scene.blade is not None and not hollow and filled < _MOST:
         problem = (
-            f"the {box} {sticks_out}, and only {significant(100 * metal, 2)} % of it is in metal: expected a smaller"
+            f"the {box} {sticks_out}, and only {significant(100 * filled, 2)} % of it is in metal: expected a smaller"
             " cavity, a place (at) further inside, or a mesh that includes the cavity and its housing"
         )
         raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
-    return not hollow, far, [f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."]
+    remark = f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."
+    return metal(cut=hollow), far, [remark]
 
 
 _STICKS = 0.01
