@@ -386,6 +386,7 @@ class _Balance:
         resting: frequency with the ball at rest [rad/s].
         bare: amplitude without the ball, by a unit of the excitation [m].
         moves_from: level up to which the ball stays at rest, along both axes.
+        driven_from: level from which the simulated forces move it.
     """
 
     free: damper.Backbone
@@ -393,6 +394,7 @@ class _Balance:
     resting: float
     bare: float
     moves_from: float
+    driven_from: float
 
     @classmethod
     def of(
@@ -406,12 +408,12 @@ class _Balance:
         branch = branch_of((at,), crossing)
         crossed = next((k for k, mode in enumerate(at.modes) if mode.branch == branch), 0)
         free, frequency = free_vibration(system), system.swing_frequency
-        moves = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
-        moves *= coupling.resting_share(system, there) if modes_at_crossing(there, crossing)[1] == 0 else 1.0
+        driven = float(damper.moves_from(system, [replace(unit, frequency=frequency)])[0])
+        share = coupling.resting_share(system, there) if modes_at_crossing(there, crossing)[1] == 0 else 1.0
         twice_zeta = free.dashpot / math.sqrt(system.stiffness[0] * system.modal_mass)
         stiffness = bare.modal_mass * (2 * math.pi * engine_orders.frequency_of(at, crossed)) ** 2
         without = force_at_cavity(bare, alone, ball=False) / (twice_zeta * stiffness)
-        return cls(free, force_at_cavity(system, unit), frequency, without, moves)
+        return cls(free, force_at_cavity(system, unit), frequency, without, share * driven, driven)
 
     def amplitude(self, levels: Floats) -> Floats:
         """The largest as the speed goes through the crossing, whatever the ball does [m]."""
@@ -447,7 +449,7 @@ def _over_levels(balance: _Balance, limit: float, requested: Sequence[float]) ->
     levels = tuple(ForceLevel(level, each / balance.bare / level, each, each <= limit) for level, each in by_level)
     low = min([limit, *(_BELOW * max(rests, float(branch.amplitude[0])) for branch in moving)])
     high = min(limit, max((_ABOVE * float(branch.amplitude[-1]) for branch in moving), default=math.inf))
-    known: dict[str, Any] = {"moves_from": balance.moves_from, "levels": levels}
+    known: dict[str, Any] = {"moves_from": balance.moves_from, "driven_from": balance.driven_from, "levels": levels}
     if not moving or not low < high:
         return known | {"endured_level": limit / balance.at_rest}, math.nan
     strongest = max(float(branch.damping_ratio.max()) for branch in moving)

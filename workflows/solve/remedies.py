@@ -63,9 +63,7 @@ def friction_that_moves(results: Results, reduction: VibrationReduction) -> floa
     With the ball at rest the amplitude goes with the level, and the one that moves it with the rolling friction.
     """
     near = min(results.speeds, key=lambda point: abs(point.omega - reduction.omega))
-    own = near.damping_curve
-    alone = own.cutoff / own.drives_from if own is not None and own.driven_from is not None else 1.0
-    return _eased(results, near, alone * reduction.endured_level / reduction.moves_from)
+    return _eased(results, near, reduction.endured_level / reduction.driven_from)
 
 
 def _dent(results: Results, point: SpeedPoint) -> float:

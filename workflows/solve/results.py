@@ -389,6 +389,8 @@ class VibrationReduction:
     rest)"""
     detail: Annotated[str, quantity("")] = ""
     """the same in words, where they say more"""
+    driven_from: Annotated[Unknown, quantity("1")] = math.nan
+    """level from which the simulated forces move the ball; null: none"""
 
     @property
     def omega(self) -> float:

@@ -32,7 +32,8 @@ class Passage:
         omega: (s,) [rad/s]; forces: (f,).
         states: of the damper, s * f points, the speeds one after the other.
         reduction: the same by free vibration, as a run estimates it, at the levels followed.
-        least_force: from which on the ball cannot stay at rest, in the unit of the forces.
+        least_force: up to which the ball stays at rest, in the unit of the forces.
+        driven_from: force from which on the simulated forces move it.
         figures: the damper's own, at the crossing; None where another mode leads along axis 1, whose they would be.
     """
 
@@ -43,6 +44,7 @@ class Passage:
     states: damper.Forced
     reduction: VibrationReduction
     least_force: float
+    driven_from: float
     figures: damper.DampingCurve | None
 
     def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -489,12 +491,12 @@ def _followed(
         omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        least_force = share * float((levels * states.moves_from).min())
+        driven_from = float((levels * states.moves_from).min())
     figures = None
     if leads:
         own = damper_stage.figures(system)
         figures = replace(own, cutoff=share * own.cutoff)
-    return Passage(crossing, axis, omega, forcing.levels, states, reduction, least_force, figures)
+    return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
 
 
 def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> damper.Forced:

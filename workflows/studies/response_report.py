@@ -210,6 +210,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         level=best.level,
         range=around,
         moves_from=passage.least_force,
+        driven_from=passage.driven_from,
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=bool(rough),
         reason=Reason.NONE,
