@@ -117,6 +117,9 @@ _LOWEST = 1e-3
 _CLEAR = 10
 """Least amplitude on the way up over the static deflection by a ball that rests off the middle of a tilting floor."""
 
+_BEYOND = 4
+"""Over the amplitude at which a ball leaves its dent, above which it has most of its damping: sweeps go up to there."""
+
 _BALANCED = 1e-3
 """Share of its drive that a ball must be left with for its figures to have a meaning."""
 
@@ -160,10 +163,12 @@ def damping_curve(
         reach: amplitude up to which the curve goes at least [m].
     """
     bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
+    places = resting_places(bare)
+    held = _held_by_dent(damper, places[-1])
+    reach = max([reach, *(_BEYOND * each for each in held if each < math.inf)])
     above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
     if above.peak == 0:
         return above
-    places = resting_places(bare)
     deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
     low = min(max(low, _CLEAR * deflection), 0.5 * high)
     rolls, ends, grazes, meets = rolling(bare, low, threads)
@@ -196,13 +201,20 @@ def damping_curve(
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
-    if damper.break_away > 0:
-        growing = held_until(growing, damper.amplitude_of(damper.break_away_threshold))
-        if any(places[-1]):
-            hold = damper.rolling_threshold + damper.break_away * damper.centrifugal_acceleration
-            leaves = damper.amplitude_of(hold + float(_outward(damper, np.array(places[-1])).min()))
-            growing = replace(held_until(growing, leaves), cutoff=growing.cutoff)
+    for each in held:
+        growing = replace(held_until(growing, each), cutoff=held[0])
     return growing
+
+
+def _held_by_dent(damper: ParticleDamper, place: tuple[float, float]) -> list[float]:
+    """Amplitudes up to which its dent holds a ball [m]: where it lies at first, and where the load pulls it to."""
+    if damper.break_away == 0:
+        return []
+    drives = [damper.break_away_threshold]
+    if any(place):
+        hold = damper.rolling_threshold + damper.break_away * damper.centrifugal_acceleration
+        drives.append(hold + float(_outward(damper, np.array(place)).min()))
+    return [damper.amplitude_of(drive) for drive in drives]
 
 
 def falling(

@@ -143,8 +143,9 @@ def figures(system: damper.ParticleDamper, threads: int | None = None, **how: An
     if not 0 < every.peak < down.peak:
         return curve
     every = continued(every, down)
-    least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
-    every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
+    if curve.peak > 0:
+        least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
+        every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
     return replace(curve, from_above=at_bin(every, int(np.argmax(every.damping_ratio))))
 
 
