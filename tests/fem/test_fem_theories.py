@@ -245,14 +245,27 @@ def test_poissons_ratio_tells():
         assert flap == pytest.approx(constant, abs=0.02)
 
 
+@pytest.mark.parametrize("length", [0.15, 0.3])
+def test_layers_of_a_bar_in_torsion(length):
+    """What two of them leave does not fall with the length, as it does in bending: within a factor of three."""
+    bar, steel = Rectangle(length, 0.02).mesh(1), Material(200e9, 0.3, 7850.0)
+    two, six = (
+        solve_modes(assemble(Plate(bar, 0.01, steel), Rotor(), AT_REST, t), 0.0, 6).frequencies_hz
+        for t in ("solid", "solid/6")
+    )
+    true = float((two / six - 1.0).max())
+    assert true > 1e-3
+    assert true < solid_theory((length, 0.02), 0.01, Budget(1e-2).layers)[1] < 3.0 * true
+
+
 def test_layers_of_a_solid():
     """More of them where more is asked for; what the last leave is as estimated within a factor of three."""
-    names = [solid_theory(0.2, 0.01, Budget(asked).layers)[0] for asked in (1e-2, 1e-3, 1e-4)]
+    names = [solid_theory((0.2, 0.08), 0.01, Budget(asked).layers)[0] for asked in (1e-2, 1e-3, 1e-4)]
     assert names == ["solid/2", "solid/4", "solid/6"]
     plate = Plate(Rectangle(0.2, 0.08).mesh(1), 0.01, STEEL)
     two, six = (solve_modes(assemble(plate, Rotor(), AT_REST, t), 0.0, 4).frequencies_hz for t in ("solid", names[2]))
     true = float((two / six - 1.0).max())
-    assert true / 3.0 < solid_theory(0.2, 0.01, Budget(1e-2).layers)[1] < 3.0 * true
+    assert true / 3.0 < solid_theory((0.2, 0.08), 0.01, Budget(1e-2).layers)[1] < 3.0 * true
 
 
 @cache

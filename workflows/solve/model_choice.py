@@ -173,4 +173,4 @@ def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str,
     if theory.name != "solid" or scene.plate is None:  # Mindlin's plates are clamped as solids are
         clamped = scene.plate is not None and scene.plate.root is None
         return "mindlin/held" if theory.name == "mindlin" and clamped else theory.name, 0.0
-    return solid_theory(form.sides[0], plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)
+    return solid_theory(form.sides, plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)
