@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.linalg import symmetric
 from fem.meshes.cells import cell, faces_of
+from fem.rotor import in_rpm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 
 class OffTheStructure(ValueError):
     """A place that is not on the structure, or that its nodes do not determine; the message says which."""
+
+
+class BadSpeeds(ValueError):
+    """Modes at several speeds that nothing between them follows from; the message says where."""
 
 
 class BadCells(ValueError):
@@ -177,7 +182,7 @@ class ModalModel:
         )
         values, vectors = np.linalg.eigh(stiffness)
         if values[0] <= 0.0:
-            raise ValueError(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
+            raise BadSpeeds(f"the squared frequencies between its speeds fall below 0 at {in_rpm(omega):.6g} rpm")
         return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)]), weights
 
     def _between(self, omega: float, near: Ints) -> ModesAtSpeed:

@@ -143,7 +143,11 @@ def test_steady_states_from_rest_begin_in_the_dent(over: float) -> None:
     assert free.mean[0, 0] == found.mean[0, 1]
 
 
-@pytest.mark.parametrize("damper", [DENTED, replace(DENTED, rolling_friction=1e-5, cavity=(6e-3, 6e-3))])
+NARROW = replace(DENTED, cavity=(2 * FREE.ball_radius + 2e-5,) * 2)
+"""Held up to many half clearances."""
+
+
+@pytest.mark.parametrize("damper", [DENTED, replace(DENTED, rolling_friction=1e-5, cavity=(6e-3, 6e-3)), NARROW])
 def test_the_curve_is_what_ramps_out_of_the_dent_show(damper: ParticleDamper) -> None:
     """Nothing is lost below the threshold; beyond, no ramp of 0.14 % a cycle loses less than the curve, but for 4 %."""
     found = damping_curve(damper)

@@ -322,6 +322,30 @@ def test_a_wrong_scene_of_known_modes(spindamp: Command, tmp_path: Path, case: d
     refused(spindamp("check", scene), f"{scene}: ", case["says"])
 
 
+def test_a_mode_that_is_there_twice(spindamp: Command, tmp_path: Path) -> None:
+    """It counted twice, and the ball damped twice as much."""
+    ((first, second),), scene = np.array(small()["shapes"]), write(OF_THE_BAR, tmp_path / "scene.toml")
+    copied = small() | {"modal_masses": [[1.0] * 3], "shapes": np.array([[first, -first, second]]).tolist()}
+    for hertz in (200.0, 200.2, 300.0):
+        (tmp_path / "bar.json").write_text(json.dumps(copied | {"frequencies_hz": [[200.0, hertz, 400.0]]}))
+        found = spindamp("check", scene)
+        assert ("modes 1 and 2 are the same: leave one out" in found.err) == (found.status == 2) == (hertz == 200.0)
+        assert ("modes 1 and 2 (200 and 200.2 Hz) move all its nodes alike" in found.out) == (hertz == 200.2)
+
+
+def test_what_lies_between_speeds_and_follows_from_none(spindamp: Command, tmp_path: Path) -> None:
+    """A frequency that falls to next to nothing and rises again: what passes through it is below 0 beside it."""
+    several = {"speeds_rpm": [0.0, 1000.0, 2000.0, 9000.0], "shapes": small()["shapes"] * 4}
+    several |= {"frequencies_hz": [[first, 300.0] for first in (200.0, 1.0, 200.0, 200.0)]}
+    (tmp_path / "bar.json").write_text(json.dumps(small() | several | {"modal_masses": [[1.0, 1.0]] * 4}))
+    scene = write(OF_THE_BAR | {"rotor": {"speeds": ["5000 rpm"]}}, tmp_path / "scene.toml")
+    refused(
+        spindamp("check", scene),
+        f"{scene}: [structure] modes: bar.json: the squared frequencies between",
+        "closer speeds",
+    )
+
+
 def test_a_bar_of_nine_nodes(spindamp: Command, tmp_path: Path) -> None:
     """A set of nodes for the place, the file's own axis: M2 = 1/phi², tilt = 2/L of a parabola, and modes listed."""
     (tmp_path / "bar.json").write_text(json.dumps(small()))

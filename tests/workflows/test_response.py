@@ -250,7 +250,7 @@ def test_another_modes_tail_is_no_answer(known):
 def unsettled(known, monkeypatch, of_without):
     """The row of the headline, not settled, with an error of so much of the amplitude without the ball."""
     *others, best = study.rows(known)
-    row = replace(best, regime="not settled", error=of_without * best.without)
+    row = replace(best, regime="not settled", error=of_without * best.without, smallest=best.mean, rms=best.mean)
     monkeypatch.setattr(report, "rows", lambda *_: [*others, row])
     return row
 
@@ -266,6 +266,11 @@ def test_motion_that_has_not_settled_is_said_with_its_error(known, monkeypatch):
     assert text.count("± ") == 2
     assert re.search(r"[\d.]+ ± 0\.15 +not settled", text)
     assert "damping ratio of roughly" in text.splitlines()[-1]
+    dwells = (
+        replace(row, smallest=row.mean - 0.2 * row.without),
+        replace(row, rms=math.hypot(row.mean, 0.2 * row.without)),
+    )
+    assert [each.ratio_error for each in (row, *dwells)] == pytest.approx([0.146, 0.2, 0.2])
 
 
 def test_closing_lines_are_of_what_the_headline_calls_useful(known, monkeypatch):

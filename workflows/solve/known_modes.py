@@ -285,7 +285,11 @@ def _structure(request: Request) -> SpaceStructure:
     @lru_cache(_SPEEDS)
     def modes_at(omega: float) -> ModesAtSpeed:
         _check_speed(source, model, omega)
-        return modal_model.chosen(model.at(omega), np.arange(count))
+        try:
+            return modal_model.chosen(model.at(omega), np.arange(count))
+        except modal_model.BadSpeeds as error:
+            problem = f"{names}: {error}: expected shapes that belong to their frequencies, or closer speeds"
+            raise source.wrong(problem, "[structure] modes") from error
 
     return SpaceStructure(model, modes_at, None, described, remarks, sha256)
 
@@ -311,6 +315,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         models.append(model)
         if (remark := _density_remark(name, model)) is not None:
             remarks.append(remark)
+        remarks += _copies(source, name, model)
     try:
         model = joined(models)
     except ModesFileError as error:
@@ -318,6 +323,33 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
     return about_spin_axis(source, model, turns=turns), tuple(remarks), whole
+
+
+def _copies(source: SceneFile, name: str, model: ModalModel) -> list[str]:
+    """Remarks on modes that move all nodes alike at nearly one frequency: a copy would count twice.
+
+    Raises:
+        BadInput: two modes are the same.
+    """
+    remarks = list[str]()
+    for modes in model.speeds:
+        flat, hertz = modes.shapes.reshape(len(modes.shapes), -1), modes.frequencies_hz
+        sizes = np.maximum(np.linalg.norm(flat, axis=1), np.finfo(float).tiny)
+        mac = (flat @ flat.T / np.outer(sizes, sizes)) ** 2
+        for one, other in zip(*np.nonzero(np.triu(mac > _COPY, 1)), strict=True):
+            apart = abs(float(hertz[other] / hertz[one]) - 1)
+            which = f"modes {one + 1} and {other + 1}"
+            if apart < _SAME and abs(sizes[other] / sizes[one] - 1) < _SAME:
+                raise source.wrong(f"{name}: {which} are the same: leave one out", "[structure] modes")
+            if apart < _CLOSE:
+                ends = " and ".join(significant(float(hertz[k]), 5) for k in (one, other))
+                alike = f"{which} ({ends} Hz) move all its nodes alike"
+                remarks.append(f"{name}: {alike}: if one is a copy of the other, it counts twice.")
+    return remarks
+
+
+_COPY, _SAME, _CLOSE = 1 - 1e-4, 1e-6, 0.01
+"""MAC of modes that move all nodes alike; relative differences of frequencies and sizes: of the same, of close ones."""
 
 
 def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:

@@ -131,8 +131,14 @@ class Row:
 
     @property
     def ratio_error(self) -> float | None:
-        """Error of the ratio where the motion has not settled; None where the ratio is known."""
-        return self.error / self.without if self.regime == damper.Regime.UNSETTLED else None
+        """Error of the ratio where the motion has not settled; None where the ratio is known.
+
+        The motion may dwell for longer than the last half of a run: what cycles, and means of other starts, differ by
+        counts, too.
+        """
+        cycles = math.sqrt(max(self.rms**2 - self.mean**2, 0.0))
+        spread = max(self.error, self.mean - self.smallest, cycles)
+        return spread / self.without if self.regime == damper.Regime.UNSETTLED else None
 
     @property
     def difference(self) -> float | None:
