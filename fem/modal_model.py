@@ -16,7 +16,6 @@ import numpy as np
 
 from fem.linalg import symmetric
 from fem.meshes.cells import cell, faces_of
-from fem.rotor import in_rpm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +30,11 @@ class OffTheStructure(ValueError):
 
 
 class BadSpeeds(ValueError):
-    """Modes at several speeds that nothing between them follows from; the message says where."""
+    """Modes at several speeds from which none follow at another, `omega` [rad/s]."""
+
+    def __init__(self, omega: float) -> None:
+        super().__init__(f"the squared frequencies between the speeds fall below 0 at {omega:g} rad/s")
+        self.omega = omega
 
 
 class BadCells(ValueError):
@@ -182,7 +185,7 @@ class ModalModel:
         )
         values, vectors = np.linalg.eigh(stiffness)
         if values[0] <= 0.0:
-            raise BadSpeeds(f"the squared frequencies between its speeds fall below 0 at {in_rpm(omega):.6g} rpm")
+            raise BadSpeeds(omega)
         return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)]), weights
 
     def _between(self, omega: float, near: Ints) -> ModesAtSpeed:

@@ -288,7 +288,8 @@ def _structure(request: Request) -> SpaceStructure:
         try:
             return modal_model.chosen(model.at(omega), np.arange(count))
         except modal_model.BadSpeeds as error:
-            problem = f"{names}: {error}: expected shapes that belong to their frequencies, or closer speeds"
+            below = f"{names}: the squared frequencies between its speeds fall below 0 at {in_rpm(error.omega):.6g} rpm"
+            problem = f"{below}: expected shapes that belong to their frequencies, or closer speeds"
             raise source.wrong(problem, "[structure] modes") from error
 
     return SpaceStructure(model, modes_at, None, described, remarks, sha256)
