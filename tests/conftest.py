@@ -17,7 +17,7 @@ gc.set_threshold(100_000, 50, 100)
 
 LONGEST = (
     "design fem_solid response fem_theories costs answer fem_choice fem_sweep fem_perturbed "
-    "sweep_survives moving_floor sweep blade fem_singular ends notebook reference survey fem_bent cli"
+    "sweep_survives moving_floor sweep blade fem_singular ends notebook reference fem_bent"
 )
 """Modules that take ten seconds of a processor and more; begun first, so that no core waits for another at the end."""
 

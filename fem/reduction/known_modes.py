@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.linalg import Array, symmetric
 from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
@@ -14,7 +15,6 @@ from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fem.linalg import Array
     from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
     from fem.plate import Material
 
@@ -240,7 +240,7 @@ def cavity_shifts(
     dilation = material.poissons_ratio / (1.0 - 2.0 * material.poissons_ratio)
     for each in metal:
         turned = _deformed(each, modes)[0].T @ each.gradient(modes)[0]
-        strain = 0.5 * (turned + turned.swapaxes(1, 2))
+        strain = symmetric(turned)
         spread = dilation * np.trace(strain, axis1=1, axis2=2) ** 2
         energy += 2.0 * material.shear_modulus / len(metal) * ((strain**2).sum(axis=(1, 2)) + spread)
     drawn = modes.omega**2 * np.diagonal(pull.stiffness(modes)) / modes.squares

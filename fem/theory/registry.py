@@ -48,10 +48,11 @@ class PlateTheory:
 LAYERED = {2: 0.012, 4: 0.002, 6: 0.0005}
 """Error of a solid of so many layers of bricks, times h/L: the corner at the clamp is singular across them as well.
 
-In torsion of a bar it does not fall with the length, but goes with h over `_SECTION` widths (against CalculiX).
+In torsion of a bar it does not fall with the length: h over `_SECTION` widths counts where that is more.
 """
 
 _SECTION = 2.5
+"""Against CalculiX's C3D20R, of five bars whose thickness is 0.4 to 1 of their width."""
 
 
 def _sheared(plate: Plate, rotary_inertia: bool, element: str) -> Discretisation:

@@ -380,6 +380,7 @@ def wide(results: Results) -> Values:
 
 
 _CAPS = Outcome.CYCLE_CAP, Outcome.EVENT_CAP
+"""What ends a ring-down before its ball has come to rest."""
 
 
 @remark
