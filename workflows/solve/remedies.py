@@ -15,7 +15,7 @@ class Remedy(NamedTuple):
     """What would set a resting ball rolling at a speed, each by itself; nan where it would not.
 
     Attributes:
-        amplitude: from which on the forces that its motion counts move the ball [m].
+        amplitude: above which the simulated forces move the ball [m].
         rolling_friction: up to which they move it at the amplitude that the plate endures [m]; nan where its dent, or
             a floor that leans, holds it.
         radius: of the ball, from which on it does with the same clearance [m]; nan where the plate is too thin for it.

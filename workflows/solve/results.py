@@ -217,8 +217,8 @@ class OwnFigures(Figures):
     tilted_cutoff_ratio: Annotated[MaybeUnknown, quantity("1")] = None
     """that over load_g"""
     driven_from: Annotated[MaybeUnknown, quantity("m")] = field(default=None, repr=False)
-    """amplitude from which on a ball at rest moves along x by the forces that the sweeps count, where others may move
-    it from the cut-off on: Coriolis forces, a pull sideways under a stagger, a load that varies; else null"""
+    """amplitude above which the simulated forces move a ball at rest along x, where others may move it above the
+    cut-off: Coriolis forces, a sideways pull under a stagger, a varying load; else null"""
 
     @property
     def ways_differ(self) -> bool:
@@ -236,7 +236,7 @@ class OwnFigures(Figures):
     ) -> OwnFigures:
         """Those that were measured, with what else is known of the floor.
 
-        `first`: amplitude from which on forces that were not counted move a ball at rest [m].
+        `first`: amplitude above which forces that are not simulated move a ball at rest [m].
         """
         ways = {way: getattr(measured, way) or measured for way in OTHER_WAYS}
         more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, first)) for way, each in ways.items()}
@@ -246,7 +246,7 @@ class OwnFigures(Figures):
 
     @property
     def drives_from(self) -> float:
-        """Amplitude from which on the forces that the sweeps count move a ball at rest [m]."""
+        """Amplitude above which the simulated forces move a ball at rest [m]."""
         return self.cutoff if self.driven_from is None else self.driven_from
 
 
