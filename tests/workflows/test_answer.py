@@ -28,6 +28,7 @@ from workflows.solve.results import (
     ForceLevel,
     Grade,
     Mode,
+    OwnFigures,
     Reason,
     Results,
     SpeedPoint,
@@ -291,13 +292,40 @@ def test_the_speed_below_which_a_ball_moves_is_as_coarse_speeds_know_it(
     found = twelve()
     first, curve = found.speeds[0], found.speeds[0].damping_curve
     assert curve is not None
-    own = {rpm: replace(curve, cutoff=1e-3 * start, driven_from=None) for rpm, start in starts.items()}
-    points = [replace(first, rpm=rpm, omega=rpm * math.pi / 30, damping_curve=each) for rpm, each in own.items()]
-    omega, about = (
-        30 / math.pi * each for each in remedies._slower(replace(found, speeds=points), points[-1], 1e-3 * limit)
-    )
+    omega, about = _slower(found, first, curve, starts, limit, tilt_at=math.inf)
     assert about == pytest.approx(moves, rel=1e-9)
     assert about <= omega < rests
+
+
+@pytest.mark.parametrize(("slow", "fast"), [(1000, 3000), (1400, 2400), (1500, 6000)])
+def test_the_speed_below_which_a_ball_moves_lies_below_that_at_which_the_tilt_takes_its_drive(
+    slow: int, fast: int
+) -> None:
+    """1 mm at Ω1 = 1000 rpm, Ω²/(1 - (Ω/Ω2)²) with Ω2 = 2200 rpm: 2 mm move the ball up to 1253 rpm, 3 mm to 1409."""
+    found = twelve()
+    first, curve = found.speeds[0], found.speeds[0].damping_curve
+    assert curve is not None
+    starts = {rpm: (rpm / 1000) ** 2 / abs(1 - (rpm / 2200) ** 2) for rpm in (slow, fast)}
+    for limit in (2.0, 3.0, 4.0):
+        moves = 1000 * math.sqrt(limit / (1 + limit * (1000 / 2200) ** 2))
+        omega, about = _slower(found, first, curve, starts, limit, tilt_at=2200)
+        assert math.isnan(omega) if moves < 0.5 * slow else 0.9 * moves < about <= omega <= moves * (1 + 1e-9)
+
+
+def _slower(
+    found: Results, first: SpeedPoint, curve: OwnFigures, starts: dict[int, float], limit: float, tilt_at: float
+) -> tuple[float, float]:
+    """The remedy [rpm] by the amplitudes [mm] that move a ball at some speeds, the tilt's share 1 at one of them."""
+    assert first.reduced is not None
+    tilt = (2 * math.pi * first.reduced.f1_hz) ** 2 / (first.pressing * (tilt_at * math.pi / 30) ** 2)
+    reduced = replace(first.reduced, floor_tilt=tilt)
+    own = {rpm: replace(curve, cutoff=1e-3 * start, driven_from=None) for rpm, start in starts.items()}
+    points = [
+        replace(first, rpm=rpm, omega=rpm * math.pi / 30, reduced=reduced, damping_curve=each)
+        for rpm, each in own.items()
+    ]
+    omega, about = remedies._slower(replace(found, speeds=points), points[-1], 1e-3 * limit)
+    return 30 / math.pi * omega, 30 / math.pi * about
 
 
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:

@@ -119,10 +119,12 @@ def _slower(results: Results, point: SpeedPoint, limit: float) -> tuple[float, f
     """Speed up to which a ball moves at an amplitude [rad/s], and the same in two digits; nan at one speed alone.
 
     Drive over resistance, which is the load over the amplitude that moves it, goes with the square of the speed as
-    between this speed and its neighbour. Between a speed at which it moves and the next one it lies below that line
-    where a twisted blade untwists: there the amplitude goes with a power of the speed, and the lower speed counts.
+    between this speed and its neighbour, and beyond the speed at which the tilt takes all of it is negative. Between a
+    speed at which it moves and the next one it lies below that line where a twisted blade untwists: there the amplitude
+    goes with a power of the speed, and the lower speed counts.
     """
     curves = {each.omega: each.damping_curve for each in results.speeds}
+    left = {each.omega: 1 - each.tilt_share for each in results.speeds}
     starts = {omega: own.drives_from for omega, own in curves.items() if own is not None and own.drives_from > 0}
     if len(starts) < 2 or starts[point.omega] <= limit:
         return math.nan, math.nan
@@ -130,7 +132,7 @@ def _slower(results: Results, point: SpeedPoint, limit: float) -> tuple[float, f
     other = slow or min((each for each in starts if each != one), key=lambda each: abs(each - one))
     if slow:
         one = min(each for each in starts if each > slow)
-    drive, driven = (limit * each**2 / starts[each] for each in (one, other))
+    drive, driven = (math.copysign(limit * each**2 / starts[each], left[each]) for each in (one, other))
     slope = (drive - driven) / (one**2 - other**2)
     square = (drive - slope * one**2) / (1 - slope)
     if not 0 < square < point.omega**2:
