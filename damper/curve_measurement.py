@@ -24,6 +24,7 @@ from damper.curves import (
     DampingCurve,
     as_read,
     continued,
+    counted,
     differs,
     figures,
     folded,
@@ -114,6 +115,9 @@ _OCTAVES, _MOST_OCTAVES = 2, 24
 _LOWEST = 1e-3
 """Least amplitude over half the clearance that is looked at where nothing holds the ball."""
 
+_EARLY = 0.25
+"""Amplitude over half the clearance at which a curve begins at the latest, or at the cut-off."""
+
 _CLEAR = 10
 """Least amplitude on the way up over the static deflection by a ball that rests off the middle of a tilting floor."""
 
@@ -143,6 +147,7 @@ def damping_curve(
     threads: int | None = None,
     sweeps: int = SWEEPS,
     stay: int = STAY,
+    least: float = 0.0,
     reach: float = 0.0,
 ) -> DampingCurve:
     """Measure the damper on sweeps through the amplitudes along x, the own damping of that mode set aside.
@@ -160,13 +165,16 @@ def damping_curve(
             moves the peak, as it does where hits take next to nothing from the ball. 4 sweeps of 60 take half of the
             time, and move the peak by less than 1 % where the ball has one motion at an amplitude. Sweeps up take as
             many cycles in all.
+        least: amplitude from which on damping counts, at most an eighth of the clearance: where the ball moves at
+            smaller ones, the curve begins there [m].
         reach: amplitude up to which the curve goes at least [m].
     """
     bare, cycles = undamped(damper), sweeps * stay  # of all sweeps for an octave
     places = resting_places(bare)
     held = _held_by_dent(damper, places[-1])
     reach = max([reach, *(_BEYOND * each for each in held if each < math.inf)])
-    above, samples, low, high = _down(bare, _Pace(sweeps, stay), reach, threads)
+    least = min(least, _EARLY * bare.half_gap[0] / max(abs(1 - bare.tilt_share[0]), _BALANCED))
+    above, samples, low, high = _down(bare, _Pace(sweeps, stay), (least, reach), threads)
     if above.peak == 0:
         return above
     deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
@@ -196,8 +204,8 @@ def damping_curve(
         name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
     }
     others["from_above"] = growing.descending
-    others = {name: as_read(resolved(each, rolls)) for name, each in others.items()}
-    growing = replace(as_read(resolved(growing, rolls)), **others)
+    others = {name: as_read(counted(resolved(each, rolls), least)) for name, each in others.items()}
+    growing = replace(as_read(counted(resolved(growing, rolls), least)), **others)
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
@@ -221,11 +229,11 @@ def falling(
     damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
 ) -> DampingCurve:
     """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
-    return as_read(_down(undamped(damper), _Pace(sweeps, stay), 0.0, threads)[0])
+    return as_read(_down(undamped(damper), _Pace(sweeps, stay), (0.0, 0.0), threads)[0])
 
 
 def _down(
-    bare: ParticleDamper, pace: _Pace, reach: float, threads: int | None
+    bare: ParticleDamper, pace: _Pace, ends: tuple[float, float], threads: int | None
 ) -> tuple[DampingCurve, Floats, float, float]:
     """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
     none = np.zeros((0, 3)), 0.0, 0.0
@@ -237,8 +245,8 @@ def _down(
     laws.check_rest_amplitude(bare, cutoff)
     if cutoff == 0 and bare.loses_nothing_in_hits:
         return nothing(cutoff), *none
-    lowest, top = max(cutoff, _freely(bare) * gap / left), 8 * max(cutoff, gap / left)
-    top = max(top, reach)
+    least, reach = ends
+    lowest, top = max(cutoff, least, _freely(bare) * gap / left), max(reach, 8 * max(cutoff, gap / left))
     fast = _Pace(min(pace.sweeps, _FIRST), max(pace.stay // _SLOWER, 1))
     before, top = _falling(bare, cutoff, lowest, top, fast, threads)
     if before.peak == 0:
@@ -251,7 +259,8 @@ def _down(
     if above.peak > 0:
         laws.check_curve(bare, above)
         laws.check_readings(above, samples)
-    return above, samples, max(cutoff, _LOWEST * gap / left), top
+    first = min(least, float(above.amplitude[0])) if above.peak > 0 else least  # what hits take may lead further down
+    return above, samples, max(cutoff, first, _LOWEST * gap / left), top
 
 
 def _falling(

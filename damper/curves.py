@@ -290,6 +290,15 @@ def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 
+def counted(curve: DampingCurve, least: float) -> DampingCurve:
+    """The same from an amplitude on."""
+    counts = curve.amplitude >= least
+    if counts.all() or not counts.any():
+        return curve
+    amplitude, ratio = curve.amplitude[counts], curve.damping_ratio[counts]
+    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+
+
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     """The same of a ball that lies in its dent up to an amplitude; out of it, it is as one that was never in it."""
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)

@@ -575,6 +575,18 @@ def held(results: Results) -> Values:
 
 
 @remark
+def minute(results: Results) -> Values:
+    """Amplitudes above the cut-off that are too small to count."""
+    least = {
+        amplitude
+        for p in results.speeds
+        if (own := p.damping_curve) is not None and own.peak > 0
+        if own.cutoff < (amplitude := limits.counts_from(replace(results, speeds=(p,))))
+    }
+    return {"least": max(least)} if least else None
+
+
+@remark
 def nothing_released(results: Results) -> Values:
     """A release by a ratio of a load that is not there."""
     release = results.scene.release

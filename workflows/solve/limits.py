@@ -47,6 +47,9 @@ ENDURED = 4e-3
 """Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
 about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
 
+MINUTE = 1e-3 * ENDURED
+"""Vibratory strain below which no damping is asked for: 0.5 MPa in Ti-6Al-4V."""
+
 SMALL = 0.25
 """Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
 its tip, Bisshopp and Drucker, Quart. Appl. Math. 3 (1945) 272."""
@@ -313,6 +316,12 @@ def endured(results: Results) -> float:
     if length is None:
         return ENDURED / strain
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
+
+
+def counts_from(results: Results) -> float:
+    """Amplitude at the cavity [m] from which on damping counts, by its strain; 0 where that is not known."""
+    strain = largest_strain(results, 1.0)
+    return MINUTE / strain if strain else 0.0
 
 
 def strained(scene: Scene) -> str:

@@ -361,7 +361,8 @@ def _response(
     passages, not_followed, source = [], [], solver.source
     for each, reduction in zip(met, reductions, strict=True):
         with during(each.crossing.place):
-            passage = _passage(solver, each, forcing, reduction)
+            least = limits.counts_from(replace(results, speeds=(each.at,)))
+            passage = _passage(solver, each, forcing, reduction, least)
         if isinstance(passage, str):
             not_followed.append((each.crossing, passage))
         else:
@@ -437,17 +438,17 @@ _TRIED, _ABOUT = 5, 0.7
 
 
 def _passage(
-    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction
+    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction, least: float
 ) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow.
 
     In the mode crossed and those that yield most along either axis, and where others move a peak, in all that a
-    ring-down has.
+    ring-down has. `least`: amplitude from which on damping counts [m].
     """
-    passage = _followed(solver, met, forcing, reduction, every=False)
+    passage = _followed(solver, met, forcing, reduction, least, every=False)
     if isinstance(passage, str) or not _others_count(solver, met, passage, forcing):
         return passage
-    return _followed(solver, met, forcing, reduction, every=True)
+    return _followed(solver, met, forcing, reduction, least, every=True)
 
 
 def _others_count(solver: StructureSolver, met: excitation.Meeting, passage: Passage, forcing: Excitation) -> bool:
@@ -475,6 +476,7 @@ def _followed(
     met: excitation.Meeting,
     forcing: Excitation,
     reduction: VibrationReduction,
+    least: float,
     *,
     every: bool,
 ) -> Passage | str:
@@ -500,7 +502,7 @@ def _followed(
         driven_from = float((levels * states.moves_from).min())
     figures = None
     if leads:
-        own = damper_stage.figures(system)
+        own = damper_stage.figures(system, least=least)
         figures = replace(own, cutoff=share * own.cutoff)
     return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
 

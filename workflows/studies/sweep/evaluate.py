@@ -67,15 +67,15 @@ class DamperCase:
         return self.state.results((self.point,))
 
 
-Known = dict[tuple[ParticleDamper, float], DampingCurve]
-"""Figures of dampers as they are measured, with the dents in which their balls lie."""
+Known = dict[tuple[ParticleDamper, float, float], DampingCurve]
+"""Figures of dampers as they are measured, with the dents in which their balls lie, and from where on they count."""
 
 
-def damper_curve(damper: ParticleDamper, known: Known, **how: Any) -> DampingCurve:
+def damper_curve(damper: ParticleDamper, known: Known, least: float = 0.0, **how: Any) -> DampingCurve:
     """The damper's own figures; those of one that differs in its leading mode's damping alone are known already."""
-    own = undamped(damper), damper.break_away
+    own = undamped(damper), damper.break_away, least
     if own not in known:
-        known[own] = figures(damper, threads=1, **how)
+        known[own] = figures(damper, threads=1, least=least, **how)
     return known[own]
 
 
@@ -256,7 +256,8 @@ def _fill(row: Any, point: SpeedPoint) -> None:
 def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
     damper = each.verdict_damper
-    curve, first = damper_curve(damper, known, **how), coupling.moves_first_from(damper, each.point)
+    least, first = limits.counts_from(each.results), coupling.moves_first_from(damper, each.point)
+    curve = damper_curve(damper, known, least, **how)
     point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     _fill(row, replace(point, verdict=verdict))
