@@ -142,6 +142,7 @@ def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(files)
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))
     assert any("the error of this is unknown" in note for note in between.notes)
+    assert not any("static displacement" in note for note in between.notes)
     at_rest = package.run(changed(SCENE, damper=None, release=None))
     assert any("does not state the speed" in note for note in at_rest.notes)
 
@@ -153,6 +154,7 @@ def test_files_that_contradict_their_speeds_are_remarked_on(spindamp: Command, f
     (files / "few.frd").write_text(fewer)
     said = {
         "is given for 2 speeds": {"0 rpm": "rest.frd", "10000 rpm": "rest.frd"},
+        "The modes at 10000 rpm hold no static displacement": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
         "does it belong to another speed?": {"0 rpm": "fast.frd", "10000 rpm": "rest.frd"},
         "The files hold 2 to 4 modes; the first 2, common to all": {"0 rpm": "few.frd", "10000 rpm": "fast.frd"},
     }

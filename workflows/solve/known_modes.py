@@ -19,7 +19,7 @@ from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
 from workflows.errors import did_you_mean
-from workflows.formatting import interval, percent, share, significant
+from workflows.formatting import interval, percent, share, significant, turning
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
@@ -367,6 +367,10 @@ def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str
             problems.append(
                 f"{name} is given for 0 rpm, but holds a static displacement: does it belong to another speed?"
             )
+    unloaded = {each.omega for model in models for each in model.speeds if each.omega > 0.0 and each.static is None}
+    if unloaded:
+        where = f"The modes at {turning(min(unloaded))} hold" if len(unloaded) == 1 else "Modes at speed hold"
+        problems.append(f"{where} no static displacement: place and floor of the damper are those at rest.")
     counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
     if min(counts) < max(counts):
         problems.append(
