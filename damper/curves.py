@@ -301,6 +301,7 @@ def counted(curve: DampingCurve, least: float) -> DampingCurve:
 
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     """The same of a ball that lies in its dent up to an amplitude; out of it, it is as one that was never in it."""
+    curve = _stepped(curve, amplitude)
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
     starts: dict[str, Any] = {
         name: held_until(each, amplitude)
@@ -313,6 +314,16 @@ def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     starts |= {"folds": (curve.folds[0], max(curve.folds[1], amplitude)), "jump": (first, last)}
     sustained = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
     return replace(sustained, half=(max(sustained.half[0], amplitude), sustained.half[1]))
+
+
+def _stepped(curve: DampingCurve, amplitude: float) -> DampingCurve:
+    """The same with a point at an amplitude, and one next to it."""
+    if not curve.amplitude[0] < amplitude < curve.amplitude[-1]:
+        return curve
+    step = np.array([(1 - _STEP) * amplitude, amplitude])
+    places = np.unique([*curve.amplitude, *step])
+    ratio = np.interp(np.log(places), np.log(curve.amplitude), curve.damping_ratio)
+    return replace(curve, amplitude=places, damping_ratio=ratio)
 
 
 def _bins(amplitude: Floats) -> list[int]:
