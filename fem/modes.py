@@ -261,12 +261,17 @@ def share_matrices(operators: Operators, basis: Array) -> Array:
     model = operators.model
     weight = np.sqrt(model.displacement.dx.ravel())[:, None]
     u, v, w = (weight * moved.reshape(weight.size, -1) for moved in model.displacement.evaluate(basis)[:3])
-    flap, twist = _chordwise(model.points[0].ravel(), model.points[1].ravel(), w, weight)
-    return np.stack([flap, twist, w.T @ w - flap - twist, v.T @ v, u.T @ u])
+    x, y, z = (each.ravel() for each in model.points)
+    flap, twist = _chordwise(x, y, w, weight)
+    chord, lag = w.T @ w - flap - twist, v.T @ v
+    if z.any():  # where a solid's section turns, it moves along y as well
+        turning = _chordwise(x, z, v, weight)[1]
+        twist, lag = twist + turning, lag - turning
+    return np.stack([flap, twist, chord, lag, u.T @ u])
 
 
 def _chordwise(x: Array, y: Array, w: Array, weight: Array) -> tuple[Array, Array]:
-    """Energy matrices (r, r) of what in w (npoint, r) is even along the chord, and linear in it."""
+    """Energy matrices (r, r) of what in w (npoint, r) is even along the chord y, and linear in it."""
     edges = np.linspace(x.min(), x.max(), STRIPS + 1)[1:-1]
     strip = np.searchsorted(edges, x)
     even, linear = [], []

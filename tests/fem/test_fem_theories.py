@@ -72,6 +72,16 @@ def test_membrane_rates(theory, triangles):
     assert errors[-1] < 1e-4
 
 
+def test_a_square_bar_twists():
+    """Saint-Venant: omega = pi/2L sqrt(G J / rho I), J = 0.1406 b^4, I = b^4 / 6: as much of it along y as along z."""
+    plate = Plate(rectangle(0.2, 0.02, 16, 2), 0.02, STEEL)
+    operators = assemble(plate, Rotor(), AT_REST, "solid")
+    modes = solve_modes(operators, 0.0, 6)
+    twist = modes.frequencies_hz[families(operators, modes).index("twist")]
+    shear = STEEL.youngs_modulus / (2 * (1 + STEEL.poissons_ratio))
+    assert twist == pytest.approx(np.sqrt(6 * 0.1406 * shear / STEEL.density) / (4 * 0.2), rel=0.01)
+
+
 @pytest.mark.parametrize("kind", ["quads", "triangles"])
 def test_thin_mindlin_tends_to_kirchhoff(kind):
     mesh = distorted(rectangle(0.2, 0.1, 12, 6), 0.004)
