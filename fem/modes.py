@@ -39,6 +39,7 @@ from fem.linalg import (
 )
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest, linearise
+from fem.theory.sections import products, strain_matrix
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -284,6 +285,42 @@ def _chordwise(x: Array, y: Array, w: Array, weight: Array) -> tuple[Array, Arra
         linear.append(content[2:])
     flap, twist = np.vstack(even), np.vstack(linear)
     return flap.T @ flap, twist.T @ twist
+
+
+def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | None = None) -> Array:
+    """Largest bending stress along x at the plate's faces, over the modulus, in each of some shapes.
+
+    The root mean square over strips along x, through the thickness as of a stress linear in z, and at the root by the
+    line through the two strips next to it: a mean over the chord has no singular corners.
+
+    Args:
+        operators: of the plate.
+        shapes: real or complex, shape (n, k).
+        state: static displacement (n,) [m] about which the plate moves, where the deflection is large.
+
+    Returns:
+        Shape (k,) [-].
+    """
+    model = operators.model
+    gradients = model.gradient.evaluate(shapes)
+    along = model.stiffness[0] / operators.plate.material.youngs_modulus
+    strains = [np.einsum("g,gcpk->cpk", along @ strain_matrix(layer), gradients) for layer in model.elastic]
+    if state is not None:
+        at_rest = model.gradient.evaluate(state[:, None])[..., 0]
+        for layer, strain in zip(model.elastic, strains, strict=True):
+            turned = np.einsum("s,sgh->gh", along, products(layer))
+            strain += np.einsum("gh,gcp,hcpk->cpk", turned, at_rest, gradients, optimize=True)
+    if len(strains) > 1:  # of plates: what the mid-surface has is stretching
+        middle = sum(strains) / len(strains)
+        strains = [strain - middle for strain in strains]
+    x, volumes = model.points[0].ravel(), model.gradient.dx.ravel()
+    squares = sum(np.abs(strain.reshape(x.size, -1)) ** 2 for strain in strains) / len(strains)
+    strip = np.searchsorted(np.linspace(x.min(), x.max(), 2 * STRIPS + 1)[1:-1], x)  # rotation bends next to the root
+    sums = np.stack([np.bincount(strip, volumes * each) for each in (1.0 + 0.0 * x, x, *squares.T)])
+    volume, moment, *every = sums[:, sums[0] > 0.0]
+    face, middle = np.sqrt(3.0 * np.array(every) / volume), moment / volume
+    root = face[:, 0] + (face[:, 1] - face[:, 0]) * (model.mesh.p[0].min() - middle[0]) / (middle[1] - middle[0])
+    return np.asarray(np.maximum(root, face.max(axis=1)))
 
 
 EXTRA = 4

@@ -7,6 +7,7 @@ speed, `reduce_over` at all speeds of a diagram.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +17,7 @@ from scipy.sparse import csc_array
 from fem.assembly import AtPlace, Operators, with_point_mass
 from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, refine, rounding
 from fem.meshes.planform import PlaceError
-from fem.modes import Divergence, Modes, families, lowest, solve_real
+from fem.modes import Divergence, Modes, bending_strains, families, lowest, solve_real
 from fem.statics import linearise
 from fem.sweep.campbell import Campbell, campbell
 from fem.sweep.laws import EXACT, check_reduced, require
@@ -304,6 +305,18 @@ class Reduction:
             reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(fixed))
             for omega, index, mode, mass, free, fixed in every
         ]
+
+    @cached_property
+    def root_strains(self) -> Array:
+        """Largest bending strain in the flap mode for 1 m of the place along z, at every speed, shape (k,) [1/m].
+
+        See `fem.modes.bending_strains`.
+        """
+        lift, strains = flap_rows(self.operators.at_place(self.at))[0], []
+        for number, (names, state) in enumerate(zip(self.diagram.families, self.diagram.states, strict=True)):
+            shape = self.diagram.shapes(number)[:, [flap_index(names)]]
+            strains.append(float(bending_strains(self.operators, shape, state)[0] / abs(lift @ shape[:, 0])))
+        return np.array(strains)
 
 
 def _between(squares: Array, nodes: list[int]) -> list[int]:

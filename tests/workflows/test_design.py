@@ -254,12 +254,12 @@ def test_what_has_no_verdict_is_no_design(changes, why):
 
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
-    """At 9.10 mm the root of the paper's plate is strained by 0.4 %: h/2 1.8751² A / L²."""
+    """9.10 mm strain the root of the paper's plate at rest by 0.4 %, h/2 1.8751² A / L², and by more as it turns."""
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, design__amplitude=["4 mm", "20 mm"])))
     (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
-    assert found.endured == pytest.approx(4e-3 * 0.2**2 / (0.005 * 1.8751**2), rel=1e-4)
+    assert 0.9 < found.endured / (4e-3 * 0.2**2 / (0.005 * 1.8751**2)) < 1.0
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
-    assert said.endswith("a blade, at amplitudes that the structure endures (up to 9.1 mm)")
+    assert said.endswith(f"a blade, at amplitudes that the structure endures (up to {1e3 * found.endured:.3g} mm)")
 
 
 def test_the_cutoff_is_that_of_the_damper():

@@ -48,8 +48,8 @@ def said(text: str, results: Results, **values: Any) -> list[str]:
     """Sentences of a text on some values, and on what every one may name."""
     scene = results.scene
     known: dict[str, Any] = {"carrier": carrier(scene), "strained": limits.strained(scene)}
-    known |= {"limit": limits.endured(results), "damper": scene.damper}
-    return templates.said(text, scene.ball_count, **known, **values)
+    known |= {"limit": limits.endured(results), "damper": scene.damper} | values
+    return templates.said(text, scene.ball_count, **known)
 
 
 def phrase(text: str, results: Results, **values: Any) -> str:
@@ -98,17 +98,19 @@ def cutoff_mark(results: Results, point: SpeedPoint) -> str:
     return AT_REST if limits.cutoff(results, point).at_rest else ""
 
 
-def beyond_of(results: Results) -> str:
-    """What a larger amplitude than the plate endures would do to it.
+def beyond_of(results: Results, omega: float | None = None) -> str:
+    """What a larger amplitude than the plate endures would do to it, at a speed.
 
-    With the speed by which all are judged, where the strain of a structure in space differs between them.
+    Or at that at which it endures least, which is named where the strain differs between them.
     """
+    if omega is not None:
+        return phrase("phrases/beyond", results, by_deflection=limits.deflection_governs(results, omega))
     torn = limits.root_stress(results, 1.0) or 0.0
     holds = [p for p in results.speeds if torn * p.omega**2 <= limits.STRONGEST]
     strains = [(p.root_strain, p.omega) for p in holds if p.root_strain is not None]
     differ = bool(strains) and max(strains)[0] > _ALIKE * min(strains)[0]
-    omega = max(strains)[1] if differ else None
-    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=omega)
+    most = max(strains)[1] if differ else None
+    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=most)
 
 
 _ALIKE = 1.01
@@ -602,7 +604,7 @@ def release_stress(results: Results) -> Values:
         return None
     point, _, damping = max(rung, key=lambda each: (abs(each[2].release[0]), templates.at_load(each[0])))
     lift = abs(damping.release[0])
-    stress = material.youngs_modulus * (limits.largest_strain(results, lift) or 0.0)
+    stress = material.youngs_modulus * (limits.largest_strain(results, lift, point.omega) or 0.0)
     return {"lift": lift, "point": point, "stress": stress} if stress >= 1e8 else None
 
 

@@ -31,8 +31,8 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ]
     able = [each for each in able if not math.isnan(each[2][0])]
     ranges, held = dict[str, list[SpeedPoint]](), dict[str, list[SpeedPoint]]()
-    limit = limits.endured(results)
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
+        limit = limits.endured(results, point.omega)
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1], "error": figures.error}
@@ -63,15 +63,17 @@ def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
 
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
-    limit = limits.endured(results)
     known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    lost = [(p, w) for p, w in known if w.peak > limits.ROUNDING and w.cutoff >= limit < math.inf]
+    known = [(p, w) for p, w in known if w.peak > limits.ROUNDING]
+    lost = [(p, w) for p, w in known if w.cutoff >= limits.endured(results, p.omega) < math.inf]
     if not lost:
         return None
     named = what_to_do(results, points) is not None  # which names both amplitudes
     point, figures = lost[0]
-    beyond = remarks.beyond_of(results)
-    return phrase("answer/reach_of", results, point=point, cutoff=figures.cutoff, beyond=beyond, named=named)
+    beyond, limit = remarks.beyond_of(results, point.omega), limits.endured(results, point.omega)
+    return phrase(
+        "answer/reach_of", results, point=point, cutoff=figures.cutoff, beyond=beyond, named=named, limit=limit
+    )
 
 
 def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
@@ -86,7 +88,8 @@ def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:
     known = {name: value for name, value in remedy._asdict().items() if not math.isnan(value)}
     last, own = goes_on(results, point, remedy.amplitude), point.damping_curve
     others = own.cutoff if own is not None and own.driven_from is not None else None
-    return phrase("answer/what_to_do", results, point=point, remedy=known, last=last, others=others)
+    limit = limits.endured(results, point.omega)
+    return phrase("answer/what_to_do", results, point=point, remedy=known, last=last, others=others, limit=limit)
 
 
 def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
@@ -370,7 +373,12 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     """What the ball does at a crossing: by how much, at which levels, and why not at the others; by sentences."""
     borne = [each for each in reduction.levels if each.endured]
     overload = [each.level for each in reduction.levels if not each.endured]
-    known = {"it": reduction, "unit": unit, "overload": overload, "deflection": limits.deflection_governs(results)}
+    known = {
+        "it": reduction,
+        "unit": unit,
+        "overload": overload,
+        "deflection": limits.deflection_governs(results, reduction.omega),
+    }
     if reduction.reason or not math.isfinite(reduction.range[0]):
         held = not reduction.reason and reduction.moves_from >= reduction.endured_level
         friction = remedies.friction_that_moves(results, reduction) if held else math.nan

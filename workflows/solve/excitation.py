@@ -170,9 +170,9 @@ def damper_at(
 def largest_stress(results: Results, crossing: Crossing) -> float | None:
     """Largest stress per amplitude at the cavity, in the mode the damper follows [Pa/m]; None where it is not known.
 
-    Of a plate by bending at its root, of a structure in space wherever its strain is largest.
+    Of a plate by bending, of a structure in space wherever its strain is largest.
     """
-    material, strain = results.scene.material, limits.largest_strain(results, 1.0)
+    material, strain = results.scene.material, limits.largest_strain(results, 1.0, crossing.omega)
     if material is None or strain is None or not _is_followed(results, crossing):
         return None
     return material.youngs_modulus * strain
@@ -180,7 +180,7 @@ def largest_stress(results: Results, crossing: Crossing) -> float | None:
 
 def endured(results: Results, crossing: Crossing) -> float:
     """Amplitude at the cavity that the structure endures [m]; inf where it is not known."""
-    return limits.endured(results) if _is_followed(results, crossing) else math.inf
+    return limits.endured(results, crossing.omega) if _is_followed(results, crossing) else math.inf
 
 
 def _is_followed(results: Results, crossing: Crossing) -> bool:

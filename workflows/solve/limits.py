@@ -195,7 +195,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
     damper, figures = results.scene.damper, point.damping_curve
     if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
-    limit = endured(results)
+    limit = endured(results, point.omega)
     if figures is not None and figures.cutoff < limit <= figures.drives_from:
         return Reason.SIDEWAYS
     if figures is None or math.isinf(figures.drives_from):
@@ -211,7 +211,7 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
     figures = point.damping_curve
     if figures is None or not figures.peak > ROUNDING or is_torn(results, point):
         return None
-    limit = endured(results)
+    limit = endured(results, point.omega)
     if limit <= figures.drives_from:
         return None
     low, high = figures.half
@@ -305,12 +305,13 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
     return (float(volumes.sum()), float((volumes * x[triangles].mean(axis=1)).sum())), section
 
 
-def endured(results: Results) -> float:
+def endured(results: Results, omega: float | None = None) -> float:
     """Amplitude at the cavity [m] that strains the structure by what metals endure; inf where the strain is not known.
 
-    Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does.
+    At a speed, or at that of the least. Of a plate so thin that it would bend beyond small deflections first, the
+    amplitude at which it does.
     """
-    strain, length = largest_strain(results, 1.0), span(results)
+    strain, length = largest_strain(results, 1.0, omega), span(results)
     if strain is None:
         return math.inf
     if length is None:
@@ -325,8 +326,10 @@ def counts_from(results: Results) -> float:
 
 
 def strained(scene: Scene) -> str:
-    """Where the strain is judged, in a word: a plate at its root, a structure in space wherever it is largest."""
-    return "root" if scene.plate is not None else "blade" if scene.blade is not None else "structure"
+    """Where the strain is judged, in a word: an even plate's is largest at its root, others' anywhere."""
+    if scene.plate is not None:
+        return "root" if isinstance(scene.plate.thickness, float) else "plate"
+    return "blade" if scene.blade is not None else "structure"
 
 
 def room(scene: Scene) -> float:
@@ -337,35 +340,32 @@ def room(scene: Scene) -> float:
     return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
 
 
-def deflection_governs(results: Results) -> bool:
-    """Whether a plate would bend beyond small deflections before its root is strained by what metals endure."""
-    strain = largest_strain(results, 1.0)
-    return strain is not None and endured(results) * strain < ENDURED * (1 - 1e-9)
+def deflection_governs(results: Results, omega: float | None = None) -> bool:
+    """Whether a plate would bend beyond small deflections before it is strained by what metals endure."""
+    strain = largest_strain(results, 1.0, omega)
+    return strain is not None and endured(results, omega) * strain < ENDURED * (1 - 1e-9)
 
 
 def is_beyond(results: Results, point: SpeedPoint) -> bool:
     """Whether the damper's peak lies at an amplitude that the plate does not endure."""
     own = point.damping_curve
-    return own is not None and own.peak > 0 and own.peak_amplitude > endured(results)
+    return own is not None and own.peak > 0 and own.peak_amplitude > endured(results, point.omega)
 
 
-def largest_strain(results: Results, amplitude: float) -> float | None:
-    """Largest strain for an amplitude at the cavity [-]: of a plate by bending at its root.
+def largest_strain(results: Results, amplitude: float, omega: float | None = None) -> float | None:
+    """Largest strain for an amplitude at the cavity [-], at a speed or over those at which the structure holds.
 
-    As in a uniform cantilever's first mode at rest, whose curvature at the root is 3.516 w/L², w the tip's amplitude;
-    where the cavity is not at the tip, the mode's shape leads from one to the other. A plate that gets thinner outwards
-    is strained less there, by a third where it tapers to half of its thickness. That of a structure in space is the
-    largest in its mesh, and over the speeds at which it holds.
+    That of a plate is by bending, that of a structure in space the largest in its mesh; None where it is not known.
+    Between two speeds it goes with the square of the speed, as the centrifugal load does.
     """
-    known = [(point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None]
-    if known:
-        torn = root_stress(results, 1.0) or 0.0
-        return max([s for omega, s in known if torn * omega**2 <= STRONGEST] or [s for _, s in known]) * amplitude
-    plate, damper = results.scene.plate, results.scene.damper
-    length, thickness = span(results), _root_thickness(results)
-    if plate is None or damper is None or length is None or thickness is None:
+    known = sorted((point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None)
+    if not known:
         return None
-    return thickness / 2 * _CANTILEVER**2 * _tip(results, amplitude, length) / length**2
+    if omega is not None:
+        squares, strains = zip(*((speed**2, strain) for speed, strain in known), strict=True)
+        return float(np.interp(omega**2, squares, strains)) * amplitude
+    torn = root_stress(results, 1.0) or 0.0
+    return max([s for omega, s in known if torn * omega**2 <= STRONGEST] or [s for _, s in known]) * amplitude
 
 
 def _tip(results: Results, amplitude: float, length: float) -> float:
@@ -376,18 +376,6 @@ def _tip(results: Results, amplitude: float, length: float) -> float:
     begin = 0.0 if results.surface is None else float(results.surface.points[:, 0].min())
     inward = min(max((damper.on_plate[0] - begin) / length, 1e-3), 1.0)
     return amplitude * _shape(1.0) / _shape(inward)
-
-
-def _root_thickness(results: Results) -> float | None:
-    """The greatest thickness at the root [m]; None where it is a mesh's and that is not kept."""
-    plate, surface = results.scene.plate, results.surface
-    if plate is None:
-        return None
-    if isinstance(plate.thickness, float):
-        return plate.thickness
-    if surface is None or surface.thickness is None:
-        return plate_mesh.plate_thickness(plate, (0.0, 0.0)) if plate.length is not None else None
-    return float(surface.thickness[surface.root].max())
 
 
 def span(results: Results) -> float | None:

@@ -80,11 +80,11 @@ class PlateSolution:
         if key not in self._coupled:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
-            reduced = coupling.with_ball(source, self.reduction)
+            reduced, strains = coupling.with_ball(source, self.reduction), self.reduction.root_strains.tolist()
             at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[number], cavity_modes=at_cavity[number])
-                for point, number in zip(self.points, self.numbers, strict=True)
+                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strains[k])
+                for point, k in zip(self.points, self.numbers, strict=True)
             )
         return self._coupled[key]
 
