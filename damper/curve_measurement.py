@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ from damper.curves import (
     spread,
     tally,
 )
-from damper.model import in_plane, inertia_ratio, path_curvature, whole
+from damper.model import Mode, in_plane, inertia_ratio, path_curvature, whole
 from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import nothing_kept
 
@@ -259,8 +260,7 @@ def _down(
     if above.peak > 0:
         laws.check_curve(bare, above)
         laws.check_readings(above, samples)
-    first = min(least, float(above.amplitude[0])) if above.peak > 0 else least  # what hits take may lead further down
-    return above, samples, max(cutoff, first, _LOWEST * gap / left), top
+    return above, samples, max(cutoff, least, _LOWEST * gap / left), top
 
 
 def _falling(
@@ -312,10 +312,15 @@ def _read(cutoff: float, samples: Floats) -> DampingCurve:
 def undamped(damper: ParticleDamper) -> ParticleDamper:
     """The damper on a structure that is not damped in the mode that yields most along x, the ball out of its dent.
 
-    Other modes that its hits feed keep the damping of their own, or a little: they would shake the ball for ever.
+    Other modes that its motion feeds keep the damping of their own, or a little: they would shake the ball for ever.
     """
     modes = damper.modes
-    if modes is not None and kinds(damper, damper.parameters)[0] == COUPLED:
+    aside = damper.lateral_pull[1] != 0 or _curve(damper)[0, 1] != 0  # it moves along y too, and the structure with it
+    if modes is None and aside and damper.formulation != "printed":
+        places = ((1.0, 0.0), (0.0, 1.0)), ((damper.floor_tilt[0], 0.0), (0.0, damper.floor_tilt[1]))
+        modes = tuple(map(partial(Mode, damper.modal_mass), damper.stiffness, *places))
+        damper = replace(damper, modes=modes, floor_tilt=(0.0, 0.0))
+    if modes is not None and (aside or kinds(damper, damper.parameters)[0] == COUPLED):
         own = (damper.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes)
         kept = [max(each, _OTHERS) for each in own]
         kept[damper.leading(0)] = 0.0

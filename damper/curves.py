@@ -136,8 +136,10 @@ def grown(
     """
     climbing = tally(up, above.cutoff)
     climbs = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
-    rolling = _binned(tally(rolls, above.cutoff))
-    known = _binned_of(above)
+    climbs = [dict(list(each.items())[:-1]) for each in climbs]  # their last bin they leave at once
+    rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
+    begins = min([min(each) for each in (*climbs, rolling) if each], default=0)
+    known = {k: point for k, point in known.items() if k >= begins}  # hits may take a falling vibration further down
     merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
     edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else end - 1  # bins that a cut-off shares

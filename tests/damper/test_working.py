@@ -318,7 +318,10 @@ def test_what_a_ball_gains_on_its_way_to_a_wall_is_no_damping(lever: float) -> N
         assert way.peak < 0.02
     assert light(damper, 1e-6, (0.0, 0.0)) == light(damper, 0.95 * leaves, corner) == 0
     for amplitude in (1.1 * found.peak_amplitude, 1.3 * found.peak_amplitude):
-        assert at(found, amplitude) == pytest.approx(light(damper, amplitude, corner), rel=0.04)
+        starts = amplitude * (1 + 1e-5 * np.arange(5))  # some find a motion that damps far less
+        assert at(found, amplitude) == pytest.approx(
+            np.median([light(damper, one, corner) for one in starts]), rel=0.04
+        )
 
 
 def test_what_a_ball_gains_on_its_way_down_a_bowl_is_no_damping() -> None:
@@ -421,6 +424,48 @@ def test_a_ball_that_takes_much_at_the_least_amplitude_that_counts() -> None:
     found = damping_curve(damper, threads=1, least=5.5e-6)
     assert found.descending.damping_ratio[0] > 0.01
     assert at(found, 6e-6) == pytest.approx(rolling(damper, 6e-6), rel=0.02)
+
+
+def test_what_a_falling_vibration_shows_below_all_that_grow_is_not_theirs() -> None:
+    """A ball that loses nothing in hits leads it down to where no sweep up begins: 28 % were said at 0.25 um."""
+    sides, turn = (3.92e-3, 4.3e-3), {"rotation": 62.83, "stagger": math.radians(60)}
+    damper = ParticleDamper(0.02955, (3.382e5, 3.0528e7), 3.678e-5, 1.4e-3, sides, 513.2, 1.0, 0.1, 7e-7, **turn)
+    found, (corner, _) = damping_curve(damper, threads=1), against_the_walls(damper)
+    assert found.descending.peak_amplitude < 3e-7 < found.amplitude[0]
+    assert found.descending.peak > 0.1
+    assert 0 < found.peak < 1.5 * light(damper, found.peak_amplitude, corner) < 2e-4
+
+
+def test_sweeps_up_leave_no_hole_where_they_end() -> None:
+    """One or two cycles there were taken for the mean over a bin: a fifth was missing, and the range ended there."""
+    square, half = (2 * math.pi * 150) ** 2, 3e-4
+    stiffness, sides, load = 1.02855 * square, (4e-3 + 2 * half,) * 2, 0.04014 * square * half / 0.02
+    damper = ParticleDamper(1.0, (stiffness, 2 * stiffness), 0.02855, 2e-3, sides, load, 0.5986, 0.2, 4e-5)
+    found = damping_curve(damper, threads=1)
+    for amplitude in np.geomspace(1.85, 2.3, 12) * half:
+        assert at(found, amplitude) > 0.9 * at(found.descending, amplitude)
+
+
+@pytest.mark.parametrize("aside", [{"rotation": 314.16, "stagger": 0.5236}, {"lateral_acceleration": (15.8, 51.3)}])
+def test_what_a_ball_gives_the_other_axis_is_not_led(aside: dict[str, Any]) -> None:
+    """Held along x, sweeps pumped the undamped vibration along y: 1.2 % were said of a peak of 2.7 %.
+
+    Ring-downs from above, between amplitudes a fifth apart, with the ball anywhere: nothing is led there.
+    """
+    square, half = (2 * math.pi * 200) ** 2, 5e-4
+    stiffness, sides, load = 1.03 * square, (5e-3, 5.2e-3), 0.1 * square * half / 0.02
+    damper = ParticleDamper(1.0, (stiffness, 2 * stiffness), 0.03, 2e-3, sides, load, 0.6, 0.2, 4e-5, **aside)
+    found, places = damping_curve(damper, threads=1).descending, half * np.linspace(-0.8, 0.8, 12)
+    starts = [(half * (2.2 + 0.07 * k), 0.0) for k in range(12)]
+    peaks = [
+        ringdown(damper, start, 400, ball_position=(float(place), 0.0)).peak_velocities / damper.stuck_frequency
+        for start, place in zip(starts, places, strict=True)
+    ]
+    for amplitude in (0.7 * half, half):
+        first, last = (np.array([np.argmax(each < amplitude * way) for each in peaks]) for way in (1.1, 1 / 1.1))
+        lost = [np.log(each[i] / each[j]) for each, i, j in zip(peaks, first, last, strict=True)]
+        ratio = np.sum(lost) / (2 * math.pi * np.sum(last - first))
+        assert at(found, amplitude) == pytest.approx(ratio, rel=0.15)
 
 
 def test_a_ball_that_is_pulled_aside_rolls_until_it_has_strayed_to_a_wall() -> None:
