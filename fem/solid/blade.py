@@ -52,6 +52,13 @@ class Blade:
             raise MeshError(
                 f"the root's {self.root.size} nodes do not constrain the blade: expected three or more, not collinear"
             )
+        if not self.mesh.whole_faces(self.root):
+            bare = self.mesh.whole_faces(self.root, corners=True)
+            without = f", only the corners of {bare} without their mid-side nodes" if bare else ""
+            raise MeshError(
+                f"the root's {self.root.size} nodes contain no whole face of a cell{without}:"
+                " expected all nodes of the clamped faces"
+            )
 
     @property
     def projector(self) -> Array:
@@ -111,7 +118,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
         radius: of the nodes from the axis [m]; None: the least.
 
     Raises:
-        MeshError: there are no such nodes.
+        MeshError: there are no such nodes, or no whole face of a cell at the radius.
     """
     arm = mesh.points - origin
     arm = arm - np.outer(arm @ axis, axis)
@@ -132,7 +139,15 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
             f"no nodes lie at the radius {radius:.6g} m: the mesh is from {distances.min():.6g}"
             f" to {distances.max():.6g} m from the axis"
         )
-    return max(candidates, key=lambda each: each.size)
+    root = max(candidates, key=lambda each: (mesh.whole_faces(each), each.size))
+    if radius is not None and not mesh.whole_faces(root):
+        levels = np.concatenate([mesh.level_faces(each, near) for each in (heights, distances)])
+        nearest = f"; the nearest with some is {1e3 * levels[np.abs(levels - radius).argmin()]:.7g} mm"
+        raise MeshError(
+            f"the {root.size} nodes at the radius {radius:.6g} m contain no whole face of a cell:"
+            f" expected a radius with all nodes of faces{nearest if levels.size else ''}"
+        )
+    return root
 
 
 def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:

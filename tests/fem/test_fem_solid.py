@@ -694,6 +694,31 @@ def test_roots_that_hold_nothing():
         Blade(mesh, STEEL, np.arange(len(mesh.points)), AXIS, ORIGIN)
 
 
+@pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "wedge15", "hexahedron"])
+def test_a_root_without_a_whole_face_is_refused(kind):
+    """Its corners alone, three nodes, or all but one of the one face; that face alone is a root."""
+    mesh = box(kind)
+    end = np.flatnonzero(mesh.points[:, 0] == 0.0)
+    corners = np.unique(np.concatenate([nodes[:, : len(cell(kind.rstrip("0125")).nodes)] for _, nodes in mesh.cells]))
+    face = next(ring for faces in mesh.boundary() for ring in faces if np.isin(ring, end).all())
+    assert Blade(mesh, STEEL, end, AXIS, ORIGIN).root is end
+    assert Blade(mesh, STEEL, face, AXIS, ORIGIN).root is face
+    problem = "root's {} nodes contain no whole face of a cell{}: expected all nodes of the clamped faces"
+    few = face[[0, 1, -1]]
+    if mesh.first_order:
+        without = [few]
+    else:
+        bare = np.intersect1d(end, corners)
+        count = sum(int(np.isin(faces, end).all(axis=1).sum()) for faces in mesh.boundary())
+        only = f", only the corners of {count} without their mid-side nodes"
+        with pytest.raises(MeshError, match=problem.format(bare.size, only)):
+            Blade(mesh, STEEL, bare, AXIS, ORIGIN)
+        without = [few, np.setdiff1d(face, face[:1])]
+    for nodes in without:
+        with pytest.raises(MeshError, match=problem.format(len(nodes), "")):
+            Blade(mesh, STEEL, nodes, AXIS, ORIGIN)
+
+
 @pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "wedge15"])
 def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
     """Written as Abaqus' elements in mm, nodes numbered with gaps; wedges of 15 nodes among them."""

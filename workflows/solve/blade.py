@@ -322,6 +322,11 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         made.append(
             f"The root covers {percent(covered, 0)} % of the blade's radial extent: is it the end that the rotor holds?"
         )
+    if root_stress(operators) is None:
+        made.append(
+            "The mean stress at the root is not known, since the vector areas of its outer faces cancel:"
+            " whether the load tears the root is not checked."
+        )
     return tuple(made)
 
 
