@@ -646,6 +646,16 @@ FILES = {
     "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
     "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
     "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
+    "a coordinate missing": (
+        deck([*NODES[:-1], NODES[-1].rsplit(",", 1)[0]]),
+        "line 33: node 32 has 2 coordinates, not 3$",
+    ),
+    "two missing": (deck([*NODES[:4], "5,1.", *NODES[5:]]), "line 6: node 5 has 1 coordinate, not 3$"),
+    "one left empty": (deck([*NODES[:4], "5,1.,,1.", *NODES[5:]]), "line 6: expected .* coordinates, not '5,1.,,1.'$"),
+    "one decimal comma": (
+        deck([*NODES[:4], "5,1.0,1,5,0.0", *NODES[5:]]),
+        "line 6: node 5 has 4 .* are commas decimal",
+    ),
     "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
     "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),

@@ -596,7 +596,7 @@ END = {
     "corners": (
         "nroot",
         lambda mesh, end: np.intersect1d(end, mesh.cells[0].data[:, :8]),
-        "the root's 6 nodes contain no whole face of a cell, only the corners of 2 without their mid-side nodes: expected",
+        "the root's 6 nodes contain no whole face of a cell, only the corners of 2 without their mid-side nodes: ",
     ),
     "three nodes": (
         "nroot",
@@ -606,8 +606,8 @@ END = {
     "two edges by their radius": (
         "64.03 mm",
         lambda mesh, end: end,
-        "the 6 nodes at the radius 0.06403 m contain no whole face of a cell: expected a radius with all nodes of faces;"
-        " the nearest with some is 70 mm$",
+        "the 6 nodes at the radius 0.06403 m contain no whole face of a cell: expected a radius with all nodes of faces"
+        "; the nearest with some is 70 mm$",
     ),
 }
 
