@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
     """The structure in space of a scene: its blade, or what is known by its modes; None without one.
 
-    slowest: a blade at its lowest speed alone.
+    slowest: a blade at its lowest speed alone, by the effects that all speeds of the scene call for.
 
     Raises:
         BadInput, Divergence, NoEquilibrium: see `blade_structure` and `known_modes.space_structure`.
@@ -41,7 +41,11 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
         return space_structure(source) if source.scene.in_space else None
     fastest = max(source.scene.rotor.speeds)
     if slowest:
-        source = source.changed(rotor={"speeds": (min(source.scene.rotor.speeds),)})
+        large = source.scene.effects.large_deflection
+        large = large if large != "auto" else bool(deflection(source).called)
+        source = source.changed(
+            rotor={"speeds": (min(source.scene.rotor.speeds),)}, effects={"large_deflection": large}
+        )
     structure = blade_structure(source)
     return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, fastest)))
 
