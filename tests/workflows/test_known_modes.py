@@ -138,6 +138,35 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
     assert len(cloud.points) == 4 * 9
 
 
+@pytest.mark.parametrize(
+    ("axis", "origin", "says"),
+    [
+        ([0, 0, 1], "0 mm", None),
+        ([0, 1, 0], "-50 mm", None),
+        (
+            [1, 0, 0],
+            "0 mm",
+            r"measures 200 mm along the spin axis and 40\.\d mm across it: does \[rotor\] axis lie along",
+        ),
+        (
+            [0, 0, 1],
+            "500 mm",
+            r"Most of the structure \(9\d\.?\d? %\) lies nearer the axis than its root: the load compr",
+        ),
+        ([0.3, 0, 1], "-50 mm", r"leans by 17° out of the plane of rotation"),
+    ],
+)
+def test_a_spin_axis_along_known_modes_or_beyond_their_tip_is_remarked(
+    spindamp: Command, files: Path, axis: list[float], origin: str, says: str | None
+) -> None:
+    """A plate along x, 200 x 80 x 10 mm, clamped at x = 0; as a blade with such an axis is."""
+    scene = changed(SCENE, damper=None, release=None, rotor__axis=axis, rotor__origin=[origin, "0 m", "0 m"])
+    said = re.findall(r"^# (.*)", spindamp("check", write(scene, files / "a.toml")).out, re.M)
+    found = [remark for remark in said if re.search(r"along the spin axis|nearer the axis|leans by", remark)]
+    assert len(found) == (says is not None)
+    assert says is None or re.search(says, found[0])
+
+
 def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -21,6 +20,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
+from workflows.solve.orientation import orientation_remarks
 from workflows.solve.results import Floats
 
 if TYPE_CHECKING:
@@ -304,23 +304,8 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
             f"{share(inner / whole, 2)} % of the mesh is cut off from the blade by its"
             " root, on the side of the axis, and is clamped with it: the modes are those of the rest."
         )
-    within = np.setdiff1d(np.flatnonzero(radii < radii[blade.root].min()), inboard)
-    inside = float(operators.masses[within].sum() / operators.masses.sum())
-    if inside > 0.5:
-        made.append(
-            f"Most of the blade ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses it."
-        )
-    axial, across = (float(np.ptp(each)) for each in (blade.mesh.points @ blade.axis, radii))
-    if axial > _SLENDER * across:
-        made.append(
-            f"The blade measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
-            " across it: does [rotor] axis lie along the blade, where it should lie across it?"
-        )
-    elif (lean := _lean(operators)) > _LEANS:
-        made.append(
-            f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of"
-            " its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
-        )
+    about = ModalModel(blade.mesh.points, (), blade.axis, blade.origin)
+    made += orientation_remarks(about, operators.masses, blade.root, "blade", inboard)
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
         made.append(
@@ -333,19 +318,6 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         )
     return tuple(made)
 
-
-def _lean(operators: SolidOperators) -> float:
-    """Angle between the plane of rotation and the way from the middle of the root to the centre of mass [rad]."""
-    blade = operators.blade
-    way = operators.masses @ blade.mesh.points / operators.masses.sum() - blade.mesh.points[blade.root].mean(axis=0)
-    return math.asin(min(abs(float(way @ blade.axis)) / max(float(np.linalg.norm(way)), 1e-300), 1.0))
-
-
-_LEANS = math.radians(15.0)
-"""Lean out of the plane of rotation above which the axis is asked about: blades are coned by some degrees."""
-
-_SLENDER = 1.5
-"""Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""
 
 _TALL = 0.2
 """Part of a blade's radial extent above which a root that covers it is remarked."""
