@@ -167,6 +167,20 @@ def test_a_spin_axis_along_known_modes_or_beyond_their_tip_is_remarked(
     assert says is None or re.search(says, found[0])
 
 
+def test_a_load_that_would_tear_known_modes_is_remarked(spindamp: Command, files: Path) -> None:
+    """A bar to R: ρΩ²R²/2 = 2400 MPa at 36 620 rpm, of 7850 kg/m³ and R² = (200² + 40²) mm²."""
+    for rpm, torn in ((36300, False), (36900, True)):
+        scene = changed(SCENE, damper=None, release=None, rotor__speeds=[f"{rpm} rpm"])
+        said = re.findall(r"^# (At .* rpm the tip .*)", spindamp("check", write(scene, files / "a.toml")).out, re.M)
+        assert len(said) == torn
+    ((speed, stress),) = re.findall(
+        r"the tip moves at (\d+) m/s, .* of a bar of constant section by (\d+) MPa", said[0]
+    )
+    assert float(speed) == pytest.approx(36900 * np.pi / 30 * np.hypot(0.2, 0.04), rel=1e-2)
+    assert float(stress) == pytest.approx(0.5e-6 * 7850 * float(speed) ** 2, rel=1e-2)
+    assert said[0].endswith("Verdicts do not include the root stress of known modes.")
+
+
 def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))

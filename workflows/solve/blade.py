@@ -37,29 +37,40 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
     Raises:
         BadInput, Divergence, NoEquilibrium: see `blade_structure` and `known_modes.space_structure`.
     """
-    if source.scene.blade is None:
-        return space_structure(source) if source.scene.in_space else None
     fastest = max(source.scene.rotor.speeds)
-    if slowest:
-        large = source.scene.effects.large_deflection
-        large = large if large != "auto" else bool(deflection(source).called)
-        source = source.changed(
-            rotor={"speeds": (min(source.scene.rotor.speeds),)}, effects={"large_deflection": large}
-        )
-    structure = blade_structure(source)
+    if source.scene.blade is None:
+        if not source.scene.in_space:
+            return None
+        structure = space_structure(source)
+    else:
+        if slowest:
+            large = source.scene.effects.large_deflection
+            large = large if large != "auto" else bool(deflection(source).called)
+            source = source.changed(
+                rotor={"speeds": (min(source.scene.rotor.speeds),)}, effects={"large_deflection": large}
+            )
+        structure = blade_structure(source)
     return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, fastest)))
 
 
 def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
-    """A remark where the load at a speed [rad/s] tears the root of any blade metal."""
-    stress = 0.0 if structure.root_stress is None else omega**2 * structure.root_stress
+    """A remark where the load at a speed [rad/s] tears the root of any blade metal.
+
+    Of known modes, whose root's section is not known, a bar of constant section between their radii stands for them.
+    """
+    radii = np.linalg.norm(structure.model.load(structure.model.points), axis=1)
+    known = structure.density is not None
+    bar = 0.5 * (structure.density or 0.0) * (radii.max() ** 2 - radii.min() ** 2)
+    stress = omega**2 * float(bar if known else structure.root_stress or 0.0)
     if stress <= limits.STRONGEST:
         return ()
-    tip = omega * float(np.linalg.norm(structure.model.load(structure.model.points), axis=1).max())
+    pulls = "would pull at the root of a bar of constant section" if known else "pulls at the root"
+    left_out = " Verdicts do not include the root stress of known modes." if known else ""
     return (
-        f"At {turning(omega)} the tip moves at {significant(tip)} m/s, and the load pulls at the root by"
+        f"At {turning(omega)} the tip moves at {significant(omega * float(radii.max()))} m/s, and the load {pulls} by"
         f" {significant(1e-6 * stress)} MPa on average, more than any blade metal bears"
-        f" ({1e-6 * limits.STRONGEST:g} MPa): are [blade] unit, [rotor] origin and speeds right?",
+        f" ({1e-6 * limits.STRONGEST:g} MPa): are [{'structure' if known else 'blade'}] unit, [rotor] origin and speeds"
+        f" right?{left_out}",
     )
 
 

@@ -70,6 +70,7 @@ class SpaceStructure:
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
         cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
         mass: of all that the mesh has [kg]; inf: not known.
+        density: of known modes, by the scale of their shapes [kg/m³]; None: not known, or not of known modes.
     """
 
     model: ModalModel
@@ -82,6 +83,7 @@ class SpaceStructure:
     root_stress: float | None = None
     cut: Callable[[ModesAtSpeed], Floats] | None = None
     mass: float = math.inf
+    density: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -279,8 +281,10 @@ def _structure(request: Request) -> SpaceStructure:
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
-    if (density := modal_model.densities(model, model.speeds[0])) is not None:
-        described += f", of {significant(float(np.median(density)))} kg/m³ by the scale of their modes"
+    fits = modal_model.densities(model, model.speeds[0])
+    density = None if fits is None else float(np.median(fits))
+    if density is not None:
+        described += f", of {significant(density)} kg/m³ by the scale of their modes"
     weights = volumes if (volumes := modal_model.node_volumes(model)).any() else np.ones(len(model.points))
     root = np.flatnonzero(modal_model.held(model.speeds[0].shapes))
     remarks += orientation_remarks(model, weights, root, "structure", root)
@@ -296,7 +300,7 @@ def _structure(request: Request) -> SpaceStructure:
             problem = f"{below}: expected shapes that belong to their frequencies, or closer speeds"
             raise source.wrong(problem, "[structure] modes") from error
 
-    return SpaceStructure(model, modes_at, None, described, tuple(remarks), sha256)
+    return SpaceStructure(model, modes_at, None, described, tuple(remarks), sha256, density=density)
 
 
 def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str], str]:
