@@ -729,6 +729,22 @@ def test_a_root_without_a_whole_face_is_refused(kind):
             Blade(mesh, STEEL, nodes, AXIS, ORIGIN)
 
 
+def test_a_radius_that_catches_corners_alone_is_refused():
+    """As of straight-sided cells on a cylinder: mid-side nodes lie off it, and the next whole faces within."""
+    mesh = box("hexahedron20")
+    bulged = mesh.points + 0.005 * (mesh.points[:, :1] == 0.0) * np.array([1.0, 0.0, 0.0])
+    corners = np.unique(mesh.cells[0][1][:, :8])
+    bulged[corners] = mesh.points[corners]
+    bulged, origin = replace(mesh, points=bulged), ORIGIN - [1, 0, 0]
+    problem = "9 nodes contain no whole face of a cell, only the corners of 4 without their mid-side nodes: "
+    with pytest.raises(MeshError, match=f"^the innermost {problem}name the set of nodes that is its root$"):
+        root_at(bulged, AXIS, origin)
+    expected = "expected a radius with whole faces; the nearest with some is 1500 mm$"
+    with pytest.raises(MeshError, match=f"^at the radius 1 m {problem}{expected}"):
+        root_at(bulged, AXIS, origin, 1.0)
+    assert bulged.whole_faces(root_at(bulged, AXIS, origin, 1.5)) == 4
+
+
 @pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "wedge15"])
 def test_files_of_volumes_are_read_with_their_sets(kind, tmp_path):
     """Written as Abaqus' elements in mm, nodes numbered with gaps; wedges of 15 nodes among them."""

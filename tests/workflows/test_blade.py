@@ -616,8 +616,8 @@ END = {
     "two edges by their radius": (
         "64.03 mm",
         lambda mesh, end: end,
-        "the 6 nodes at the radius 0.06403 m contain no whole face of a cell: expected a radius with all nodes of faces"
-        "; the nearest with some is 70 mm$",
+        "at the radius 0.06403 m 6 nodes contain no whole face of a cell: expected a radius with whole faces;"
+        " the nearest with some is 70 mm$",
     ),
 }
 
