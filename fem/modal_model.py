@@ -634,6 +634,19 @@ def volume(model: ModalModel) -> float:
     return _integrals(model, model.speeds[0])[2]
 
 
+def node_volumes(model: ModalModel) -> Array:
+    """Volume that each node stands for, (n,) [m³]: the integral of its shape function."""
+    volumes = np.zeros(len(model.points))
+    for name, cells in model.cells:
+        kind = cell(name)
+        if kind.dimension == 3:
+            points, weights = kind.rule
+            for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
+                sizes = np.abs(kind.sizes(model.points[chunk], points)) * weights
+                np.add.at(volumes, chunk, sizes @ kind.shape(points))
+    return volumes
+
+
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
     """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
 

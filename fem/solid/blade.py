@@ -52,6 +52,8 @@ class Blade:
             raise MeshError(
                 f"the root's {self.root.size} nodes do not constrain the blade: expected three or more, not collinear"
             )
+        if fault := _faceless(self.mesh, self.root):
+            raise MeshError(f"the root's {fault}: expected all nodes of the clamped faces")
 
     @property
     def projector(self) -> Array:
@@ -111,7 +113,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
         radius: of the nodes from the axis [m]; None: the least.
 
     Raises:
-        MeshError: there are no such nodes.
+        MeshError: there are no such nodes, or they contain no whole face of a cell.
     """
     arm = mesh.points - origin
     arm = arm - np.outer(arm @ axis, axis)
@@ -132,7 +134,25 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
             f"no nodes lie at the radius {radius:.6g} m: the mesh is from {distances.min():.6g}"
             f" to {distances.max():.6g} m from the axis"
         )
-    return max(candidates, key=lambda each: each.size)
+    root = max(candidates, key=lambda each: (mesh.whole_faces(each), each.size))
+    if fault := _faceless(mesh, root):
+        if radius is None:
+            raise MeshError(f"the innermost {fault}: name the set of nodes that is its root")
+        levels = np.concatenate([mesh.level_faces(each, near) for each in (heights, distances)])
+        order = np.abs(levels - radius).argsort()
+        nearest = "".join(f"; the nearest with some is {1e3 * level:.7g} mm" for level in levels[order[:1]])
+        raise MeshError(f"at the radius {radius:.6g} m {fault}: expected a radius with whole faces{nearest}")
+    return root
+
+
+def _faceless(mesh: VolumeMesh, nodes: Indices) -> str:
+    """Words on nodes that contain no whole face of a cell; empty where they do."""
+    if mesh.whole_faces(nodes):
+        return ""
+    bare = mesh.whole_faces(nodes, corners=True)
+    without = f", only the corners of {bare} without their mid-side nodes" if bare else ""
+    some = f"{nodes.size} nodes contain" if nodes.size != 1 else "1 node contains"
+    return f"{some} no whole face of a cell{without}"
 
 
 def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:

@@ -646,6 +646,16 @@ FILES = {
     "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
     "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
     "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
+    "a coordinate missing": (
+        deck([*NODES[:-1], NODES[-1].rsplit(",", 1)[0]]),
+        "line 33: node 32 has 2 coordinates, not 3$",
+    ),
+    "two missing": (deck([*NODES[:4], "5,1.", *NODES[5:]]), "line 6: node 5 has 1 coordinate, not 3$"),
+    "one left empty": (deck([*NODES[:4], "5,1.,,1.", *NODES[5:]]), "line 6: expected .* coordinates, not '5,1.,,1.'$"),
+    "one decimal comma": (
+        deck([*NODES[:4], "5,1.0,1,5,0.0", *NODES[5:]]),
+        "line 6: node 5 has 4 .* are commas decimal",
+    ),
     "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
     "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
@@ -692,6 +702,47 @@ def test_roots_that_hold_nothing():
         Blade(mesh, STEEL, np.array([0, 1]), AXIS, ORIGIN)
     with pytest.raises(MeshError, match="contains every node"):
         Blade(mesh, STEEL, np.arange(len(mesh.points)), AXIS, ORIGIN)
+
+
+@pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "wedge15", "hexahedron"])
+def test_a_root_without_a_whole_face_is_refused(kind):
+    """Its corners alone, three nodes, or all but one of the one face; that face alone is a root."""
+    mesh = box(kind)
+    end = np.flatnonzero(mesh.points[:, 0] == 0.0)
+    corners = np.unique(np.concatenate([nodes[:, : len(cell(kind.rstrip("0125")).nodes)] for _, nodes in mesh.cells]))
+    face = next(ring for faces in mesh.boundary() for ring in faces if np.isin(ring, end).all())
+    assert Blade(mesh, STEEL, end, AXIS, ORIGIN).root is end
+    assert Blade(mesh, STEEL, face, AXIS, ORIGIN).root is face
+    problem = "root's {} nodes contain no whole face of a cell{}: expected all nodes of the clamped faces"
+    few = face[[0, 1, -1]]
+    if mesh.first_order:
+        without = [few]
+    else:
+        bare = np.intersect1d(end, corners)
+        count = sum(int(np.isin(faces, end).all(axis=1).sum()) for faces in mesh.boundary())
+        only = f", only the corners of {count} without their mid-side nodes"
+        with pytest.raises(MeshError, match=problem.format(bare.size, only)):
+            Blade(mesh, STEEL, bare, AXIS, ORIGIN)
+        without = [few, np.setdiff1d(face, face[:1])]
+    for nodes in without:
+        with pytest.raises(MeshError, match=problem.format(len(nodes), "")):
+            Blade(mesh, STEEL, nodes, AXIS, ORIGIN)
+
+
+def test_a_radius_that_catches_corners_alone_is_refused():
+    """As of straight-sided cells on a cylinder: mid-side nodes lie off it, and the next whole faces within."""
+    mesh = box("hexahedron20")
+    bulged = mesh.points + 0.005 * (mesh.points[:, :1] == 0.0) * np.array([1.0, 0.0, 0.0])
+    corners = np.unique(mesh.cells[0][1][:, :8])
+    bulged[corners] = mesh.points[corners]
+    bulged, origin = replace(mesh, points=bulged), ORIGIN - [1, 0, 0]
+    problem = "9 nodes contain no whole face of a cell, only the corners of 4 without their mid-side nodes: "
+    with pytest.raises(MeshError, match=f"^the innermost {problem}name the set of nodes that is its root$"):
+        root_at(bulged, AXIS, origin)
+    expected = "expected a radius with whole faces; the nearest with some is 1500 mm$"
+    with pytest.raises(MeshError, match=f"^at the radius 1 m {problem}{expected}"):
+        root_at(bulged, AXIS, origin, 1.0)
+    assert bulged.whole_faces(root_at(bulged, AXIS, origin, 1.5)) == 4
 
 
 @pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "wedge15"])

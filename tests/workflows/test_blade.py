@@ -1,5 +1,6 @@
 """Scenes with a solid blade: from a mesh file to modes and a damper's figures, and what is refused."""
 
+import json
 import math
 import re
 import tomllib
@@ -191,6 +192,15 @@ def test_a_stiff_blade_calls_for_no_newton(folder, monkeypatch):
         for mode, exact in zip(one.modes, other.modes, strict=True):
             off = abs(mode.frequency_hz / exact.frequency_hz - 1.0)
             assert off <= mode.error_parts.large_deflection + mode.error_parts.basis + exact.error_parts.basis
+
+
+def test_the_table_of_check_has_the_effects_that_all_speeds_call_for(folder, spindamp):
+    """Alone, 2000 rpm calls for no large deflection, with which the run solves it: 109.698 Hz, without it 109.693."""
+    source = scene(folder, speeds="'2000 rpm', '5900 rpm'")
+    (slow, _) = pipeline.structure(source, QUIET, shapes=False).points
+    found = json.loads(spindamp("check", folder / "fan.toml", "--json").out)["seat"]["modes"]
+    for mode, solved in zip(found, slow.modes, strict=True):
+        assert mode["frequency_hz"] == pytest.approx(solved.frequency_hz, rel=1e-8)
 
 
 def test_plate_and_blade_exclude_each_other():
@@ -589,6 +599,51 @@ def test_a_root_that_hardly_is_one_is_remarked(tmp_path, spindamp, case):
     remarks = re.findall(r"# (The root covers .*|Most of the blade .*)", said)
     assert len(remarks) == (remark is not None)
     assert remark is None or re.match(remark, remarks[0])
+
+
+END = {
+    "a face": ("nroot", lambda mesh, end: end[mesh.points[end, 1] < 0.001], None),
+    "a radius": ("50 mm", lambda mesh, end: end, None),
+    "corners": (
+        "nroot",
+        lambda mesh, end: np.intersect1d(end, mesh.cells[0].data[:, :8]),
+        "the root's 6 nodes contain no whole face of a cell, only the corners of 2 without their mid-side nodes: ",
+    ),
+    "three nodes": (
+        "nroot",
+        lambda mesh, end: end[[0, 1, -1]],
+        "the root's 3 nodes contain no whole face of a cell: expected all nodes of the clamped faces$",
+    ),
+    "two edges by their radius": (
+        "64.03 mm",
+        lambda mesh, end: end,
+        "at the radius 0.06403 m 6 nodes contain no whole face of a cell: expected a radius with whole faces;"
+        " the nearest with some is 70 mm$",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", END)
+def test_a_root_without_a_whole_face_of_a_cell_is_refused(tmp_path, spindamp, case):
+    """It was accepted: at half the frequency, and its stress, not known, was taken for 0 at any speed."""
+    root, nodes, says = END[case]
+    mesh = make.solid(make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05), (10, 2, 1), 1.0)
+    mesh.point_sets["NROOT"] = nodes(mesh, mesh.point_sets["NROOT"])
+    make.write_inp(tmp_path / "fan.inp", mesh, "flat")
+    level = ('stagger = "35 deg"', 'stagger = "0 deg"')
+    scene(tmp_path, SCENE, "'10 rpm'", root=('root = "nroot"', f'root = "{root}"'), level=level)
+    run = spindamp("check", tmp_path / "fan.toml")
+    assert (run.status == 0) == (says is None)
+    assert says is None or re.search(rf"\[blade\] root = '{root}': {says}", run.err.strip())
+
+
+def test_a_root_whose_stress_is_not_known_is_remarked(tmp_path, spindamp):
+    """Both edges of a plate, whose areas cancel."""
+    mesh = make.solid(make.Airfoil(0.2, 0.08, 0.01, section="flat", hub_radius=0.05), (4, 2, 1), 1.0)
+    mesh.point_sets["NROOT"] = np.flatnonzero(np.abs(mesh.points[:, 1]) > 0.039)
+    make.write_inp(tmp_path / "fan.inp", mesh, "flat")
+    scene(tmp_path, SCENE, "'10 rpm'")
+    assert "# The mean stress at the root is not known, since" in spindamp("check", tmp_path / "fan.toml").out
 
 
 def test_what_a_root_inside_the_mesh_cuts_off_is_held_with_it(tmp_path):

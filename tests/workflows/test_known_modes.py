@@ -138,6 +138,49 @@ def test_its_surface_moves_in_pages(files: Path, monkeypatch: pytest.MonkeyPatch
     assert len(cloud.points) == 4 * 9
 
 
+@pytest.mark.parametrize(
+    ("axis", "origin", "says"),
+    [
+        ([0, 0, 1], "0 mm", None),
+        ([0, 1, 0], "-50 mm", None),
+        (
+            [1, 0, 0],
+            "0 mm",
+            r"measures 200 mm along the spin axis and 40\.\d mm across it: does \[rotor\] axis lie along",
+        ),
+        (
+            [0, 0, 1],
+            "500 mm",
+            r"Most of the structure \(9\d\.?\d? %\) lies nearer the axis than its root: the load compr",
+        ),
+        ([0.3, 0, 1], "-50 mm", r"leans by 17° out of the plane of rotation"),
+    ],
+)
+def test_a_spin_axis_along_known_modes_or_beyond_their_tip_is_remarked(
+    spindamp: Command, files: Path, axis: list[float], origin: str, says: str | None
+) -> None:
+    """A plate along x, 200 x 80 x 10 mm, clamped at x = 0; as a blade with such an axis is."""
+    scene = changed(SCENE, damper=None, release=None, rotor__axis=axis, rotor__origin=[origin, "0 m", "0 m"])
+    said = re.findall(r"^# (.*)", spindamp("check", write(scene, files / "a.toml")).out, re.M)
+    found = [remark for remark in said if re.search(r"along the spin axis|nearer the axis|leans by", remark)]
+    assert len(found) == (says is not None)
+    assert says is None or re.search(says, found[0])
+
+
+def test_a_load_that_would_tear_known_modes_is_remarked(spindamp: Command, files: Path) -> None:
+    """A bar to R: ρΩ²R²/2 = 2400 MPa at 36 620 rpm, of 7850 kg/m³ and R² = (200² + 40²) mm²."""
+    for rpm, torn in ((36300, False), (36900, True)):
+        scene = changed(SCENE, damper=None, release=None, rotor__speeds=[f"{rpm} rpm"])
+        said = re.findall(r"^# (At .* rpm the tip .*)", spindamp("check", write(scene, files / "a.toml")).out, re.M)
+        assert len(said) == torn
+    ((speed, stress),) = re.findall(
+        r"the tip moves at (\d+) m/s, .* of a bar of constant section by (\d+) MPa", said[0]
+    )
+    assert float(speed) == pytest.approx(36900 * np.pi / 30 * np.hypot(0.2, 0.04), rel=1e-2)
+    assert float(stress) == pytest.approx(0.5e-6 * 7850 * float(speed) ** 2, rel=1e-2)
+    assert said[0].endswith("Verdicts do not include the root stress of known modes.")
+
+
 def test_speeds_between_files_are_said(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -21,6 +20,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
+from workflows.solve.orientation import orientation_remarks
 from workflows.solve.results import Floats
 
 if TYPE_CHECKING:
@@ -32,30 +32,45 @@ if TYPE_CHECKING:
 def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | None:
     """The structure in space of a scene: its blade, or what is known by its modes; None without one.
 
-    slowest: a blade at its lowest speed alone.
+    slowest: a blade at its lowest speed alone, by the effects that all speeds of the scene call for.
 
     Raises:
         BadInput, Divergence, NoEquilibrium: see `blade_structure` and `known_modes.space_structure`.
     """
-    if source.scene.blade is None:
-        return space_structure(source) if source.scene.in_space else None
     fastest = max(source.scene.rotor.speeds)
-    if slowest:
-        source = source.changed(rotor={"speeds": (min(source.scene.rotor.speeds),)})
-    structure = blade_structure(source)
+    if source.scene.blade is None:
+        if not source.scene.in_space:
+            return None
+        structure = space_structure(source)
+    else:
+        if slowest:
+            large = source.scene.effects.large_deflection
+            large = large if large != "auto" else bool(deflection(source).called)
+            source = source.changed(
+                rotor={"speeds": (min(source.scene.rotor.speeds),)}, effects={"large_deflection": large}
+            )
+        structure = blade_structure(source)
     return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, fastest)))
 
 
 def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
-    """A remark where the load at a speed [rad/s] tears the root of any blade metal."""
-    stress = 0.0 if structure.root_stress is None else omega**2 * structure.root_stress
+    """A remark where the load at a speed [rad/s] tears the root of any blade metal.
+
+    Of known modes, whose root's section is not known, a bar of constant section between their radii stands for them.
+    """
+    radii = np.linalg.norm(structure.model.load(structure.model.points), axis=1)
+    known = structure.density is not None
+    bar = 0.5 * (structure.density or 0.0) * (radii.max() ** 2 - radii.min() ** 2)
+    stress = omega**2 * float(bar if known else structure.root_stress or 0.0)
     if stress <= limits.STRONGEST:
         return ()
-    tip = omega * float(np.linalg.norm(structure.model.load(structure.model.points), axis=1).max())
+    pulls = "would pull at the root of a bar of constant section" if known else "pulls at the root"
+    left_out = " Verdicts do not include the root stress of known modes." if known else ""
     return (
-        f"At {turning(omega)} the tip moves at {significant(tip)} m/s, and the load pulls at the root by"
+        f"At {turning(omega)} the tip moves at {significant(omega * float(radii.max()))} m/s, and the load {pulls} by"
         f" {significant(1e-6 * stress)} MPa on average, more than any blade metal bears"
-        f" ({1e-6 * limits.STRONGEST:g} MPa): are [blade] unit, [rotor] origin and speeds right?",
+        f" ({1e-6 * limits.STRONGEST:g} MPa): are [{'structure' if known else 'blade'}] unit, [rotor] origin and speeds"
+        f" right?{left_out}",
     )
 
 
@@ -300,43 +315,20 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
             f"{share(inner / whole, 2)} % of the mesh is cut off from the blade by its"
             " root, on the side of the axis, and is clamped with it: the modes are those of the rest."
         )
-    within = np.setdiff1d(np.flatnonzero(radii < radii[blade.root].min()), inboard)
-    inside = float(operators.masses[within].sum() / operators.masses.sum())
-    if inside > 0.5:
-        made.append(
-            f"Most of the blade ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses it."
-        )
-    axial, across = (float(np.ptp(each)) for each in (blade.mesh.points @ blade.axis, radii))
-    if axial > _SLENDER * across:
-        made.append(
-            f"The blade measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
-            " across it: does [rotor] axis lie along the blade, where it should lie across it?"
-        )
-    elif (lean := _lean(operators)) > _LEANS:
-        made.append(
-            f"The blade leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the middle of"
-            " its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
-        )
+    about = ModalModel(blade.mesh.points, (), blade.axis, blade.origin)
+    made += orientation_remarks(about, operators.masses, blade.root, "blade", inboard)
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
         made.append(
             f"The root covers {percent(covered, 0)} % of the blade's radial extent: is it the end that the rotor holds?"
         )
+    if root_stress(operators) is None:
+        made.append(
+            "The mean stress at the root is not known, since the vector areas of its outer faces cancel:"
+            " whether the load tears the root is not checked."
+        )
     return tuple(made)
 
-
-def _lean(operators: SolidOperators) -> float:
-    """Angle between the plane of rotation and the way from the middle of the root to the centre of mass [rad]."""
-    blade = operators.blade
-    way = operators.masses @ blade.mesh.points / operators.masses.sum() - blade.mesh.points[blade.root].mean(axis=0)
-    return math.asin(min(abs(float(way @ blade.axis)) / max(float(np.linalg.norm(way)), 1e-300), 1.0))
-
-
-_LEANS = math.radians(15.0)
-"""Lean out of the plane of rotation above which the axis is asked about: blades are coned by some degrees."""
-
-_SLENDER = 1.5
-"""Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""
 
 _TALL = 0.2
 """Part of a blade's radial extent above which a root that covers it is remarked."""

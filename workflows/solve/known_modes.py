@@ -25,6 +25,7 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve import results
 from workflows.solve.coupling import modes_of, reduced_of
+from workflows.solve.orientation import orientation_remarks
 from workflows.solve.results import Floats, Ints, SpeedPoint
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class SpaceStructure:
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
         cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
         mass: of all that the mesh has [kg]; inf: not known.
+        density: of known modes, by the scale of their shapes [kg/m³]; None: not known, or not of known modes.
     """
 
     model: ModalModel
@@ -81,6 +83,7 @@ class SpaceStructure:
     root_stress: float | None = None
     cut: Callable[[ModesAtSpeed], Floats] | None = None
     mass: float = math.inf
+    density: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.
@@ -278,8 +281,13 @@ def _structure(request: Request) -> SpaceStructure:
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
-    if (density := modal_model.densities(model, model.speeds[0])) is not None:
-        described += f", of {significant(float(np.median(density)))} kg/m³ by the scale of their modes"
+    fits = modal_model.densities(model, model.speeds[0])
+    density = None if fits is None else float(np.median(fits))
+    if density is not None:
+        described += f", of {significant(density)} kg/m³ by the scale of their modes"
+    weights = volumes if (volumes := modal_model.node_volumes(model)).any() else np.ones(len(model.points))
+    root = np.flatnonzero(modal_model.held(model.speeds[0].shapes))
+    remarks += orientation_remarks(model, weights, root, "structure", root)
     count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
 
     @lru_cache(_SPEEDS)
@@ -292,10 +300,10 @@ def _structure(request: Request) -> SpaceStructure:
             problem = f"{below}: expected shapes that belong to their frequencies, or closer speeds"
             raise source.wrong(problem, "[structure] modes") from error
 
-    return SpaceStructure(model, modes_at, None, described, remarks, sha256)
+    return SpaceStructure(model, modes_at, None, described, tuple(remarks), sha256, density=density)
 
 
-def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str, ...], str]:
+def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str], str]:
     """The structure in m and kg about the scene's axis; remarks; the digest of the files."""
     models, remarks, digests, turns = [], list[str](), list[str](), True
     for omega, name in known.files.items():
@@ -323,7 +331,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, tuple[str,
         raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
-    return about_spin_axis(source, model, turns=turns), tuple(remarks), whole
+    return about_spin_axis(source, model, turns=turns), remarks, whole
 
 
 def _copies(source: SceneFile, name: str, model: ModalModel) -> list[str]:

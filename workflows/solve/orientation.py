@@ -1,0 +1,58 @@
+"""Whether a structure in space, its root and its spin axis are likely to be meant as they are, in remarks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fem.modal_model import ModalModel
+from workflows.formatting import percent, significant
+from workflows.solve.results import Floats, Ints
+
+
+def orientation_remarks(model: ModalModel, masses: Floats, root: Ints, name: str, inboard: Ints) -> list[str]:
+    """Remarks on a structure that lies inboard of its root, along the spin axis, or out of the plane of rotation.
+
+    Args:
+        model: its nodes and spin axis.
+        masses: of the nodes (n,), in any unit.
+        root: numbers of the clamped nodes; without any, only the extents are judged.
+        name: what it is called.
+        inboard: numbers of nodes that are cut off from it by the root.
+    """
+    remarks, arms = list[str](), model.load(model.points)
+    radii, whole = np.linalg.norm(arms, axis=1), masses.sum()
+    if root.size:
+        within = np.setdiff1d(np.flatnonzero(radii < radii[root].min()), inboard)
+        inside = float(masses[within].sum() / whole)
+        if inside > 0.5:
+            remarks.append(
+                f"Most of the {name} ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses"
+                " it."
+            )
+    axial, across = (float(np.ptp(each)) for each in (model.points @ model.axis, radii))
+    if axial > _SLENDER * across:
+        remarks.append(
+            f"The {name} measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
+            " across it: does [rotor] axis lie along the blade, where it should lie across it?"
+        )
+    elif root.size and np.linalg.norm(arms.mean(axis=0)) > _ON_ONE_SIDE * radii.mean():
+        way = masses @ model.points / whole - model.points[root].mean(axis=0)
+        lean = math.asin(min(abs(float(way @ model.axis)) / max(float(np.linalg.norm(way)), 1e-300), 1.0))
+        if lean > _LEANS:
+            remarks.append(
+                f"The {name} leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the"
+                " middle of its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
+            )
+    return remarks
+
+
+_LEANS = math.radians(15.0)
+"""Lean out of the plane of rotation above which the axis is asked about: blades are coned by some degrees."""
+
+_SLENDER = 1.5
+"""Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""
+
+_ON_ONE_SIDE = 0.5
+"""Distance of the middle of the nodes from the axis, over theirs, up to which they surround it, as a disc does."""
