@@ -576,7 +576,7 @@ class ParticleDamper:
             drive: acceleration of the structure, less what the tilt of the floor takes of it [m/s^2].
         """
         (swing, square, pull), left = self._swing(0), abs(1 - self.tilt_share[0])
-        if self.modes is not None and not any(self.lateral_pull):  # a ball at rest is held along each axis
+        if self.formulation != "printed" and not any(self.lateral_pull):  # a ball at rest is held along each axis
             left = max(left, abs(float(swing[1] - pull[1] / square)))
         return math.inf if left == 0 else drive / square / left
 

@@ -243,7 +243,7 @@ def test_the_root_bears_what_an_inner_cavity_tells(paper: Scene) -> None:
     inner = workflows.run(changed(scene, damper__at=["5 cm", "0 cm"], damper__mass_ratio=1e-4))
     said = next(note for note in inner.notes if "bends the root" in note)
     tip = 182.6e9 * 0.005 * 3.516 / 0.2**2 * 1e-3 / 0.0973  # the mode's shape at a quarter of the length, 1 at the tip
-    assert f"about {float(f'{tip / 1e6:.2g}'):g} MPa" in said
+    assert 1 < 1e6 * float(re.search(r"about (\d+) MPa", said)[1]) / tip < 1.1, "rotation bends it closer to its root"
 
 
 def test_a_tilt_steeper_than_the_ball_is_small(structure: Scene) -> None:
@@ -295,7 +295,10 @@ def test_what_moves_a_resting_ball_at_all(stagger: float, left: float, rolls: fl
     reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - pull, slope)
     point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced, stagger=stagger)
     first, alone = coupling.moves_first_from(system, point), system.amplitude_of(system.rolling_threshold)
-    assert math.isinf(first) == (left == 1.2e-2 and stagger == 0)
+    if stagger == 1.0 and left < 0.1:
+        assert math.isinf(first), "the pull round the axis moves it across before"
+    else:
+        assert math.isinf(first) == (left == 1.2e-2 and stagger == 0)
     found = min(first, alone)
     outwards, around, axis = np.eye(3)
     along = math.sin(stagger) * around + math.cos(stagger) * axis
@@ -368,7 +371,7 @@ def thin(**changes: Any) -> Scene:
 def span(found: Results, name: str) -> str:
     """Of a figure at all speeds [mm]."""
     values = sorted(1e3 * getattr(point.damping_curve, name) for point in found.speeds)
-    return " to ".join(f"{end:.2g}" for end in (values[0], values[-1]))
+    return " to ".join(dict.fromkeys(f"{end:.2g}" for end in (values[0], values[-1])))
 
 
 @pytest.mark.usefixtures("quickly")
@@ -378,19 +381,21 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     found = workflows.run(thin(effects__structural_modes=False, **staggered, **ROUGH))
     (point,) = found.speeds
     own = point.damping_curve
-    round_axis = point.omega**2 * math.sin(math.pi / 3) * math.cos(math.pi / 3) * own.driven_from
     resistance = 0.005 / 1.2 * point.omega**2 * point.radius
-    assert own.cutoff == pytest.approx(own.driven_from / math.hypot(1, round_axis / resistance), rel=0.05)
+    round_axis = point.omega**2 * math.sin(math.pi / 3) * math.cos(math.pi / 3)
+    assert own.driven_from == pytest.approx(resistance / round_axis, rel=1e-6), "along the other axis it sets off first"
+    along = (2 * math.pi * point.reduced.f1_hz) ** 2 * (1 - point.tilt_share)
+    assert own.cutoff == pytest.approx(resistance / math.hypot(along, round_axis), rel=0.05)
     answer = " ".join(verdict.answer(found).sentences)
     others = "Coriolis forces, a sideways pull or a varying load may move"
     assert f"below {1e3 * own.cutoff:.2g} mm, above which {others} it, which is not simulated" in answer
 
-    held = workflows.run(thin(damper__rolling_friction="0.022 mm", rotor__speeds=["10000 rpm", "11000 rpm"], **ROUGH))
+    held = workflows.run(thin(damper__rolling_friction="0.0114 mm", rotor__speeds=["10000 rpm", "10050 rpm"], **ROUGH))
     point, _ = held.speeds
-    own, limit = point.damping_curve, limits.endured(held)
+    own, limit = point.damping_curve, limits.endured(held, point.omega)
     assert own.cutoff < limit < own.driven_from
     nearer = point.omega * 1.1 / 0.2 * 2 * math.pi * point.reduced.f1_hz * own.driven_from**2
-    assert nearer > 0.022 / 1.2 * point.omega**2 * 0.2 / 2
+    assert nearer > 0.0114 / 1.2 * point.omega**2 * 0.2 / 2
     assert {(p.verdict.grade, p.verdict.reason) for p in held.speeds} == {("unknown", "sideways")}
     assert verdict.answer(held).verdict.startswith(
         f"No verdict: {others} the ball above {span(held, 'cutoff')} mm, which is not simulated; the simulated motion"

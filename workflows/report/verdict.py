@@ -7,13 +7,13 @@ from itertools import groupby
 
 import numpy as np
 
-from workflows.formatting import turning
+from workflows.formatting import revolutions, turning
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
 from workflows.solve import engine_orders, limits, remedies
 from workflows.solve.excitation import HELPS, refused
-from workflows.solve.results import Figures, Grade, Reason, Results, SpeedPoint, VibrationReduction
+from workflows.solve.results import Figures, Grade, OwnFigures, Reason, Results, SpeedPoint, VibrationReduction
 
 _BELOW = 0.8
 """Part of the amplitude that sets a ball off below which it is worth a word that it goes on."""
@@ -64,7 +64,6 @@ def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    known = [(p, w) for p, w in known if w.peak > limits.ROUNDING]
     lost = [(p, w) for p, w in known if w.cutoff >= limits.endured(results, p.omega) < math.inf]
     if not lost:
         return None
@@ -96,20 +95,24 @@ def way_down(results: Results, points: list[SpeedPoint]) -> list[str]:
     """That a ball in motion does more than one at rest does as the vibration grows, where it does most."""
     target = results.scene.accuracy.damping
     parted = [
-        (p, w)
+        (most, p, w.folds)
         for p in points
         if (w := p.damping_curve) is not None
         and _rank(p) != 0
         and w.ways_differ
-        and w.from_above.peak > (1 + target) * w.peak > 0
+        and (most := _most_bouncing(w)) > (1 + target) * w.peak > 0
     ]
     if not parted:
         return []
-    point, figures = max(parted, key=lambda pair: pair[1].from_above.peak)
-    (stops, rolls), above = figures.folds, figures.from_above
-    bounces = above.amplitude >= stops  # below, it rolls
-    most = float(above.damping_ratio[bounces].max()) if bounces.any() else above.peak
+    most, point, (stops, rolls) = max(parted, key=lambda each: each[0])
     return said("answer/way_down", results, point=point, rolls=rolls, stops=stops, most=most)
+
+
+def _most_bouncing(figures: OwnFigures) -> float:
+    """The largest damping ratio of a falling vibration while the ball bounces; below, it rolls."""
+    above = figures.from_above
+    bounces = above.amplitude >= figures.folds[0]
+    return float(above.damping_ratio[bounces].max()) if bounces.any() else above.peak
 
 
 def _rank(point: SpeedPoint) -> int:
@@ -195,7 +198,8 @@ def answer(results: Results) -> Answer:
     rough = [f"{each.order} ({turning(each.omega)})" for each in told if each.loose]
     estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
     crossings = [" ".join(each) for each in (rest, *others) if each]
-    by_itself = f"Compared with the damping by air alone: {alike}."
+    speeds = revolutions([p.omega for p in results.speeds if p.load_g > 0] or [p.omega for p in results.speeds])
+    by_itself = f"Compared with the damping by air alone, at {speeds}: {alike}."
     leading = (*crossings, estimated)
     return Answer("; ".join([first.removesuffix("."), *unsure]), (*leading, by_itself, *sentences), len(leading))
 
@@ -334,7 +338,8 @@ def _why_not(results: Results, points: list[SpeedPoint]) -> list[str]:
     if reason == Reason.LOSSLESS and any(each != reason for each in reasons):
         reason = str(Reason.NOT_FOUND)
     cutoff = 0.0 if low.damping_curve is None else low.damping_curve.cutoff
-    parts = said("answer/why_not", results, reason=reason, low=low, cutoff=cutoff, begin=as_it_moves(results))
+    known = {"cutoff": cutoff, "limit": limits.endured(results, low.omega), "begin": as_it_moves(results)}
+    parts = said("answer/why_not", results, reason=reason, low=low, **known)
     more = (what_to_do(results, points), reach_of(results, points)) if reason == Reason.OUT_OF_REACH else ()
     slope = slope if reason in (Reason.OUT_OF_REACH, Reason.NOT_FOUND) else None
     return [*parts, *(part for part in (*more, slope) if part)]

@@ -200,7 +200,7 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
         return Reason.SIDEWAYS
     if figures is None or math.isinf(figures.drives_from):
         return Reason.TILT
-    if figures.peak > ROUNDING and figures.cutoff >= limit:
+    if figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
     lossless = damper is not None and damper.lossless and figures.cutoff == 0
     return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
