@@ -239,6 +239,10 @@ _OF = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
 """Those that an effect removes."""
 
 
+_NOTABLE_PART = 0.1
+"""Share of the largest error from which on a part of it is named."""
+
+
 class Worst(NamedTuple):
     """The largest error of a mode (its number, from 1) over the speeds, with its parts."""
 
@@ -284,7 +288,7 @@ def sentence(results: Results) -> Values:
         return None
     last, target = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
     sizes = {words: getattr(last.parts, name) or 0.0 for name, words in PARTS.items()}
-    parts = {words: size for words, size in sizes.items() if size >= 0.1 * last.whole}
+    parts = {words: size for words, size in sizes.items() if size >= _NOTABLE_PART * last.whole}
     missed = {} if met(results) else cure(results)
     return {"first": modes[0], "last": last, "parts": parts, "target": target, "met": met(results), **missed}
 
@@ -302,7 +306,8 @@ def cure(results: Results) -> dict[str, Any]:
     left = sum((sizes[name] for name, key in remedies.items() if key != _FINER), np.zeros(len(modes)))
     thin = results.scene.plate is not None and results.scene.plate.theory == "kirchhoff"  # knows no large deflection
     keys: dict[str, str] = {}
-    for name in sorted(remedies, key=lambda name: (thin and name != "theory", -sizes[name].max())):
+    notable = [name for name in remedies if sizes[name].max() >= _NOTABLE_PART * max(mode.whole for mode in modes)]
+    for name in sorted(notable, key=lambda name: (thin and name != "theory", -sizes[name].max())):
         key = remedies[name]
         if key and key != _FINER and left.max() > (target if name == "theory" else target / 2):
             keys[key], left = _OF.get(name, "the theory"), left - sizes[name]
