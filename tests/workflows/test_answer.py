@@ -677,6 +677,10 @@ def test_a_speed_that_no_blade_metal_bears_has_no_verdict(paper: Scene) -> None:
     assert answer(torn).verdict.startswith(f"No verdict above {limit[1]} rpm: at 38000 rpm")
     alone = {table: scene[table] for table in ("title", "plate", "material", "rotor", "accuracy")}
     assert f"; it cannot run above {limit[1]} rpm: at 38000 rpm the" in answer(workflows.run(alone)).verdict
+    barely = workflows.run(changed(alone, rotor__speeds=[f"{float(limit[1]) + 2} rpm"]))
+    stress = re.search(r"root, ([\d.]+) MPa, exceeds what any blade metal endures \(2400 MPa\)", answer(barely).verdict)
+    assert stress is not None
+    assert 2400 < float(stress[1]) < 2401
     slow = workflows.run(changed(alone, rotor__speeds=["3500 rpm"]))
     assert (
         answer(slow).sentences[0]

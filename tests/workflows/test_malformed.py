@@ -191,6 +191,12 @@ def _combined() -> Iterator[tuple[str, Case]]:
     yield "hub radius of a structure", Case(_text(_with(structure, "rotor", "hub_radius", "1.0")), "[rotor] hub_radius")
     yield "stagger of a structure", Case(_text(_with(structure, "rotor", "stagger", '"1 deg"')), "[rotor] stagger")
     yield "place on a structure", Case(_text(_with(structure, "damper", "at", "[0.1, 0]")), "[damper] at")
+    shaken = paper | {"excitation": {"orders": "[3]", "force": '"1 N"'}}
+    for key, value in (("at", "[0.1, 0]"), ("at", "1"), ("direction", "[0, 0, 1]")):
+        bent = _with(shaken, "excitation", key, value)
+        yield f"{key} = {value} of a force on a plate", Case(_text(bent), f"[excitation] {key}", "belongs to a [blade]")
+    cavity = _with(paper, "damper", "cavity", '"-3 mm"')
+    yield "one negative side", Case(_text(cavity), "[damper] cavity", "expected more than 0")
     yield "two masses", Case(_text(_with(paper, "damper", "mass", '"1 g"')), "[damper] mass_ratio", "leave one out")
     yield "no mass", Case(_text(_with(paper, "damper", "mass_ratio", None)), "[damper] mass_ratio")
     yield "a mesh and a length", Case(_text(_with(paper, "plate", "mesh", '"a.msh"')), "[plate] length", "leave")

@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 import spindamp
 from tests.workflows.browser import findings
-from tests.workflows.conftest import changed, shipped_scene
+from tests.workflows.conftest import changed, shipped_scene, write
 from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.report import plots
@@ -45,6 +45,40 @@ def test_errors_name_key_and_value(text, says):
     with pytest.raises(BadInput) as found:
         axes.read([text], G)
     assert says in str(found.value)
+
+
+HUGE = 10**9
+"""Values that would fill the memory before any point is computed."""
+
+
+@pytest.mark.parametrize(
+    ("vary", "sampled", "points"),
+    [
+        (["damper.friction=0.1:0.2:1000000000"], (), "4000000000"),
+        (["damper.friction=0.1:0.2:100000", "damper.restitution=log:0.1:0.2:10000"], (), "4000000000"),
+        (["damper.friction=0.1:0.2:1000000000", "rotor.speeds=1000 rpm,2000 rpm"], (), "2000000000"),
+        (["damper.friction=0.1:0.2"], ("--sample", HUGE), "4000000000"),
+        (["damper.friction=0.1:0.2:1000000000"], ("--sample", 10), "1000000000"),
+        (["damper.friction=0.1:0.2", "rotor.speeds=1000 rpm:2000 rpm"], ("--sample", HUGE), "1000000000"),
+        (["damper.friction=0.1:0.2"], ("--uncertain", "--sample", 2**30), "1.288490189e+10"),
+    ],
+)
+def test_a_sweep_that_no_machine_would_end_is_refused_first(spindamp, tmp_path, vary, sampled, points):
+    """With four speeds, unless they are varied; the values of a key are not computed before."""
+    speeds = {"start": "1000 rpm", "stop": "4000 rpm", "count": 4}
+    write(changed(shipped_scene("paper"), rotor__speeds=speeds), tmp_path / "scene.toml")
+    options = [each for text in vary for each in ("--vary", text)]
+    done = spindamp("sweep", "scene.toml", *options, *sampled, "--out", "out")
+    assert done.status == 2
+    assert f"expected at most 10000000 points, all speeds counted, not {points}" in " ".join(done.err.split())
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("count", [None, 10])
+def test_python_refuses_it_too(count):
+    vary = {"damper.friction": np.broadcast_to(0.1, HUGE)}
+    with pytest.raises(BadInput, match=r"^vary.*: expected at most 10000000 points, all speeds counted, not \d+$"):
+        spindamp.sweep("structure", vary, sample=count)
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from workflows.report import templates
 from workflows.scene import paper, plate_mesh
 from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
-from workflows.scene.scene import Scene
+from workflows.scene.scene import FINEST, Scene
 from workflows.solve import coupling, limits
 from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint, leading_mode
 
@@ -237,6 +237,13 @@ PARTS = {
 }
 """Parts of an error, as people call them."""
 
+_OF = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
+"""Those that an effect removes."""
+
+
+_NOTABLE_PART = 0.1
+"""Share of the largest error from which on a part of it is named."""
+
 
 class Worst(NamedTuple):
     """The largest error of a mode (its number, from 1) over the speeds, with its parts."""
@@ -283,29 +290,32 @@ def sentence(results: Results) -> Values:
         return None
     last, target = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
     sizes = {words: getattr(last.parts, name) or 0.0 for name, words in PARTS.items()}
-    parts = {words: size for words, size in sizes.items() if size >= 0.1 * last.whole}
+    parts = {words: size for words, size in sizes.items() if size >= _NOTABLE_PART * last.whole}
     missed = {} if met(results) else cure(results)
     return {"first": modes[0], "last": last, "parts": parts, "target": target, "met": met(results), **missed}
 
 
 def cure(results: Results) -> dict[str, Any]:
-    """Which keys would bring every error within the accuracy asked for; or, where none would, what is attainable.
+    """Which keys would reduce the error, and which part of it; and the error that is left with any, beyond the target.
 
-    The mesh is only as fine as what the rest leaves of the accuracy makes worth while, and else would be finer.
+    What the whole error would be is not known: the mesh is chosen anew, without room for the part of the cavities,
+    which depends on it and on the theory. A solid, which is dear, is named only where no mesh would do without it.
     """
     modes, target = worst(results), results.scene.accuracy.frequency
-    left = {mode.number: mode.whole for mode in modes}
-    sizes = {name: [getattr(mode.parts, name) or 0.0 for mode in modes] for name in PARTS}
-    keys = []
-    for name in sorted(PARTS, key=lambda name: -max(sizes[name])):
-        if max(sizes[name]) > 0.0 and max(left.values()) > target and (key := _remedy(results, name)) is not None:
-            keys.append(key)
-            left = {mode.number: left[mode.number] - size for mode, size in zip(modes, sizes[name], strict=True)}
-    given = results.scene.in_space  # whose mesh is a part like any other
-    rest = max(left[mode.number] - (0.0 if given else mode.parts.mesh or 0.0) for mode in modes)
-    thin = _is(results, "kirchhoff") and not any("theory" in key for key in keys)
-    enough = bool(keys) and rest <= target / 2 and not (thin and _DEFLECTED in keys)
-    return {"keys": keys if enough else [], "attainable": _attainable(max(mode.whole for mode in modes))}
+    sizes = {name: np.array([getattr(mode.parts, name) or 0.0 for mode in modes]) for name in PARTS}
+    remedies = {name: _remedy(results, name) for name in PARTS if sizes[name].any()}
+    least = float(sum((sizes[name] for name, key in remedies.items() if key is None), np.zeros(len(modes))).max())
+    left = sum((sizes[name] for name, key in remedies.items() if key != _FINER), np.zeros(len(modes)))
+    thin = results.scene.plate is not None and results.scene.plate.theory == "kirchhoff"  # knows no large deflection
+    keys: dict[str, str] = {}
+    notable = [name for name in remedies if sizes[name].max() >= _NOTABLE_PART * max(mode.whole for mode in modes)]
+    for name in sorted(notable, key=lambda name: (thin and name != "theory", -sizes[name].max())):
+        key = remedies[name]
+        if key and key != _FINER and left.max() > (target if name == "theory" else target / 2):
+            keys[key], left = _OF.get(name, "the theory"), left - sizes[name]
+    if not keys and (key := _refining(results)):
+        keys[key] = "the mesh"
+    return {"least": least if least > target else None, "keys": keys}
 
 
 def _attainable(error: float) -> str | None:
@@ -314,22 +324,44 @@ def _attainable(error: float) -> str | None:
     return digit if float(digit) < 1 else None
 
 
-_DEFLECTED = "[effects] large_deflection = true"
-"""What thin-plate theory does not know."""
+_FINER = "a finer mesh"
+"""What reduces the part of the mesh and of a solid's layers."""
+
+
+_REFINES = 1 / 3
+"""Part of an accuracy that always refines the mesh, whose tolerance is at least 0.38 of it (`Budget.mesh`)."""
+
+
+def _refining(results: Results) -> str | None:
+    """The key that refines the mesh of a plate; None where it may change the theory for the worse."""
+    from fem.accuracy.theory_selection import DEAR
+
+    plate, finer = results.scene.plate, _REFINES * results.scene.accuracy.frequency
+    if plate is None or plate.mesh is not None or finer < FINEST:
+        return None
+    if plate.theory == "auto" and _is(results, "solid") and finer < DEAR:
+        return None
+    return f"[accuracy] frequency = {finer:.2g}"
 
 
 def _remedy(results: Results, part: str) -> str | None:
-    """The key that takes a part of the error away, with its value; None where nothing in a scene does."""
+    """The key that reduces a part of the error, with its value; empty where some may, None where none does."""
     from fem.accuracy.theory_selection import DEAR
 
-    if results.scene.in_space:
-        return "a finer mesh" if part == "mesh" and results.scene.blade is not None else None
+    scene, plate = results.scene, results.scene.plate
+    if part in ("mesh", "layers"):
+        return _FINER if scene.known is None else None
+    if part == "cavity_mass":  # whose mass is little where it is left out
+        return None if plate is None or results.effects[part].on else ""
     if part in EFFECTS:
-        return None if results.effects[part].on else f"[effects] {part} = true"
-    plate, deflected = results.scene.plate, results.effects["large_deflection"].on
-    if part != "theory" or _is(results, "solid") or plate is None or plate.mesh is not None or deflected:
+        return None if scene.in_space or results.effects[part].on else f"[effects] {part} = true"
+    if part != "theory" or plate is None:
         return None
-    return f'[plate] theory = "{"auto" if results.scene.accuracy.frequency >= DEAR else "solid"}"'
+    if plate.mesh is not None:
+        return '[plate] theory = "mindlin"' if _is(results, "kirchhoff") else ""
+    off = max(mode.parts.theory for mode in worst(results)) > scene.budget.sheared
+    requested = plate.theory != "auto" and not results.effects["large_deflection"].on
+    return f'[plate] theory = "{"auto" if off and requested and scene.accuracy.frequency >= DEAR else "solid"}"'
 
 
 def _is(results: Results, theory: str) -> bool:

@@ -102,7 +102,7 @@ class Damper(Table):
     """number of balls: equal, each in a cavity of its own, moving in step"""
     radius: Annotated[q.Length, q.Positive]
     """radius of a ball, half its diameter"""
-    cavity: q.LengthPair
+    cavity: q.Sides
     """sides in the damper's axes: 1 along the bending direction (through the thickness), 2 across; its depth along
     the load is the ball's diameter"""
     housing: Annotated[q.Mass, q.Positive] | None = None

@@ -335,11 +335,11 @@ def several(
     return BeforeValidator(validate), WithJsonSchema({"anyOf": [*schema.get("anyOf", [schema]), array]} | unit)
 
 
-def _list(kind: Kind, count: int | None = None) -> tuple[BeforeValidator, WithJsonSchema]:
-    """What annotates a list of quantities: of so many, or of any number."""
+def _list(kind: Kind, count: int | None = None, *, positive: bool = False) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What annotates a list of quantities: of so many, or of any number; above 0 where `positive`."""
     number = {None: "", 2: " of two,", 3: " of three,"}[count]
     expectation = f"expected a list{number} such as [{', '.join([repr(kind.example)] * (count or 2))}]"
-    return several(partial(si, kind), quantity_schema(kind), expectation, count or 1, count)
+    return several(partial(above_zero if positive else si, kind), quantity_schema(kind), expectation, count or 1, count)
 
 
 def _direction(value: object) -> tuple[float, ...]:
@@ -475,6 +475,7 @@ Radii = Annotated[tuple[float, float], *_one_or_two(LENGTH, zero=False)]
 Frequencies = Annotated[tuple[float, float], *_one_or_two(FREQUENCY, zero=False)]
 Slopes = Annotated[tuple[float, float], *_one_or_two(SLOPE, zero=True)]
 LengthPair = Annotated[tuple[float, float], *_list(LENGTH, 2)]
+Sides = Annotated[tuple[float, float], *_list(LENGTH, 2, positive=True)]
 LengthTriple = Annotated[tuple[float, float, float], *_list(LENGTH, 3)]
 Lengths = Annotated[tuple[float, ...], *_list(LENGTH)]
 Direction = Annotated[

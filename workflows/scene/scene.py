@@ -398,6 +398,9 @@ def _levels(kind: q.Kind) -> tuple[BeforeValidator, WithJsonSchema]:
     return q.several(read, q.quantity_schema(kind), expectation, 1, MOST_LEVELS, single=True, once=once)
 
 
+_IN_SPACE = "expected three lengths, (x, y, z) in the structure's coordinates"
+"""Of a place that has two."""
+
 _ORDERS = "expected a list of whole numbers from 1 to 1000, such as [2, 3]"
 
 Forces = Annotated[tuple[float, ...], *_levels(q.FORCE)]
@@ -430,12 +433,15 @@ class Excitation(Table):
         q.check_one(self, ("force", "pressure", "base"), "force, pressure and base")
         if self.at is not None and self.force is None:
             raise fault("at", "a place belongs to a force: leave this out")
+        return self
+
+    def check_place(self) -> None:
+        """Place and direction of the force on a structure in space: both or neither."""
         if isinstance(self.at, tuple) and len(self.at) != 3:
-            raise fault("at", "expected three lengths, (x, y, z) in the structure's coordinates")
+            raise fault("excitation.at", _IN_SPACE)
         if (self.at is None) != (self.direction is None):
             missing, other = ("direction", "at") if self.direction is None else ("at", "direction")
-            raise fault(missing, f"missing: a force away from the damper needs it beside {other}")
-        return self
+            raise fault(f"excitation.{missing}", f"missing: a force away from the damper needs it beside {other}")
 
     @property
     def kind(self) -> str:
@@ -637,8 +643,10 @@ class Scene(Table):
             if getattr(self.rotor, name):
                 raise fault(f"rotor.{name}", f"axis gives the direction of the spin axis: leave {name} out")
         self._require_defaults("not_known")
+        if self.excitation is not None:
+            self.excitation.check_place()
         if self.damper is not None and isinstance(self.damper.at, tuple) and len(self.damper.at) != 3:
-            raise fault("damper.at", "expected three lengths, (x, y, z) in the structure's coordinates")
+            raise fault("damper.at", _IN_SPACE)
         if self.damper is not None and self.damper.at is None:
             place = "a place (x, y, z) in the structure's coordinates such as ['330 mm', '0 mm', '0 mm']"
             raise fault("damper.at", f"missing: {place}, a set of its nodes or a node's number")

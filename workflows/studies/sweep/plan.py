@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Annotated, Any, TypeAlias
@@ -36,8 +36,8 @@ CLEARANCE = "damper.clearance"
 SAMPLE = "sample"
 """The dimension of a sample."""
 
-MOST = 10**9
-"""Points of a study, and values along an axis."""
+MOST = 10**7
+"""Points of a study, and values along an axis: 40 hours of one core with `--quick`, and 4 GB of columns."""
 
 _ALTERNATIVES = {
     "damper": ("mass_ratio", "mass", "ball_density", "ball_material"),
@@ -278,8 +278,9 @@ def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Ax
     """
     where = "vary" if isinstance(vary, Mapping) else "--vary"
     axes = list[Axis]()
-    for name, values in vary.items() if isinstance(vary, Mapping) else map(_split, vary):
+    for name, values in _items(vary):
         key = find(name.strip(), where)
+        require_possible(_count(values), f"{where} {key.name}")
         given = values.strip() if isinstance(values, str) else np.asarray(values).tolist()
         try:
             axis = _ranged(key, values, gravity) if isinstance(values, str) else _listed(key, values, gravity)
@@ -292,6 +293,40 @@ def read(vary: Mapping[str, object] | Iterable[str], gravity: float) -> tuple[Ax
                 raise BadInput(f"sets the same quantity as {other.name}: vary one of them", key=f"{where} {key.name}")
         axes.append(replace(axis, given=given))
     return tuple(axes)
+
+
+def check_size(vary: Mapping[str, object] | Iterable[str], speeds: int) -> None:
+    """See that a grid over what is varied is not too large, before its values are computed.
+
+    Args:
+        vary: what is varied, as in :func:`read`.
+        speeds: number of speeds of the scene, which count unless they are varied.
+
+    Raises:
+        BadInput: it has more than `MOST` points; or text that is no ``KEY=VALUES``.
+    """
+    counts = {name.strip(): _count(values) for name, values in _items(vary)}
+    require_possible(math.prod(({SPEEDS: speeds} | counts).values()), "vary" if isinstance(vary, Mapping) else "--vary")
+
+
+def require_possible(points: float, key: str, value: object = None) -> None:
+    """Raise BadInput where a study would have more than `MOST` points, those at all speeds counted."""
+    if points > MOST:
+        raise BadInput(f"expected at most {MOST} points, all speeds counted, not {points:.10g}", key=key, value=value)
+
+
+def _items(vary: Mapping[str, object] | Iterable[str]) -> Iterable[tuple[str, object]]:
+    return vary.items() if isinstance(vary, Mapping) else map(_split, vary)
+
+
+def _count(values: object) -> float:
+    """How many values are given, as far as that is plain to see: the COUNT of a range, the length of a list; or 1."""
+    if not isinstance(values, str):
+        return values.size if isinstance(values, np.ndarray) else len(values) if isinstance(values, Sized) else 1
+    parts = values.strip().removeprefix("log:").split(":")
+    if len(parts) == 1:
+        return values.count(",") + 1
+    return float(parts[2]) if len(parts) == 3 and parts[2].strip().isdecimal() else 1
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -327,7 +362,7 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
     bare = [not isinstance(_parsed(part), str) for part in parts[:2]]
     if bare[0] != bare[1] and key.unit and first and second:
         raise ValueError("a number without a unit is in SI: give both the unit, or none")
-    if len(parts) == 3 and not (parts[2].isdecimal() and 1 <= int(parts[2][:12]) <= MOST):
+    if len(parts) == 3 and not (parts[2].isdecimal() and int(parts[2][:12])):
         raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(parts[2])}")
     count = int(parts[2]) if len(parts) == 3 else None
     if law == "normal":
@@ -449,8 +484,6 @@ def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Plan:
             problem = "a range over a grid needs its COUNT: START:STOP:COUNT"
             raise BadInput(problem, key=f"--vary {axis.name}", value=axis.given)
     ordered = in_order(axes, speeds)
-    if (points := math.prod(len(axis.values) for axis in ordered)) > MOST:
-        raise BadInput(f"expected at most {MOST:.0e} points, not {points:.3g}", key="--vary")
     return Plan(
         ordered,
         {axis.name: len(axis.values) for axis in ordered},
@@ -461,9 +494,10 @@ def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Plan:
 
 def sample(axes: Sequence[Axis], speeds: Sequence[float], count: int, seed: int) -> Plan:
     """So many points over all axes, by a scrambled Sobol' sequence."""
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
-        raise BadInput(f"expected a whole number of points from 1 to {MOST:.0e}", key="--sample", value=count)
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise BadInput("expected a whole number of points from 1 on", key="--sample", value=count)
     ordered = in_order(axes, speeds)
+    require_possible(float(count) * speeds_of_a_point(ordered), "--sample", count)
     free = len(ordered) if _samples_speeds(ordered) else len(ordered) - 1
     return at_shares(ordered, sobol(free, 1 << (count - 1).bit_length(), seed)[:count], {"seed": seed})
 
@@ -484,6 +518,11 @@ def at_shares(axes: Sequence[Axis], shares: Floats, identity: Mapping[str, Any])
         coordinates[SPEEDS] = (SPEEDS, _array(axes[-1].values))
     spreads = {axis.name: vars(axis.spread) if axis.spread else as_plain(axis.values) for axis in axes}
     return Plan(tuple(axes), dimensions, coordinates, {"sample": spreads, "count": len(shares), **identity})
+
+
+def speeds_of_a_point(axes: Sequence[Axis]) -> int:
+    """At how many speeds each point of a sample is solved, with the speeds the last of the axes."""
+    return 1 if _samples_speeds(axes) else len(axes[-1].values)
 
 
 def _samples_speeds(axes: Sequence[Axis]) -> bool:

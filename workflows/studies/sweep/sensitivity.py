@@ -18,7 +18,19 @@ from workflows.solve import limits
 from workflows.solve.results import Floats
 from workflows.studies.sweep import store
 from workflows.studies.sweep.evaluate import HEADLINE
-from workflows.studies.sweep.plan import SAMPLE, SPEEDS, Axis, Plan, Spread, at_shares, find, in_order, read
+from workflows.studies.sweep.plan import (
+    SAMPLE,
+    SPEEDS,
+    Axis,
+    Plan,
+    Spread,
+    at_shares,
+    find,
+    in_order,
+    read,
+    require_possible,
+    speeds_of_a_point,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,10 +76,12 @@ def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) ->
     """Saltelli's design over uncertain axes."""
     if isinstance(base, bool) or not isinstance(base, int) or base < 8 or base & (base - 1):
         raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
+    ordered = in_order(axes, speeds)
+    require_possible(float(base) * (len(axes) + 2) * speeds_of_a_point(ordered), "--sample", base)
     from SALib.sample import sobol
 
     shares = sobol.sample(_problem(len(axes)), base, calc_second_order=False, scramble=True, seed=seed)
-    return at_shares(in_order(axes, speeds), shares, {"seed": seed, "design": "Saltelli"})
+    return at_shares(ordered, shares, {"seed": seed, "design": "Saltelli"})
 
 
 def indices(values: Floats, parameters: int, seed: int) -> dict[str, Floats]:

@@ -109,6 +109,9 @@ def of_scene(
     if source.scene.damper is None:
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
+    vary = vary if isinstance(vary, Mapping) else list(vary)
+    if count is None and not uncertain:
+        plan.check_size(vary, len(source.scene.rotor.speeds))
     axes = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
     if not axes:
         raise BadInput(
