@@ -138,7 +138,7 @@ def grown(
     climbs = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
     climbs = [dict(list(each.items())[:-1]) for each in climbs]  # their last bin they leave at once
     rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
-    begins = min([min(each) for each in (*climbs, rolling) if each], default=0)
+    begins = min((min(each) for each in (*climbs, rolling) if each), default=min(known))
     known = {k: point for k, point in known.items() if k >= begins}  # hits may take a falling vibration further down
     merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
