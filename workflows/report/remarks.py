@@ -577,14 +577,13 @@ def held(results: Results) -> Values:
 
 
 @remark
-def minute(results: Results) -> Values:
-    """Amplitudes above the cut-off that are too small to count."""
-    least = {
-        amplitude
+def negligible_strain(results: Results) -> Values:
+    """Amplitudes above the cut-off that are left out, since they hardly strain the structure."""
+    least = [
+        limits.least_amplitude(p)
         for p in results.speeds
-        if (own := p.damping_curve) is not None and own.peak > 0
-        if own.cutoff < (amplitude := limits.counts_from(replace(results, speeds=(p,))))
-    }
+        if (own := p.damping_curve) is not None and own.peak > 0 and own.cutoff < limits.least_amplitude(p)
+    ]
     return {"least": max(least)} if least else None
 
 

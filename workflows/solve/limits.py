@@ -47,8 +47,8 @@ ENDURED = 4e-3
 """Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
 about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
 
-MINUTE = 1e-3 * ENDURED
-"""Vibratory strain below which no damping is asked for: 0.5 MPa in Ti-6Al-4V."""
+NEGLIGIBLE_STRAIN = 1e-3 * ENDURED
+"""Vibratory strain below which damping is left out, since no blade needs it there: 0.5 MPa in Ti-6Al-4V."""
 
 SMALL = 0.25
 """Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
@@ -319,10 +319,9 @@ def endured(results: Results, omega: float | None = None) -> float:
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
-def counts_from(results: Results) -> float:
-    """Amplitude at the cavity [m] from which on damping counts, by its strain; 0 where that is not known."""
-    strain = largest_strain(results, 1.0)
-    return MINUTE / strain if strain else 0.0
+def least_amplitude(point: SpeedPoint) -> float:
+    """Amplitude at the cavity [m] from which on damping counts at a speed; 0 where the strain is not known."""
+    return NEGLIGIBLE_STRAIN / point.root_strain if point.root_strain else 0.0
 
 
 def strained(scene: Scene) -> str:
