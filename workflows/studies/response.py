@@ -101,7 +101,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes [m].
         error: of the mean; with the ball at rest, by how much farther it goes until it is set off [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
-        stress_without, stress_with: of a plate at its root, else the largest [Pa]; None where it is not known.
+        stress_without, stress_with: the largest, of a plate by bending [Pa]; None where it is not known.
         estimate: by free vibration, of a run; None where that does not apply.
     """
 
