@@ -577,7 +577,8 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
     force = 100.0 if kind == "pressure" else 0.01 * 9.80665 * 7850 * 0.004
     tip = force * 0.3915 / (0.25 * 7850 * 0.004) / (2 * 0.01 * omega**2)
     assert row.without == pytest.approx(tip, rel=0.02)
-    assert row.stress_without == pytest.approx(200e9 * 0.002 * 3.516 * tip / 0.04, rel=0.03)
+    root = 3.607 * tip / 0.2**2  # its curvature, 3.516 at rest: a beam that turns at a third of its frequency
+    assert row.stress_without == pytest.approx(200e9 * 0.002 * root, rel=0.015)
 
 
 @pytest.mark.usefixtures("few_speeds")
