@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,10 +24,10 @@ from damper.curves import (
     DampingCurve,
     as_read,
     continued,
-    counted,
     differs,
     figures,
     folded,
+    from_amplitude,
     grown,
     held_until,
     moved,
@@ -117,7 +116,7 @@ _LOWEST = 1e-3
 """Least amplitude over half the clearance that is looked at where nothing holds the ball."""
 
 _EARLY = 0.25
-"""Amplitude over half the clearance at which a curve begins at the latest, or at the cut-off."""
+"""Amplitude over half the clearance from which on damping always counts."""
 
 _CLEAR = 10
 """Least amplitude on the way up over the static deflection by a ball that rests off the middle of a tilting floor."""
@@ -205,8 +204,8 @@ def damping_curve(
         name: continued(figures(each, above.cutoff) or growing, growing) for name, each in ways.items()
     }
     others["from_above"] = growing.descending
-    others = {name: as_read(counted(resolved(each, rolls), least)) for name, each in others.items()}
-    growing = replace(as_read(counted(resolved(growing, rolls), least)), **others)
+    others = {name: as_read(from_amplitude(resolved(each, rolls), least)) for name, each in others.items()}
+    growing = replace(as_read(from_amplitude(resolved(growing, rolls), least)), **others)
     for curve in (growing, *others.values()):
         laws.check_curve(bare, curve)
         laws.check_readings(curve, samples)
@@ -236,7 +235,10 @@ def falling(
 def _down(
     bare: ParticleDamper, pace: _Pace, ends: tuple[float, float], threads: int | None
 ) -> tuple[DampingCurve, Floats, float, float]:
-    """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows."""
+    """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows.
+
+    `ends`: `least` and `reach` of :func:`damping_curve` [m].
+    """
     none = np.zeros((0, 3)), 0.0, 0.0
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
@@ -317,8 +319,8 @@ def undamped(damper: ParticleDamper) -> ParticleDamper:
     modes = damper.modes
     aside = damper.lateral_pull[1] != 0 or _curve(damper)[0, 1] != 0  # it moves along y too, and the structure with it
     if modes is None and aside and damper.formulation != "printed":
-        places = ((1.0, 0.0), (0.0, 1.0)), ((damper.floor_tilt[0], 0.0), (0.0, damper.floor_tilt[1]))
-        modes = tuple(map(partial(Mode, damper.modal_mass), damper.stiffness, *places))
+        mass, (along, across), (tilt, tilt_across) = damper.modal_mass, damper.stiffness, damper.floor_tilt
+        modes = Mode(mass, along, (1.0, 0.0), (tilt, 0.0)), Mode(mass, across, (0.0, 1.0), (0.0, tilt_across))
         damper = replace(damper, modes=modes, floor_tilt=(0.0, 0.0))
     if modes is not None and (aside or kinds(damper, damper.parameters)[0] == COUPLED):
         own = (damper.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes)

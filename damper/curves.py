@@ -135,10 +135,10 @@ def grown(
         grazes: a sample of it there; none where there is none.
     """
     climbing = tally(up, above.cutoff)
-    climbs = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
-    climbs = [dict(list(each.items())[:-1]) for each in climbs]  # their last bin they leave at once
+    every = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
+    climbs = [dict(list(each.items())[:-1]) for each in every]  # without the last bin, which a sweep leaves at once
     rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
-    begins = min([min(each) for each in (*climbs, rolling) if each], default=0)
+    begins = min((min(each) for each in (*climbs, rolling) if each), default=min(known))
     known = {k: point for k, point in known.items() if k >= begins}  # hits may take a falling vibration further down
     merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
@@ -292,8 +292,8 @@ def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
     return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
 
 
-def counted(curve: DampingCurve, least: float) -> DampingCurve:
-    """The same from an amplitude on."""
+def from_amplitude(curve: DampingCurve, least: float) -> DampingCurve:
+    """The same from an amplitude [m] on; all of it where no point lies there."""
     counts = curve.amplitude >= least
     if counts.all() or not counts.any():
         return curve
@@ -303,7 +303,7 @@ def counted(curve: DampingCurve, least: float) -> DampingCurve:
 
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     """The same of a ball that lies in its dent up to an amplitude; out of it, it is as one that was never in it."""
-    curve = _stepped(curve, amplitude)
+    curve = _with_step(curve, amplitude)
     ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
     starts: dict[str, Any] = {
         name: held_until(each, amplitude)
@@ -318,8 +318,8 @@ def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
     return replace(sustained, half=(max(sustained.half[0], amplitude), sustained.half[1]))
 
 
-def _stepped(curve: DampingCurve, amplitude: float) -> DampingCurve:
-    """The same with a point at an amplitude, and one next to it."""
+def _with_step(curve: DampingCurve, amplitude: float) -> DampingCurve:
+    """The same with a point at an amplitude [m], and one just below it, where it may step."""
     if not curve.amplitude[0] < amplitude < curve.amplitude[-1]:
         return curve
     step = np.array([(1 - _STEP) * amplitude, amplitude])

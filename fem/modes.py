@@ -315,11 +315,12 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
         strains = [strain - middle for strain in strains]
     x, volumes = model.points[0].ravel(), model.gradient.dx.ravel()
     squares = sum(np.abs(strain.reshape(x.size, -1)) ** 2 for strain in strains) / len(strains)
-    strip = np.searchsorted(np.linspace(x.min(), x.max(), 2 * STRIPS + 1)[1:-1], x)  # rotation bends next to the root
-    sums = np.stack([np.bincount(strip, volumes * each) for each in (1.0 + 0.0 * x, x, *squares.T)])
+    edges = np.linspace(x.min(), x.max(), 2 * STRIPS + 1)[1:-1]  # finer, since rotation bends a plate next to its root
+    strip = np.searchsorted(edges, x)
+    sums = np.stack([np.bincount(strip, volumes * each) for each in (np.ones_like(x), x, *squares.T)])
     volume, moment, *every = sums[:, sums[0] > 0.0]
-    face, middle = np.sqrt(3.0 * np.array(every) / volume), moment / volume
-    root = face[:, 0] + (face[:, 1] - face[:, 0]) * (model.mesh.p[0].min() - middle[0]) / (middle[1] - middle[0])
+    face, place = np.sqrt(3.0 * np.array(every) / volume), moment / volume
+    root = face[:, 0] + (face[:, 1] - face[:, 0]) * (model.mesh.p[0].min() - place[0]) / (place[1] - place[0])
     return np.asarray(np.maximum(root, face.max(axis=1)))
 
 

@@ -47,7 +47,7 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
     if scene.damper is None:
         return state
     with read_from(state.source.name):
-        points = damper.simulate(state.results(), stages, middle_speed(state.points))
+        points = damper.simulate(scene, state.effects, state.points, stages, middle_speed(state.points))
     return replace(state, points=points)
 
 

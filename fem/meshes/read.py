@@ -19,6 +19,7 @@ import math
 import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -127,7 +128,7 @@ def deck_fault(path: Path) -> str:
     """What is wrong with the numbers of a deck of Abaqus that cannot be used, by line; empty: nothing that is seen."""
     nodes: dict[int, str] = {}
     named: list[tuple[str, int, str]] = []
-    rows: dict[int, list[str]] = {}  # lines by how many coordinates they have
+    lines, first = Counter[int](), dict[int, str]()  # by how many coordinates they have
     key, carried = "", False
     for where, line in _included(path, _DATA) if path.suffix.lower() == ".inp" else ():
         if line.startswith("**") or not line.strip():
@@ -149,7 +150,8 @@ def deck_fault(path: Path) -> str:
                 return f"{where}: expected a node's number and its coordinates, not {line.strip()!r}"
             if len(place) > 3 and "." not in line:
                 return f"{where}: node {number} has {len(place)} coordinates, not 3: are commas decimal signs?"
-            rows.setdefault(len(place), []).append(f"{where}: node {number}")
+            lines[len(place)] += 1
+            first.setdefault(len(place), f"{where}: node {number}")
             if number < 1:
                 return f"{where}: node {number}: expected a number above 0"
             if number in nodes:
@@ -163,10 +165,10 @@ def deck_fault(path: Path) -> str:
                 owner, numbers = f"element {values[0]}", numbers[1:]
             carried = line.rstrip().endswith(",")
             named += [(where, number, owner) for number in numbers]
-    if len(rows) > 1:
-        odd, *_, usual = sorted(rows, key=lambda count: len(rows[count]))
+    if len(lines) > 1:
+        odd, *_, usual = sorted(lines, key=lambda count: lines[count])
         comma = ": are commas decimal signs?" if odd > usual else ""
-        return f"{rows[odd][0]} has {odd} coordinate{'s' * (odd != 1)}, not {usual}{comma}"
+        return f"{first[odd]} has {odd} coordinate{'s' * (odd != 1)}, not {usual}{comma}"
     return _unknown(named, nodes)
 
 

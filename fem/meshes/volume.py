@@ -96,13 +96,13 @@ class VolumeMesh:
         return faces if self.first_order else faces[:, ::2]
 
     def whole_faces(self, nodes: Indices, *, corners: bool = False) -> int:
-        """How many faces of cells have all their nodes, or corners alone, among some nodes."""
+        """Number of faces of cells whose nodes, or `corners` alone, are all among some nodes."""
         own = np.isin(np.arange(len(self.points)), nodes)
         every = [self.corners(faces) if corners else faces for faces, _ in self._faces]
         return sum(int(np.count_nonzero(own[faces].all(axis=1))) for faces in every)
 
     def level_faces(self, values: Array, within: float) -> Array:
-        """The middles of values (npoint,) on faces of cells at whose nodes they differ by so much at most."""
+        """Mid-range (k,) of values (npoint,) on each face of a cell over which they vary by `within` at most."""
         ends = [(values[faces].min(axis=1), values[faces].max(axis=1)) for faces, _ in self._faces]
         return np.concatenate([(0.5 * (low + high))[high - low <= within] for low, high in ends])
 

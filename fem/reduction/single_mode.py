@@ -279,6 +279,7 @@ class Reduction:
             bases = [basis.without_coriolis for basis in diagram.bases]
             diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
         self.operators, self.diagram, self.at = operators, diagram, at
+        self._strains: dict[int, float] = {}
         if self._bent:
             return
         self._indices = [flap_index(names) for names in diagram.families]
@@ -306,17 +307,24 @@ class Reduction:
             for omega, index, mode, mass, free, fixed in every
         ]
 
-    @cached_property
-    def root_strains(self) -> Array:
-        """Largest bending strain in the flap mode for 1 m of the place along z, at every speed, shape (k,) [1/m].
+    def bending_strain(self, number: int) -> float:
+        """Largest bending strain in the flap mode over the displacement of the place along z [1/m].
 
         See `fem.modes.bending_strains`.
+
+        Args:
+            number: of the speed in the diagram.
         """
-        lift, strains = flap_rows(self.operators.at_place(self.at))[0], []
-        for number, (names, state) in enumerate(zip(self.diagram.families, self.diagram.states, strict=True)):
-            shape = self.diagram.shapes(number)[:, [flap_index(names)]]
-            strains.append(float(bending_strains(self.operators, shape, state)[0] / abs(lift @ shape[:, 0])))
-        return np.array(strains)
+        if number not in self._strains:
+            shape = self.diagram.shapes(number)[:, [flap_index(self.diagram.families[number])]]
+            (strain,) = bending_strains(self.operators, shape, self.diagram.states[number])
+            self._strains[number] = float(strain / abs(self._lift @ shape[:, 0]))
+        return self._strains[number]
+
+    @cached_property
+    def _lift(self) -> Array:
+        """The row (n,) that gives w at the place."""
+        return np.asarray(flap_rows(self.operators.at_place(self.at))[0])
 
 
 def _between(squares: Array, nodes: list[int]) -> list[int]:

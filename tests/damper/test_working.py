@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from damper import DampingCurve, Mode, ParticleDamper, RingDown, damping_curve, ringdown, sample, work_bound
 from damper.curve_measurement import STAY, samples_of, swinging, undamped
-from damper.curves import BINS, at_bin, folded, resolved
+from damper.curves import BINS, at_bin, folded, grown, resolved
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
 from tests.damper.scenes import paper
@@ -433,6 +433,17 @@ def test_what_a_falling_vibration_shows_below_all_that_grow_is_not_theirs() -> N
     found, (corner, _) = damping_curve(damper, threads=1, sweeps=4, stay=40), against_the_walls(damper)
     assert found.descending.peak > 0.01
     assert 0 < found.peak < 1.5 * light(damper, found.peak_amplitude, corner) < 3e-4
+
+
+def test_sweeps_down_count_where_none_goes_up() -> None:
+    """A ball with too many events leaves sweeps up without a sample."""
+    amplitude, none = np.geomspace(1e-4, 1e-3, 20), np.zeros((0, 3))
+    ratio = np.exp(-(np.log(amplitude / 3e-4) ** 2))
+    down = at_bin(DampingCurve(amplitude, ratio, 0.0, 0.0, 0.0, (0.0, 0.0), 0.01), int(np.argmax(ratio)))
+    found, region = grown(down, none, none, math.inf, none)
+    assert region is None
+    assert np.array_equal(found.amplitude, amplitude)
+    assert np.array_equal(found.damping_ratio, ratio)
 
 
 def test_sweeps_up_leave_no_hole_where_they_end() -> None:

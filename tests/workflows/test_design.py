@@ -239,7 +239,7 @@ def test_the_plates_thickness_is_room():
     ],
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
-    """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa; the strain as of a uniform cantilever."""
+    """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa."""
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, **changes)))
     (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
     assert found.impossible

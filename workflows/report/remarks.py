@@ -99,17 +99,14 @@ def cutoff_mark(results: Results, point: SpeedPoint) -> str:
 
 
 def beyond_of(results: Results, omega: float | None = None) -> str:
-    """What a larger amplitude than the plate endures would do to it, at a speed.
+    """What a larger amplitude than the structure endures would do to it.
 
-    Or at that at which it endures least, which is named where the strain differs between them.
+    `omega`: speed [rad/s]; None: that at which it endures least, which is named where the strains at others differ.
     """
     if omega is not None:
         return phrase("phrases/beyond", results, by_deflection=limits.deflection_governs(results, omega))
-    torn = limits.root_stress(results, 1.0) or 0.0
-    holds = [p for p in results.speeds if torn * p.omega**2 <= limits.STRONGEST]
-    strains = [(p.root_strain, p.omega) for p in holds if p.root_strain is not None]
-    differ = bool(strains) and max(strains)[0] > _ALIKE * min(strains)[0]
-    most = max(strains)[1] if differ else None
+    strains = sorted((strain, speed) for speed, strain in limits.strains_held(results))
+    most = strains[-1][1] if strains and strains[-1][0] > _ALIKE * strains[0][0] else None
     return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=most)
 
 
@@ -609,14 +606,13 @@ def held(results: Results) -> Values:
 
 
 @remark
-def minute(results: Results) -> Values:
-    """Amplitudes above the cut-off that are too small to count."""
-    least = {
-        amplitude
+def negligible_strain(results: Results) -> Values:
+    """Amplitudes above the cut-off that are left out, since they hardly strain the structure."""
+    least = [
+        limits.least_amplitude(p)
         for p in results.speeds
-        if (own := p.damping_curve) is not None and own.peak > 0
-        if own.cutoff < (amplitude := limits.counts_from(replace(results, speeds=(p,))))
-    }
+        if (own := p.damping_curve) is not None and own.peak > 0 and own.cutoff < limits.least_amplitude(p)
+    ]
     return {"least": max(least)} if least else None
 
 

@@ -64,15 +64,13 @@ def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    lost = [(p, w) for p, w in known if w.cutoff >= limits.endured(results, p.omega) < math.inf]
+    lost = [(p, w.cutoff, x) for p, w in known if w.cutoff >= (x := limits.endured(results, p.omega)) < math.inf]
     if not lost:
         return None
     named = what_to_do(results, points) is not None  # which names both amplitudes
-    point, figures = lost[0]
-    beyond, limit = remarks.beyond_of(results, point.omega), limits.endured(results, point.omega)
-    return phrase(
-        "answer/reach_of", results, point=point, cutoff=figures.cutoff, beyond=beyond, named=named, limit=limit
-    )
+    point, cutoff, limit = lost[0]
+    beyond = remarks.beyond_of(results, point.omega)
+    return phrase("answer/reach_of", results, point=point, cutoff=cutoff, beyond=beyond, named=named, limit=limit)
 
 
 def what_to_do(results: Results, points: Sequence[SpeedPoint]) -> str | None:

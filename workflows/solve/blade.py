@@ -37,20 +37,20 @@ def space_of(source: SceneFile, *, slowest: bool = False) -> SpaceStructure | No
     Raises:
         BadInput, Divergence, NoEquilibrium: see `blade_structure` and `known_modes.space_structure`.
     """
-    fastest = max(source.scene.rotor.speeds)
-    if source.scene.blade is None:
-        if not source.scene.in_space:
-            return None
+    if source.scene.blade is not None:
+        structure = blade_structure(_at_lowest_speed(source) if slowest else source)
+    elif source.scene.in_space:
         structure = space_structure(source)
     else:
-        if slowest:
-            large = source.scene.effects.large_deflection
-            large = large if large != "auto" else bool(deflection(source).called)
-            source = source.changed(
-                rotor={"speeds": (min(source.scene.rotor.speeds),)}, effects={"large_deflection": large}
-            )
-        structure = blade_structure(source)
-    return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, fastest)))
+        return None
+    return replace(structure, remarks=(*structure.remarks, *_too_fast(structure, max(source.scene.rotor.speeds))))
+
+
+def _at_lowest_speed(source: SceneFile) -> SceneFile:
+    """A scene with a blade at its lowest speed, with the effects that all of its speeds call for."""
+    lowest, large = min(source.scene.rotor.speeds), source.scene.effects.large_deflection
+    large = bool(deflection(source).called) if large == "auto" else large
+    return source.changed(rotor={"speeds": (lowest,)}, effects={"large_deflection": large})
 
 
 def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
@@ -59,18 +59,20 @@ def _too_fast(structure: SpaceStructure, omega: float) -> tuple[str, ...]:
     Of known modes, whose root's section is not known, a bar of constant section between their radii stands for them.
     """
     radii = np.linalg.norm(structure.model.load(structure.model.points), axis=1)
-    known = structure.density is not None
-    bar = 0.5 * (structure.density or 0.0) * (radii.max() ** 2 - radii.min() ** 2)
-    stress = omega**2 * float(bar if known else structure.root_stress or 0.0)
+    tip, inner = float(radii.max()), float(radii.min())
+    if structure.density is None:
+        stress = omega**2 * (structure.root_stress or 0.0)
+        table, pulls, left_out = "blade", "pulls at the root", ""
+    else:
+        stress = omega**2 * 0.5 * structure.density * (tip**2 - inner**2)
+        table, pulls = "structure", "would pull at the root of a bar of constant section"
+        left_out = " Verdicts do not include the root stress of known modes."
     if stress <= limits.STRONGEST:
         return ()
-    pulls = "would pull at the root of a bar of constant section" if known else "pulls at the root"
-    left_out = " Verdicts do not include the root stress of known modes." if known else ""
     return (
-        f"At {turning(omega)} the tip moves at {significant(omega * float(radii.max()))} m/s, and the load {pulls} by"
+        f"At {turning(omega)} the tip moves at {significant(omega * tip)} m/s, and the load {pulls} by"
         f" {significant(1e-6 * stress)} MPa on average, more than any blade metal bears"
-        f" ({1e-6 * limits.STRONGEST:g} MPa): are [{'structure' if known else 'blade'}] unit, [rotor] origin and speeds"
-        f" right?{left_out}",
+        f" ({1e-6 * limits.STRONGEST:g} MPa): are [{table}] unit, [rotor] origin and speeds right?{left_out}",
     )
 
 
@@ -89,15 +91,16 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     if scene.damper is not None:
         seated = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
     seat, remarks = seated or (None, ())
+    stress = root_stress(solved.operators)
     return SpaceStructure(
         model=model,
         modes=solved.at,
         seat=seat,
         described=in_words(source, solved.operators.blade),
-        remarks=(*_remarks(source, solved.operators), *remarks),
+        remarks=(*_remarks(source, solved.operators, stress), *remarks),
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
-        root_stress=root_stress(solved.operators),
+        root_stress=stress,
         cut=_cavities(scene, seat, solved.operators.blade.material),
         mass=float(solved.operators.masses.sum()),
     )
@@ -292,7 +295,8 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
 
 
-def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
+def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None) -> tuple[str, ...]:
+    """Remarks on a blade's mesh, root and spin axis; `stress`: see `root_stress`."""
     spec, blade = source.scene.blade, operators.blade
     if spec is not None and spec.size is not None:
         made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
@@ -322,7 +326,7 @@ def _remarks(source: SceneFile, operators: SolidOperators) -> tuple[str, ...]:
         made.append(
             f"The root covers {percent(covered, 0)} % of the blade's radial extent: is it the end that the rotor holds?"
         )
-    if root_stress(operators) is None:
+    if stress is None:
         made.append(
             "The mean stress at the root is not known, since the vector areas of its outer faces cancel:"
             " whether the load tears the root is not checked."

@@ -21,7 +21,7 @@ from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits, results
-from workflows.solve.results import CavityMode, Floats, OwnFigures, Results, SpeedPoint, copy_fields
+from workflows.solve.results import CavityMode, Floats, OwnFigures, SpeedPoint, copy_fields
 
 CYCLES = 8
 """Vibration cycles from the ball's first motion on."""
@@ -68,24 +68,25 @@ _SAMPLES_PER_CYCLE = 40
 _SAMPLES_AT_MOST = 4000
 
 
-def simulate(structure: Results, stages: Stages, shown: int | None = None) -> tuple[SpeedPoint, ...]:
+def simulate(
+    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int | None = None
+) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
-    with stages("damper", len(structure.speeds)) as step:
+    with stages("damper", len(points)) as step:
         done = []
-        for number, point in enumerate(structure.speeds):
+        for number, point in enumerate(points):
             speed = turning(point.omega)
             with during(f"at {speed}"):
-                done.append(_simulated(replace(structure, speeds=(point,)), keep=number == shown))
+                done.append(_simulated(scene, effects, point, keep=number == shown))
             step.advance(speed)
     return tuple(done)
 
 
-def _simulated(structure: Results, *, keep: bool) -> SpeedPoint:
-    """The ring-down of a scene at one speed, and the figures of its damper on a floor that tilts, whether its own does.
+def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, keep: bool) -> SpeedPoint:
+    """The ring-down of the scene, and the figures of the damper on a floor that tilts whether the scene's does or not.
 
     A verdict speaks of the blade. The printed equations know no tilt, and there is none without a load.
     """
-    scene, effects, (point,) = structure.scene, structure.effects, structure.speeds
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
@@ -96,7 +97,7 @@ def _simulated(structure: Results, *, keep: bool) -> SpeedPoint:
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
     more["first"] = coupling.moves_first_from(judged, point)
-    curve = figures(judged, least=limits.counts_from(structure))
+    curve = figures(judged, least=limits.least_amplitude(point))
     return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, **more))
 
 

@@ -47,8 +47,8 @@ ENDURED = 4e-3
 """Largest vibratory strain that a blade metal endures: Ti-6Al-4V, among the most tolerant, has an endurance limit of
 about 500 MPa over a modulus of 114 GPa; steels and aluminium reach half of that."""
 
-MINUTE = 1e-3 * ENDURED
-"""Vibratory strain below which no damping is asked for: 0.5 MPa in Ti-6Al-4V."""
+NEGLIGIBLE_STRAIN = 1e-3 * ENDURED
+"""Vibratory strain below which damping is left out, since no blade needs it there: 0.5 MPa in Ti-6Al-4V."""
 
 SMALL = 0.25
 """Displacement of the tip over the plate's length up to which bending is linear, to 6 %: a cantilever under a load at
@@ -308,8 +308,8 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
 def endured(results: Results, omega: float | None = None) -> float:
     """Amplitude at the cavity [m] that strains the structure by what metals endure; inf where the strain is not known.
 
-    At a speed, or at that of the least. Of a plate so thin that it would bend beyond small deflections first, the
-    amplitude at which it does.
+    Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does. `omega`: speed
+    [rad/s]; None: the least over those of `largest_strain`.
     """
     strain, length = largest_strain(results, 1.0, omega), span(results)
     if strain is None:
@@ -319,14 +319,13 @@ def endured(results: Results, omega: float | None = None) -> float:
     return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
 
 
-def counts_from(results: Results) -> float:
-    """Amplitude at the cavity [m] from which on damping counts, by its strain; 0 where that is not known."""
-    strain = largest_strain(results, 1.0)
-    return MINUTE / strain if strain else 0.0
+def least_amplitude(point: SpeedPoint) -> float:
+    """Amplitude at the cavity [m] from which on damping counts at a speed; 0 where the strain is not known."""
+    return NEGLIGIBLE_STRAIN / point.root_strain if point.root_strain else 0.0
 
 
 def strained(scene: Scene) -> str:
-    """Where the strain is judged, in a word: an even plate's is largest at its root, others' anywhere."""
+    """What is strained most, in a word: a plate of constant thickness at its root, others anywhere."""
     if scene.plate is not None:
         return "root" if isinstance(scene.plate.thickness, float) else "plate"
     return "blade" if scene.blade is not None else "structure"
@@ -341,7 +340,10 @@ def room(scene: Scene) -> float:
 
 
 def deflection_governs(results: Results, omega: float | None = None) -> bool:
-    """Whether a plate would bend beyond small deflections before it is strained by what metals endure."""
+    """Whether a plate would bend beyond small deflections before it is strained by what metals endure.
+
+    `omega`: as of `endured`.
+    """
     strain = largest_strain(results, 1.0, omega)
     return strain is not None and endured(results, omega) * strain < ENDURED * (1 - 1e-9)
 
@@ -353,10 +355,16 @@ def is_beyond(results: Results, point: SpeedPoint) -> bool:
 
 
 def largest_strain(results: Results, amplitude: float, omega: float | None = None) -> float | None:
-    """Largest strain for an amplitude at the cavity [-], at a speed or over those at which the structure holds.
+    """Largest strain for an amplitude at the cavity [-]; None where it is not known.
 
-    That of a plate is by bending, that of a structure in space the largest in its mesh; None where it is not known.
-    Between two speeds it goes with the square of the speed, as the centrifugal load does.
+    That of a plate is by bending, that of a structure in space the largest in its mesh. Between two speeds it is
+    interpolated over the square of the speed, with which the centrifugal load grows.
+
+    Args:
+        results: with the strains at their speeds.
+        amplitude: at the cavity [m].
+        omega: speed [rad/s]; None: the largest over the speeds whose load does not tear the root, or over all where
+            each does.
     """
     known = sorted((point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None)
     if not known:
@@ -364,8 +372,14 @@ def largest_strain(results: Results, amplitude: float, omega: float | None = Non
     if omega is not None:
         squares, strains = zip(*((speed**2, strain) for speed, strain in known), strict=True)
         return float(np.interp(omega**2, squares, strains)) * amplitude
-    torn = root_stress(results, 1.0) or 0.0
-    return max([s for omega, s in known if torn * omega**2 <= STRONGEST] or [s for _, s in known]) * amplitude
+    return max([strain for _, strain in strains_held(results)] or [strain for _, strain in known]) * amplitude
+
+
+def strains_held(results: Results) -> list[tuple[float, float]]:
+    """Speeds [rad/s] whose load does not tear the root, and the largest strain over the cavity's amplitude [1/m]."""
+    stress = root_stress(results, 1.0) or 0.0
+    known = [(point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None]
+    return [(omega, strain) for omega, strain in known if stress * omega**2 <= STRONGEST]
 
 
 def _tip(results: Results, amplitude: float, length: float) -> float:

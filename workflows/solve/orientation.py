@@ -11,7 +11,9 @@ from workflows.formatting import percent, significant
 from workflows.solve.results import Floats, Ints
 
 
-def orientation_remarks(model: ModalModel, masses: Floats, root: Ints, name: str, inboard: Ints) -> list[str]:
+def orientation_remarks(
+    model: ModalModel, masses: Floats, root: Ints, name: str, inboard: Ints | None = None
+) -> list[str]:
     """Remarks on a structure that lies inboard of its root, along the spin axis, or out of the plane of rotation.
 
     Args:
@@ -19,12 +21,13 @@ def orientation_remarks(model: ModalModel, masses: Floats, root: Ints, name: str
         masses: of the nodes (n,), in any unit.
         root: numbers of the clamped nodes; without any, only the extents are judged.
         name: what it is called.
-        inboard: numbers of nodes that are cut off from it by the root.
+        inboard: numbers of nodes that the root cuts off from it; None: there are none.
     """
     remarks, arms = list[str](), model.load(model.points)
     radii, whole = np.linalg.norm(arms, axis=1), masses.sum()
     if root.size:
-        within = np.setdiff1d(np.flatnonzero(radii < radii[root].min()), inboard)
+        within = np.flatnonzero(radii < radii[root].min())
+        within = within if inboard is None else np.setdiff1d(within, inboard)
         inside = float(masses[within].sum() / whole)
         if inside > 0.5:
             remarks.append(

@@ -38,12 +38,8 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
     without the share of it that the tilt takes, is above the load times the rolling friction over the radius. Without a
     plate no amplitude is known to be the greatest, and there is the least amplitude alone.
     """
-    damper, figures, reduced, limit = (
-        results.scene.damper,
-        point.damping_curve,
-        point.reduced,
-        endured(results, point.omega),
-    )
+    damper, figures, reduced = results.scene.damper, point.damping_curve, point.reduced
+    limit = endured(results, point.omega)
     if damper is None or figures is None or reduced is None or not 0 < figures.cutoff < math.inf:
         return None
     if limit == math.inf:

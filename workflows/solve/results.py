@@ -706,8 +706,9 @@ class SpeedPoint:
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         sticks_out: how far a cavity does, out of a structure in space [m].
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
-        root_strain: of a structure in space the largest strain in its metal, at the root or elsewhere, over the
-            displacement of the cavity in the mode that moves it most [1/m]; None where that is not known.
+        root_strain: the largest strain, at the root or elsewhere, over the displacement of the cavity [1/m]: of a plate
+            by bending in its flap mode, of a structure in space in the mode that moves the cavity most; None where that
+            is not known.
     """
 
     omega: Annotated[float, KEPT]

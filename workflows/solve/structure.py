@@ -80,10 +80,10 @@ class PlateSolution:
         if key not in self._coupled:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
-            reduced, strains = coupling.with_ball(source, self.reduction), self.reduction.root_strains.tolist()
+            reduced, strain = coupling.with_ball(source, self.reduction), self.reduction.bending_strain
             at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strains[k])
+                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain(k))
                 for point, k in zip(self.points, self.numbers, strict=True)
             )
         return self._coupled[key]

@@ -96,7 +96,7 @@ def study(stages: Stages) -> PaperRun:
     points = {}
     for formulation in FORMULATIONS:
         scene = source.scene.changed(damper={"formulation": formulation})
-        points[formulation] = simulate(replace(structure.results(), scene=scene), stages, SHOWN)
+        points[formulation] = simulate(scene, structure.effects, structure.points, stages, SHOWN)
     at_rest = source.changed(rotor={"speeds": (0.0,)}, damper=None, release=None)
     rest_hz = pipeline.structure(at_rest, stages, shapes=False).points[0].modes[0].frequency_hz
     return PaperRun(source.scene, structure.effects, points, rest_hz)

@@ -101,7 +101,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes [m].
         error: of the mean; with the ball at rest, by how much farther it goes until it is set off [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
-        stress_without, stress_with: of a plate at its root, else the largest [Pa]; None where it is not known.
+        stress_without, stress_with: the largest, of a plate by bending [Pa]; None where it is not known.
         estimate: by free vibration, of a run; None where that does not apply.
     """
 
@@ -361,8 +361,7 @@ def _response(
     passages, not_followed, source = [], [], solver.source
     for each, reduction in zip(met, reductions, strict=True):
         with during(each.crossing.place):
-            least = limits.counts_from(replace(results, speeds=(each.at,)))
-            passage = _passage(solver, each, forcing, reduction, least)
+            passage = _passage(solver, each, forcing, reduction)
         if isinstance(passage, str):
             not_followed.append((each.crossing, passage))
         else:
@@ -438,17 +437,17 @@ _TRIED, _ABOUT = 5, 0.7
 
 
 def _passage(
-    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction, least: float
+    solver: StructureSolver, met: excitation.Meeting, forcing: Excitation, reduction: VibrationReduction
 ) -> Passage | str:
     """The steady states through a crossing, or why there is nothing to follow.
 
     In the mode crossed and those that yield most along either axis, and where others move a peak, in all that a
-    ring-down has. `least`: amplitude from which on damping counts [m].
+    ring-down has.
     """
-    passage = _followed(solver, met, forcing, reduction, least, every=False)
+    passage = _followed(solver, met, forcing, reduction, every=False)
     if isinstance(passage, str) or not _others_count(solver, met, passage, forcing):
         return passage
-    return _followed(solver, met, forcing, reduction, least, every=True)
+    return _followed(solver, met, forcing, reduction, every=True)
 
 
 def _others_count(solver: StructureSolver, met: excitation.Meeting, passage: Passage, forcing: Excitation) -> bool:
@@ -476,7 +475,6 @@ def _followed(
     met: excitation.Meeting,
     forcing: Excitation,
     reduction: VibrationReduction,
-    least: float,
     *,
     every: bool,
 ) -> Passage | str:
@@ -502,7 +500,7 @@ def _followed(
         driven_from = float((levels * states.moves_from).min())
     figures = None
     if leads:
-        own = damper_stage.figures(system, least=least)
+        own = damper_stage.figures(system, least=limits.least_amplitude(met.at))
         figures = replace(own, cutoff=share * own.cutoff)
     return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
 

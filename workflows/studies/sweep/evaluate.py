@@ -256,7 +256,7 @@ def _fill(row: Any, point: SpeedPoint) -> None:
 def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> None:
     """Fill in the damper's own figures."""
     damper = each.verdict_damper
-    least, first = limits.counts_from(each.results), coupling.moves_first_from(damper, each.point)
+    least, first = limits.least_amplitude(each.point), coupling.moves_first_from(damper, each.point)
     curve = damper_curve(damper, known, least, **how)
     point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
