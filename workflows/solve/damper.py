@@ -12,7 +12,7 @@ import numpy as np
 
 import damper
 from damper.curve_measurement import falling
-from damper.curves import at_bin, continued
+from damper.curves import at_bin, continued, from_amplitude
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
@@ -140,7 +140,7 @@ def figures(system: damper.ParticleDamper, threads: int | None = None, **how: An
         return curve
     if down.peak <= _MORE * curve.peak:
         return curve
-    every = falling(system, threads=threads, **QUICK)
+    every = from_amplitude(falling(system, threads=threads, **QUICK), float(down.amplitude[0]))
     if not 0 < every.peak < down.peak:
         return curve
     every = continued(every, down)
