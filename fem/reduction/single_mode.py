@@ -279,7 +279,7 @@ class Reduction:
             bases = [basis.without_coriolis for basis in diagram.bases]
             diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
         self.operators, self.diagram, self.at = operators, diagram, at
-        self._strains: dict[int, float] = {}
+        self._bending: dict[int, tuple[float, float]] = {}
         if self._bent:
             return
         self._indices = [flap_index(names) for names in diagram.families]
@@ -307,19 +307,20 @@ class Reduction:
             for omega, index, mode, mass, free, fixed in every
         ]
 
-    def bending_strain(self, number: int) -> float:
-        """Largest bending strain in the flap mode over the displacement of the place along z [1/m].
+    def bending(self, number: int) -> tuple[float, float]:
+        """Largest bending strain [1/m] and displacement [-] in the flap mode over that of the place along z.
 
         See `fem.modes.bending_strains`.
 
         Args:
             number: of the speed in the diagram.
         """
-        if number not in self._strains:
+        if number not in self._bending:
             shape = self.diagram.shapes(number)[:, [flap_index(self.diagram.families[number])]]
             (strain,) = bending_strains(self.operators, shape, self.diagram.states[number])
-            self._strains[number] = float(strain / abs(self._lift @ shape[:, 0]))
-        return self._strains[number]
+            lift, moved = abs(self._lift @ shape[:, 0]), self.operators.model.displacement.evaluate(shape)[2]
+            self._bending[number] = float(strain / lift), float(np.abs(moved).max() / lift)
+        return self._bending[number]
 
     @cached_property
     def _lift(self) -> Array:

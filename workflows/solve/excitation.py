@@ -178,9 +178,11 @@ def largest_stress(results: Results, crossing: Crossing) -> float | None:
     return material.youngs_modulus * strain
 
 
-def endured(results: Results, crossing: Crossing) -> float:
-    """Amplitude at the cavity that the structure endures [m]; inf where it is not known."""
-    return limits.endured(results, crossing.omega) if _is_followed(results, crossing) else math.inf
+def endured(results: Results, crossing: Crossing, at: SpeedPoint | None = None) -> float:
+    """Amplitude at the cavity that the structure endures [m], by the structure there if known; inf: it is not known."""
+    if not _is_followed(results, crossing):
+        return math.inf
+    return limits.endured(results if at is None else replace(results, speeds=(at,)), crossing.omega)
 
 
 def _is_followed(results: Results, crossing: Crossing) -> bool:
@@ -340,7 +342,7 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
     none = copy_fields(VibrationReduction, crossing, mode=crossing.branch + 1)
     if isinstance(bare, str) or isinstance(system, str):
         return replace(none, reason=Reason.NOT_DRIVEN, detail=bare if isinstance(bare, str) else str(system))
-    limit = endured(results, crossing)
+    limit = endured(results, crossing, at)
     reason = limits.inadmissible(results, at) or (Reason.WEIGHT if limits.weight_governs(at) else None)
     if reason is None and resting is None:
         reason = Reason.OTHER_MODE

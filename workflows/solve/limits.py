@@ -63,9 +63,6 @@ WEIGHT = 1.0
 ROUNDING = 1e-12
 """Damping ratio up to which what a cycle takes is rounding of its energy."""
 
-_CANTILEVER = 1.8751040687
-"""First root of cos x cosh x = -1: the first mode of a uniform cantilever."""
-
 
 @dataclass(frozen=True)
 class Best:
@@ -218,13 +215,14 @@ def best(results: Results, point: SpeedPoint) -> Best | None:
     useful = (low, min(high, limit)) if low < limit else (math.nan, math.nan)
     if figures.peak_amplitude <= limit:
         return Best(figures.peak, figures.peak_amplitude, limited=False, useful=useful)
-    within = figures.damping_ratio[figures.amplitude <= limit]
-    if not within.size or within.max() <= ROUNDING:
-        amplitude, ratios = np.append(figures.cutoff, figures.amplitude), np.append(0.0, figures.damping_ratio)
-        ratio = float(np.interp(limit, amplitude, ratios)) if figures.cutoff < limit else 0.0
-        return Best(ratio, limit, limited=True, useful=useful) if ratio > ROUNDING else None
+    begins = figures.amplitude[0] > figures.cutoff  # the damping rises from nothing there
+    known = np.append(figures.cutoff, figures.amplitude) if begins else figures.amplitude
+    amplitude = np.append(known[known < limit], limit)
+    within = np.interp(amplitude, known, np.append(np.zeros(int(begins)), figures.damping_ratio))
     at = int(np.argmax(within))
-    return Best(float(within[at]), float(figures.amplitude[at]), limited=True, useful=useful)
+    if within[at] <= ROUNDING:
+        return None
+    return Best(float(within[at]), float(amplitude[at]), limited=True, useful=useful)
 
 
 def ball_density(results: Results, point: SpeedPoint) -> float:
@@ -316,7 +314,7 @@ def endured(results: Results, omega: float | None = None) -> float:
         return math.inf
     if length is None:
         return ENDURED / strain
-    return min(ENDURED / strain, SMALL * length / _tip(results, 1.0, length))
+    return min(ENDURED / strain, SMALL * length / (_largest(results, "motion", omega) or 1.0))
 
 
 def least_amplitude(point: SpeedPoint) -> float:
@@ -332,10 +330,15 @@ def strained(scene: Scene) -> str:
 
 
 def room(scene: Scene) -> float:
-    """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it; inf: not known."""
+    """What a ball's diameter has to stay below [m]: the plate's thickness where the cavity is in it; else inf.
+
+    0 where a mesh's thickness varies: it is not known there.
+    """
     damper, plate = scene.damper, scene.plate
-    if damper is None or plate is None or plate.length is None or damper.housing is not None:
+    if damper is None or plate is None or damper.housing is not None:
         return math.inf
+    if plate.length is None:
+        return plate.thickness if isinstance(plate.thickness, float) else 0.0
     return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
 
 
@@ -366,13 +369,20 @@ def largest_strain(results: Results, amplitude: float, omega: float | None = Non
         omega: speed [rad/s]; None: the largest over the speeds whose load does not tear the root, or over all where
             each does.
     """
-    known = sorted((point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None)
+    strain = _largest(results, "root_strain", omega)
+    return None if strain is None else strain * amplitude
+
+
+def _largest(results: Results, name: str, omega: float | None) -> float | None:
+    """A field of the speeds, see `largest_strain`; None where it is not known."""
+    known = sorted((p.omega, value) for p in results.speeds if (value := getattr(p, name)) is not None)
     if not known:
         return None
     if omega is not None:
-        squares, strains = zip(*((speed**2, strain) for speed, strain in known), strict=True)
-        return float(np.interp(omega**2, squares, strains)) * amplitude
-    return max([strain for _, strain in strains_held(results)] or [strain for _, strain in known]) * amplitude
+        squares, values = zip(*((speed**2, value) for speed, value in known), strict=True)
+        return float(np.interp(omega**2, squares, values))
+    held = {speed for speed, _ in strains_held(results)}
+    return float(max([value for speed, value in known if speed in held] or [value for _, value in known]))
 
 
 def strains_held(results: Results) -> list[tuple[float, float]]:
@@ -382,29 +392,12 @@ def strains_held(results: Results) -> list[tuple[float, float]]:
     return [(omega, strain) for omega, strain in known if stress * omega**2 <= STRONGEST]
 
 
-def _tip(results: Results, amplitude: float, length: float) -> float:
-    """Amplitude at the tip for one at the cavity [m]."""
-    damper = results.scene.damper
-    if damper is None or damper.on_plate is None:
-        return amplitude
-    begin = 0.0 if results.surface is None else float(results.surface.points[:, 0].min())
-    inward = min(max((damper.on_plate[0] - begin) / length, 1e-3), 1.0)
-    return amplitude * _shape(1.0) / _shape(inward)
-
-
 def span(results: Results) -> float | None:
     """The plate's extent from its root outwards [m]."""
     plate = results.scene.plate
     if plate is None or plate.length is not None:
         return None if plate is None else plate.length
     return None if results.surface is None else float(np.ptp(results.surface.points[:, 0]))
-
-
-def _shape(x: float) -> float:
-    """First mode of a uniform cantilever at a share x of its length, up to a factor."""
-    k = _CANTILEVER
-    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
-    return math.cosh(k * x) - math.cos(k * x) - ratio * (math.sinh(k * x) - math.sin(k * x))
 
 
 class TableCutOff(NamedTuple):

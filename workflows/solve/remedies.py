@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 from fem.rotor import in_rpm
 from workflows.scene.damper import Damper
 from workflows.solve.limits import endured, lever, rim_slope, room
 from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class Remedy(NamedTuple):
@@ -53,7 +57,7 @@ def what_moves(results: Results, point: SpeedPoint) -> Remedy | None:
         figures.drives_from,
         _eased(results, point, ease),
         radius if 2 * radius < room(results.scene) else math.nan,
-        *_slower(results, point, limit),
+        *_slower(results, point, partial(endured, results)),
         figures.drives_from * (rolls + lean) / (rolls + slope) if dent > 0 else math.nan,
     )
 
@@ -116,32 +120,32 @@ _ROUNDS = 200
 """After which a ratio of radii that still grows has no end."""
 
 
-def _slower(results: Results, point: SpeedPoint, limit: float) -> tuple[float, float]:
+def _slower(results: Results, point: SpeedPoint, limit: Callable[[float], float]) -> tuple[float, float]:
     """Speed up to which a ball moves at an amplitude [rad/s], and the same in two digits; nan at one speed alone.
 
     Drive over resistance, which is the load over the amplitude that moves it, goes with the square of the speed as
     between this speed and its neighbour, and beyond the speed at which the tilt takes all of it is negative. Between a
     speed at which it moves and the next one it lies below that line where a twisted blade untwists: there the amplitude
-    goes with a power of the speed, and the lower speed counts.
+    goes with a power of the speed, and the lower speed counts. `limit`: the amplitude at a speed [m].
     """
     curves = {each.omega: each.damping_curve for each in results.speeds}
     left = {each.omega: 1 - each.tilt_share for each in results.speeds}
-    starts = {omega: own.drives_from for omega, own in curves.items() if own is not None and own.drives_from > 0}
-    if len(starts) < 2 or starts[point.omega] <= limit:
+    ease = {w: limit(w) / own.drives_from for w, own in curves.items() if own is not None and own.drives_from > 0}
+    if len(ease) < 2 or ease[point.omega] >= 1:
         return math.nan, math.nan
-    one, slow = point.omega, max((each for each in starts if each < point.omega and starts[each] < limit), default=0.0)
-    other = slow or min((each for each in starts if each != one), key=lambda each: abs(each - one))
+    one, slow = point.omega, max((each for each in ease if each < point.omega and ease[each] > 1), default=0.0)
+    other = slow or min((each for each in ease if each != one), key=lambda each: abs(each - one))
     if slow:
-        one = min(each for each in starts if each > slow)
-    drive, driven = (math.copysign(limit * each**2 / starts[each], left[each]) for each in (one, other))
+        one = min(each for each in ease if each > slow)
+    drive, driven = (math.copysign(ease[each] * each**2, left[each]) for each in (one, other))
     slope = (drive - driven) / (one**2 - other**2)
     square = (drive - slope * one**2) / (1 - slope)
     if not 0 < square < point.omega**2:
         return math.nan, math.nan
     omega = math.sqrt(square)
     if slow:
-        power = math.log(one / slow) / math.log(starts[one] / starts[slow])
-        omega = min(omega, slow * (limit / starts[slow]) ** power)
+        power = math.log(one / slow) / math.log(ease[slow] / ease[one])
+        omega = min(omega, slow * ease[slow] ** power)
     turns = in_rpm(omega)
     unit = 10 ** (math.floor(math.log10(turns)) - 1)
     return omega, max(slow, omega * (unit * (turns // unit) / turns))

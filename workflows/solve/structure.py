@@ -80,11 +80,11 @@ class PlateSolution:
         if key not in self._coupled:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
-            reduced, strain = coupling.with_ball(source, self.reduction), self.reduction.bending_strain
+            reduced, bends = coupling.with_ball(source, self.reduction), map(self.reduction.bending, self.numbers)
             at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain(k))
-                for point, k in zip(self.points, self.numbers, strict=True)
+                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain, motion=motion)
+                for point, k, (strain, motion) in zip(self.points, self.numbers, bends, strict=True)
             )
         return self._coupled[key]
 
