@@ -741,7 +741,7 @@ class SpeedPoint:
     sticks_out: Annotated[float, KEPT] = field(default=0.0, repr=False)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
-    motion: Annotated[float | None, KEPT] = None
+    motion: Annotated[float | None, KEPT] = field(default=None, repr=False)
 
     @classmethod
     def at(cls, omega: float, radius: float, gravity: float, modes: tuple[Mode, ...] = (), **more: Any) -> SpeedPoint:
