@@ -586,7 +586,9 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
     """A ruler's root takes 0.4 % only where its tip is out by half of its length, far beyond small deflections."""
     paper = workflows.load("paper")
     ruler = paper.changed(plate={"length": 0.5, "width": 0.01, "thickness": 0.001}, damper={"at": None})
-    at_rest = SimpleNamespace(omega=0.0, radius=0.5, root_stress=None, root_strain=0.5e-3 * 3.516 / 0.5**2, motion=1.0)
+    at_rest = SimpleNamespace(
+        omega=0.0, radius=0.5, root_stress=None, root_strain=0.5e-3 * 3.516 / 0.5**2, tip_motion=1.0
+    )
     found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=(at_rest,))
     assert limits.ENDURED / limits.largest_strain(found, 1.0) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)

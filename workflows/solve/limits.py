@@ -314,7 +314,7 @@ def endured(results: Results, omega: float | None = None) -> float:
         return math.inf
     if length is None:
         return ENDURED / strain
-    return min(ENDURED / strain, SMALL * length / (_largest(results, "motion", omega) or 1.0))
+    return min(ENDURED / strain, SMALL * length / (_largest(results, "tip_motion", omega) or 1.0))
 
 
 def least_amplitude(point: SpeedPoint) -> float:

@@ -706,7 +706,7 @@ class SpeedPoint:
         lean: parts of the radius along the damper's axes [m], on a floor that does not face the load.
         sticks_out: how far a cavity does, out of a structure in space [m].
         root_stress: of a solid blade the mean stress over its root's section by the centrifugal pull [Pa].
-        motion: of a plate the largest displacement over that of the cavity, in the same mode [-].
+        tip_motion: of a plate the largest displacement over that of the cavity, in the same mode [-].
         root_strain: the largest strain, at the root or elsewhere, over the displacement of the cavity [1/m]: of a plate
             by bending in its flap mode, of a structure in space in the mode that moves the cavity most; None where that
             is not known.
@@ -741,7 +741,7 @@ class SpeedPoint:
     sticks_out: Annotated[float, KEPT] = field(default=0.0, repr=False)
     root_stress: Annotated[float | None, KEPT] = None
     root_strain: Annotated[float | None, KEPT] = None
-    motion: Annotated[float | None, KEPT] = field(default=None, repr=False)
+    tip_motion: Annotated[float | None, KEPT] = field(default=None, repr=False)
 
     @classmethod
     def at(cls, omega: float, radius: float, gravity: float, modes: tuple[Mode, ...] = (), **more: Any) -> SpeedPoint:

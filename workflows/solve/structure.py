@@ -83,7 +83,7 @@ class PlateSolution:
             reduced, bends = coupling.with_ball(source, self.reduction), map(self.reduction.bending, self.numbers)
             at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain, motion=motion)
+                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain, tip_motion=motion)
                 for point, k, (strain, motion) in zip(self.points, self.numbers, bends, strict=True)
             )
         return self._coupled[key]
