@@ -362,6 +362,42 @@ def test_damping_at_amplitudes_that_strain_next_to_nothing_is_no_use() -> None:
     )
 
 
+def test_the_most_within_the_limit_may_be_at_the_limit() -> None:
+    """Between two points of a curve that rises: the lower one counted, a third less."""
+    found = twelve()
+    point, limit = found.speeds[0], limits.endured(found, found.speeds[0].omega)
+    amplitude, ratio = limit * np.array([0.5, 0.8, 1.2]), np.array([1e-4, 2e-4, 4e-4])
+    rising = replace(point.damping_curve, amplitude=amplitude, damping_ratio=ratio, cutoff=0.4 * limit)
+    rising = replace(rising, peak=4e-4, peak_amplitude=1.2 * limit, driven_from=None)
+    best = limits.best(found, replace(point, damping_curve=rising))
+    assert best is not None
+    assert (best.limited, best.amplitude) == (True, limit)
+    assert best.damping_ratio == pytest.approx(3e-4)
+
+
+def test_amplitudes_without_damping_end_at_the_limit_and_a_ball_out_of_reach_never_moves() -> None:
+    """Damping was denied at any amplitude beside a table that shows some beyond what the plate endures."""
+    found = twelve()
+    point, limit = found.speeds[0], limits.endured(found, found.speeds[0].omega)
+    for cutoff, words in ((0.5 * limit, "at any of the amplitudes searched, from "), (2 * limit, "")):
+        own = replace(point.damping_curve, cutoff=cutoff, driven_from=None, peak=1e-15, damping_ratio=np.zeros(2))
+        own = replace(own, amplitude=cutoff * np.array([1.0, 4.0]))
+        said = answer(limits.with_verdicts(replace(found, speeds=(replace(point, damping_curve=own),))))
+        told = " ".join((said.verdict, *said.sentences))
+        if words:
+            assert f"{words}{1e3 * cutoff:.2g} mm to the {1e3 * limit:.2g} mm that the plate endures" in told
+        else:
+            assert said.verdict.startswith("No: the balls never move within what the plate endures")
+
+
+def test_a_mesh_has_room_for_balls_up_to_its_thickness(paper: Scene) -> None:
+    """A radius of 6.75 mm was advised in a plate of 3 mm; where the thickness varies, none is."""
+    plate: Scene = {"mesh": str(COARSE), "thickness": "3 mm"}
+    assert limits.room(as_scene_file(changed(paper, plate=plate)).scene) == 3e-3
+    varied = {"mesh": str(COARSE), "thickness": {"x": ["0 mm", "200 mm"], "values": ["6 mm", "3 mm"]}}
+    assert limits.room(as_scene_file(changed(paper, plate=varied)).scene) == 0.0
+
+
 def test_no_way_out_by_a_ball_thicker_than_the_plate() -> None:
     """Of a given mass, the ball moves from a radius on that its plate has no room for; a housing on it has."""
     light = {"damper__ball_density": None, "damper__mass_ratio": 5e-4}
