@@ -108,7 +108,7 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
     amplitude, ratio = _points(found)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
-    return at_bin(DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0), int(np.argmax(ratio)))
+    return at_peak(DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0))
 
 
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
@@ -116,6 +116,11 @@ def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
     amplitude, ratio = curve.amplitude, curve.damping_ratio
     half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
+
+
+def at_peak(curve: DampingCurve) -> DampingCurve:
+    """The same with its peak where its damping is largest."""
+    return at_bin(curve, int(np.argmax(curve.damping_ratio)))
 
 
 def grown(
@@ -174,7 +179,7 @@ def grown(
     best, numbers = int(np.argmax(ratio)), _bins(amplitude)
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
     without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
-    median = at_bin(replace(curve, damping_ratio=without), int(np.argmax(without)))
+    median = at_peak(replace(curve, damping_ratio=without))
     errors = above.error, spreads.get(numbers[best], 0.0), moved(curve, median)
     more = median.peak / curve.peak - 1 if curve.peak > 0 else 0.0
     return replace(curve, error=max(*errors, more)), _largest(parted)
@@ -232,7 +237,7 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
     fallen = (place >= region[0] * _WIDTH) & (above.amplitude < first)
     below = np.interp(place, np.log(curve.amplitude), curve.damping_ratio)
     ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
-    above = at_bin(replace(above, damping_ratio=ratio), int(np.argmax(ratio)))
+    above = at_peak(replace(above, damping_ratio=ratio))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
     error = curve.error if last == meets else max(curve.error, _chance(curve, region, joins))
     return replace(curve, from_above=above, error=error, folds=(min(stops, last), last), jump=(min(joins), max(joins)))
@@ -257,7 +262,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
         return 0.0
     ratio = curve.damping_ratio.copy()
     ratio[before] = np.minimum(ratio[before], ratio[before][0])  # goes on rolling
-    return moved(curve, at_bin(replace(curve, damping_ratio=ratio), int(np.argmax(ratio))))
+    return moved(curve, at_peak(replace(curve, damping_ratio=ratio)))
 
 
 def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
@@ -281,7 +286,7 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     amplitude, ratio = (
         np.concatenate([near, far[beyond]]) for near, far in ((place, curve.amplitude), (ratio, curve.damping_ratio))
     )
-    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+    return at_peak(replace(curve, amplitude=amplitude, damping_ratio=ratio))
 
 
 def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
@@ -289,7 +294,7 @@ def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
     beyond = other.amplitude > curve.amplitude[-1]
     amplitude = np.concatenate([curve.amplitude, other.amplitude[beyond]])
     ratio = np.concatenate([curve.damping_ratio, other.damping_ratio[beyond]])
-    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+    return at_peak(replace(curve, amplitude=amplitude, damping_ratio=ratio))
 
 
 def from_amplitude(curve: DampingCurve, least: float) -> DampingCurve:
@@ -297,8 +302,7 @@ def from_amplitude(curve: DampingCurve, least: float) -> DampingCurve:
     counts = curve.amplitude >= least
     if counts.all() or not counts.any():
         return curve
-    amplitude, ratio = curve.amplitude[counts], curve.damping_ratio[counts]
-    return at_bin(replace(curve, amplitude=amplitude, damping_ratio=ratio), int(np.argmax(ratio)))
+    return at_peak(replace(curve, amplitude=curve.amplitude[counts], damping_ratio=curve.damping_ratio[counts]))
 
 
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
@@ -314,7 +318,7 @@ def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
         return replace(nothing(amplitude), from_above=curve.descending, **starts)
     first, last = (max(each, amplitude) for each in curve.jump)
     starts |= {"folds": (curve.folds[0], max(curve.folds[1], amplitude)), "jump": (first, last)}
-    sustained = at_bin(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts), int(np.argmax(ratio)))
+    sustained = at_peak(replace(curve, damping_ratio=ratio, cutoff=amplitude, **starts))
     return replace(sustained, half=(max(sustained.half[0], amplitude), sustained.half[1]))
 
 

@@ -47,9 +47,8 @@ LEVEL_MEANS = "Cut-off, SDC and hits are those of a level floor, as in the scene
 def said(text: str, results: Results, **values: Any) -> list[str]:
     """Sentences of a text on some values, and on what every one may name."""
     scene = results.scene
-    known: dict[str, Any] = {"carrier": carrier(scene), "strained": limits.strained(scene)}
-    known |= {"limit": limits.endured(results), "damper": scene.damper} | values
-    return templates.said(text, scene.ball_count, **known)
+    known = {"carrier": carrier(scene), "strained": limits.strained(scene), "damper": scene.damper}
+    return templates.said(text, scene.ball_count, **known, **values)
 
 
 def phrase(text: str, results: Results, **values: Any) -> str:
@@ -234,7 +233,7 @@ PARTS = {
 }
 """Parts of an error, as people call them."""
 
-_OF = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
+_BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
 """Those that an effect removes."""
 
 
@@ -309,7 +308,7 @@ def cure(results: Results) -> dict[str, Any]:
     for name in sorted(notable, key=lambda name: (thin and name != "theory", -sizes[name].max())):
         key = remedies[name]
         if key and key != _FINER and left.max() > (target if name == "theory" else target / 2):
-            keys[key], left = _OF.get(name, "the theory"), left - sizes[name]
+            keys[key], left = _BY_EFFECT.get(name, "the theory"), left - sizes[name]
     if not keys and (key := _refining(results)):
         keys[key] = "the mesh"
     return {"least": least if least > target else None, "keys": keys}

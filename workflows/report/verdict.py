@@ -64,7 +64,9 @@ def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
     """From what load on the ball is out of reach of what the plate endures."""
     known = [(p, w) for p in points if limits.best(results, p) is None and (w := p.damping_curve) is not None]
-    lost = [(p, w.cutoff, x) for p, w in known if w.cutoff >= (x := limits.endured(results, p.omega)) < math.inf]
+    lost = [
+        (p, w.cutoff, limit) for p, w in known if w.cutoff >= (limit := limits.endured(results, p.omega)) < math.inf
+    ]
     if not lost:
         return None
     named = what_to_do(results, points) is not None  # which names both amplitudes

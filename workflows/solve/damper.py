@@ -12,7 +12,7 @@ import numpy as np
 
 import damper
 from damper.curve_measurement import falling
-from damper.curves import at_bin, continued, from_amplitude
+from damper.curves import at_peak, continued, from_amplitude
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
@@ -147,7 +147,7 @@ def figures(system: damper.ParticleDamper, threads: int | None = None, **how: An
     if curve.peak > 0:
         least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
         every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
-    return replace(curve, from_above=at_bin(every, int(np.argmax(every.damping_ratio))))
+    return replace(curve, from_above=at_peak(every))
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:
