@@ -22,6 +22,7 @@ from damper.curves import (
     BINNED,
     BINS,
     DampingCurve,
+    Down,
     as_read,
     continued,
     differs,
@@ -35,6 +36,7 @@ from damper.curves import (
     resolved,
     spread,
     tally,
+    with_error,
 )
 from damper.model import Mode, in_plane, inertia_ratio, path_curvature, whole
 from damper.motion import COUPLED, flights, kinds, prepare
@@ -174,7 +176,8 @@ def damping_curve(
     held = _held_by_dent(damper, places[-1])
     reach = max([reach, *(_BEYOND * each for each in held if each < math.inf)])
     least = min(least, _EARLY * bare.half_gap[0] / max(abs(1 - bare.tilt_share[0]), _BALANCED))
-    above, samples, low, high = _down(bare, _Pace(sweeps, stay), (least, reach), threads)
+    descent, low, high = _down(bare, _Pace(sweeps, stay), (least, reach), threads)
+    above = descent.curve
     if above.peak == 0:
         return above
     deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
@@ -191,8 +194,8 @@ def damping_curve(
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
     ramps = up[up[:, 2] < _CLIMBS * resting]
-    samples = np.vstack([samples, up, rolls, grazes, begun])
-    growing, region = grown(above, up, rolls, ends, grazes)
+    samples = np.vstack([descent.samples, up, rolls, grazes, begun])
+    growing, region = grown(descent, up, rolls, ends, grazes)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
@@ -229,40 +232,43 @@ def falling(
     damper: ParticleDamper, *, threads: int | None = None, sweeps: int = SWEEPS, stay: int = STAY
 ) -> DampingCurve:
     """The figures of the sweeps down alone; see :func:`damping_curve` for the arguments."""
-    return as_read(_down(undamped(damper), _Pace(sweeps, stay), (0.0, 0.0), threads)[0])
+    return as_read(_down(undamped(damper), _Pace(sweeps, stay), (0.0, 0.0), threads)[0].curve)
 
 
 def _down(
     bare: ParticleDamper, pace: _Pace, ends: tuple[float, float], threads: int | None
-) -> tuple[DampingCurve, Floats, float, float]:
-    """Figures of sweeps down, the samples of the last of them, and between which amplitudes a vibration grows.
+) -> tuple[Down, float, float]:
+    """What sweeps down show, and between which amplitudes a vibration grows.
 
     `ends`: `least` and `reach` of :func:`damping_curve` [m].
     """
-    none = np.zeros((0, 3)), 0.0, 0.0
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED or gap == 0:
-        return nothing(math.inf), *none
+        return _no_descent(math.inf), 0.0, 0.0
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
     if cutoff == 0 and bare.loses_nothing_in_hits:
-        return nothing(cutoff), *none
+        return _no_descent(cutoff), 0.0, 0.0
     least, reach = ends
     lowest, top = max(cutoff, least, _freely(bare) * gap / left), max(reach, 8 * max(cutoff, gap / left))
     fast = _Pace(min(pace.sweeps, _FIRST), max(pace.stay // _SLOWER, 1))
     before, top = _falling(bare, cutoff, lowest, top, fast, threads)
     if before.peak == 0:
-        return before, *none
+        return _no_descent(cutoff), 0.0, 0.0
     curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
-    if moved(before, curve) > _SAME:
+    if max(moved(before, curve)) > _SAME:
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
         before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
-    above = replace(curve, error=max(curve.error, moved(before, curve)))
+    above = with_error(curve, *moved(before, curve))
     if above.peak > 0:
         laws.check_curve(bare, above)
         laws.check_readings(above, samples)
-    return above, samples, max(cutoff, least, _LOWEST * gap / left), top
+    return Down(above, before, samples), max(cutoff, least, _LOWEST * gap / left), top
+
+
+def _no_descent(cutoff: float) -> Down:
+    return Down(nothing(cutoff), nothing(cutoff), np.zeros((0, 3)))
 
 
 def _falling(
@@ -298,7 +304,7 @@ def _settled(
         samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
         done = np.append(done, wanted)
         curve = _read(cutoff, samples)
-        if curve.error <= max(BINNED, min(moved(before, curve), _SAME) / 2):
+        if curve.error <= max(BINNED, min(max(moved(before, curve)), _SAME) / 2):
             break
     return curve, samples
 
@@ -308,7 +314,7 @@ def _read(cutoff: float, samples: Floats) -> DampingCurve:
     self_check.once("curves", falling)
     found = tally(samples, cutoff)
     whole = figures(found, cutoff)
-    return nothing(cutoff) if whole is None else replace(whole, error=max(spread(found, whole), BINNED))
+    return nothing(cutoff) if whole is None else with_error(whole, max(spread(found, whole), BINNED))
 
 
 def undamped(damper: ParticleDamper) -> ParticleDamper:

@@ -64,9 +64,10 @@ class DampingCurve:
         peak: largest damping ratio at a prescribed amplitude [-]; 0 where the ball dissipates nothing.
         peak_amplitude: A there [m].
         half: amplitudes between which the damping is at least half its peak [m].
-        error: of the peak and of `half`, relative: by how much halves of the sweeps differ from all of them around the
-            peak, or both from what faster sweeps show, or the sweeps up from each other and from what others may show,
-            or what the width of the bins may take from a narrow peak [-].
+        error: of the peak, relative: by how much halves of the sweeps differ from all of them around it, or both from
+            what faster sweeps show there, or the sweeps up from each other and from what others may show, or what the
+            width of the bins may take from a narrow peak [-].
+        half_error: of `half`, relative: the same, and by how much its ends move with all that [-].
         from_above: the same for falling vibration, in which the ball keeps bouncing; None: these figures are that.
         slow_ramp: the mean of the sweeps up from rest, which may bounce before that is certain; None: as
             `from_above`.
@@ -86,6 +87,7 @@ class DampingCurve:
     peak_amplitude: float
     half: tuple[float, float]
     error: float
+    half_error: float
     from_above: DampingCurve | None = None
     slow_ramp: DampingCurve | None = None
     abrupt_start: DampingCurve | None = None
@@ -108,7 +110,12 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
     amplitude, ratio = _points(found)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
-    return at_peak(DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0))
+    return at_peak(_bare(amplitude, ratio, cutoff))
+
+
+def _bare(amplitude: Floats, ratio: Floats, cutoff: float) -> DampingCurve:
+    """A curve from which nothing is read yet."""
+    return DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, 0.0)
 
 
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
@@ -124,7 +131,7 @@ def at_peak(curve: DampingCurve) -> DampingCurve:
 
 
 def grown(
-    above: DampingCurve, up: Floats, rolls: Floats, meets: float, grazes: Floats
+    down: Down, up: Floats, rolls: Floats, meets: float, grazes: Floats
 ) -> tuple[DampingCurve, tuple[int, int] | None]:
     """What every vibration that grows slowly is given at least, and the bins between which that is another motion's.
 
@@ -133,13 +140,13 @@ def grown(
     A ball that the sweeps down leave at rest, as at a wall against which it is drawn, stays so below their end.
 
     Args:
-        above: figures of the way down.
+        down: what the way down shows.
         up: samples of the sweeps up.
         rolls: samples of a ball that rolls about the middle.
         meets: amplitude from which on it meets the walls; inf where there is none [m].
         grazes: a sample of it there; none where there is none.
     """
-    climbing = tally(up, above.cutoff)
+    above, climbing = down.curve, tally(up, down.curve.cutoff)
     every = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
     climbs = [dict(list(each.items())[:-1]) for each in every]  # without the last bin, which a sweep leaves at once
     rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
@@ -177,20 +184,56 @@ def grown(
             spreads[last], nexts[last] = spreads.get(last + 1, 0.0), 0.0
     amplitude, ratio = np.array(points).T
     best, numbers = int(np.argmax(ratio)), _bins(amplitude)
-    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, above), best)
+    curve = at_bin(replace(_bare(amplitude, ratio, above.cutoff), from_above=above), best)
     without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
     median = at_peak(replace(curve, damping_ratio=without))
-    errors = above.error, spreads.get(numbers[best], 0.0), moved(curve, median)
     more = median.peak / curve.peak - 1 if curve.peak > 0 else 0.0
-    return replace(curve, error=max(*errors, more)), _largest(parted)
+    curve = with_error(with_error(curve, max(more, spreads.get(numbers[best], 0.0))), *moved(curve, median))
+    alone = [place for k, (place, _) in known.items() if k not in rolling]
+    return _with_error_of_descent(curve, down, [*alone, meets]), _largest(parted)
 
 
-def moved(before: DampingCurve, after: DampingCurve) -> float:
-    """Relative difference of two peaks, or of the amplitudes between which half of them is left, the largest."""
+def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float]) -> DampingCurve:
+    """A curve of the way up, with the errors of what it has of the way down `alone`, at these amplitudes [m]."""
+    shown, best = np.isin(curve.amplitude, alone), int(np.argmax(curve.damping_ratio))
+    before = np.interp(np.log(curve.amplitude), np.log(down.before.amplitude), down.before.damping_ratio)
+    curve = with_error(
+        curve, *moved(at_peak(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio))), curve)
+    )
+    scatter = 0.0
+    if shown[best]:
+        there = int(np.argmin(abs(down.curve.amplitude - curve.peak_amplitude)))
+        scatter = spread(tally(down.samples, curve.cutoff), at_bin(down.curve, there))
+    return with_error(curve, max(BINNED, scatter))
+
+
+class Down(NamedTuple):
+    """What sweeps down show: figures and those of faster sweeps, and the samples of the former."""
+
+    curve: DampingCurve
+    before: DampingCurve
+    samples: Floats
+
+
+class Moved(NamedTuple):
+    """Relative differences of two peaks, and of the amplitudes between which half of them is left, the larger."""
+
+    peak: float
+    half: float
+
+
+def moved(before: DampingCurve, after: DampingCurve) -> Moved:
+    """By how much the figures of two curves differ."""
     if after.peak == 0:
-        return 1.0
-    was, now = np.array([before.peak, *before.half]), np.array([after.peak, *after.half])
-    return float(np.abs(was / now - 1).max())
+        return Moved(1.0, 1.0)
+    ends = np.abs(np.array(before.half) / np.array(after.half) - 1)
+    return Moved(abs(before.peak / after.peak - 1), float(ends.max()))
+
+
+def with_error(curve: DampingCurve, error: float, of_half: float = 0.0) -> DampingCurve:
+    """The same, its errors at least so large; that of `half` is no less than that of the peak."""
+    error = max(curve.error, error)
+    return replace(curve, error=error, half_error=max(curve.half_error, error, of_half))
 
 
 def as_read(curve: DampingCurve) -> DampingCurve:
@@ -206,7 +249,7 @@ def as_read(curve: DampingCurve) -> DampingCurve:
         if 0 <= best + way < len(place) and abs(place[best + way] - place[best]) > _FOOT:
             beside = float(np.interp(place[best] + way, place, curve.damping_ratio))
             lacks += min(1 - beside / curve.peak, _STEEP)
-    return replace(curve, error=max(curve.error, lacks / 4))
+    return with_error(curve, lacks / 4)
 
 
 def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:
@@ -239,15 +282,15 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
     ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
     above = at_peak(replace(above, damping_ratio=ratio))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
-    error = curve.error if last == meets else max(curve.error, _chance(curve, region, joins))
-    return replace(curve, from_above=above, error=error, folds=(min(stops, last), last), jump=(min(joins), max(joins)))
+    curve = curve if last == meets else with_error(curve, *_chance(curve, region, joins))
+    return replace(curve, from_above=above, folds=(min(stops, last), last), jump=(min(joins), max(joins)))
 
 
-def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) -> float:
-    """Relative change of the figures if the last of the sweeps up begins to bounce later, as that of others may.
+def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) -> Moved:
+    """By how much the figures change if the last of the sweeps up begins to bounce later, as that of others may.
 
-    Escapes at a rate are spread exponentially from the first on, with the scale s that is their mean. The last of as
-    many others scatters by 1.3 s; it counts by whole bins.
+    Escapes at a rate are spread exponentially from the first on, with the scale s that is their mean. Of six others the
+    last comes no later than 2.3 s after the last of these, five times in six; it counts by whole bins.
 
     Args:
         curve: figures of the way up.
@@ -255,13 +298,15 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
         joins: where the sweeps up begin to bounce [m].
     """
     place = np.log(joins)
-    later = place.max() + 1.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
-    numbers = np.array(_bins(curve.amplitude))
-    before = (numbers >= region[0]) & (numbers * _WIDTH < later)
-    if not before.any():
-        return 0.0
-    ratio = curve.damping_ratio.copy()
-    ratio[before] = np.minimum(ratio[before], ratio[before][0])  # goes on rolling
+    later = place.max() + 2.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
+    numbers, amplitude, ratio = np.array(_bins(curve.amplitude)), curve.amplitude, curve.damping_ratio.copy()
+    inside = np.flatnonzero((numbers >= region[0]) & (numbers * _WIDTH < later))
+    if not inside.size:
+        return Moved(0.0, 0.0)
+    before = inside[np.log(amplitude[inside]) < place.min() - _WIDTH]
+    last = before[-1] if before.size else inside[0]  # where all roll
+    after = inside[inside > last]
+    ratio[after] = np.minimum(ratio[after], ratio[last] * amplitude[last] / amplitude[after])  # goes on rolling
     return moved(curve, at_peak(replace(curve, damping_ratio=ratio)))
 
 
@@ -466,4 +511,4 @@ def spread(found: Tally, whole: DampingCurve) -> float:
 def nothing(cutoff: float) -> DampingCurve:
     """Of a ball that takes nothing."""
     empty = np.zeros(0)
-    return DampingCurve(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0)
+    return DampingCurve(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0, 0.0)

@@ -319,7 +319,7 @@ def test_nothing_is_promised_where_no_loss_lasts_and_that_breaks_no_law() -> Non
     assert not curve.damping_ratio[rests].any()
     at = np.geomspace(1e-3, 4e-3, 25)
     lost = np.interp(at, [1e-3, 1.5e-3, 2e-3, 4e-3], [1e-4, 1e-3, 8e-4, 1e-4])
-    above = DampingCurve(at[3:], lost[3:], 0.0, 0.0, 0.0, (0.0, 0.0), 0.0)
+    above = DampingCurve(at[3:], lost[3:], 0.0, 0.0, 0.0, (0.0, 0.0), 0.0, 0.0)
     samples = np.column_stack([np.log(at) + math.pi * lost, np.log(at) - math.pi * lost, np.zeros(25)])
     for zeros, holds in ((at < at[3], True), (at > at[-2], False)):
         read = at_bin(replace(above, amplitude=at, damping_ratio=np.where(zeros, 0.0, lost), from_above=above), 7)

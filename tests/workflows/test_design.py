@@ -129,7 +129,7 @@ def test_a_wall_that_cannot_be_checked_is_refused(slow, one_of_27):
 def curve(amplitude, ratio, cutoff=0.0):
     best = int(np.argmax(ratio))
     ends = (amplitude[0], amplitude[-1])
-    return DampingCurve(np.array(amplitude), np.array(ratio), cutoff, ratio[best], amplitude[best], ends, ends, 0.01)
+    return DampingCurve(np.array(amplitude), np.array(ratio), cutoff, ratio[best], amplitude[best], ends, 0.01, 0.01)
 
 
 def test_the_least_damping_of_a_known_curve():

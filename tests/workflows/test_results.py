@@ -331,7 +331,7 @@ def _full() -> Any:
     ring |= {"amplitude_g": one, "sdc": one, "peak_velocity": one}
     damping = results.Damping(**ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": {1: 1.0}})
     own: dict[str, Any] = figures | dict.fromkeys((*OTHER_WAYS, "level"), results.Figures(**figures))
-    own |= {"error": 0.0, "folds": (1.0, 2.0), "jump": (1.0, 2.0)}
+    own |= {"error": 0.0, "half_error": 0.0, "folds": (1.0, 2.0), "jump": (1.0, 2.0)}
     own |= dict.fromkeys(("tilt_share", "tilted_cutoff_g", "tilted_cutoff_ratio"), 1.0)
     point = SpeedPoint(1.0, 1.0, 1.0, 1.0, (results.Mode(1.0, "flap", parts, 0.0),))
     return replace(

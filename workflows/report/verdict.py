@@ -35,7 +35,8 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         limit = limits.endured(results, point.omega)
         others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
-        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": high < figures.half[1], "error": figures.error}
+        limited, error = high < figures.half[1], figures.half_error
+        of = {"of": sorted([*others, (low, high)]), "g": g, "limited": limited, "error": error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = goes_on(results, point, figures.cutoff)

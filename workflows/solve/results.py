@@ -189,8 +189,10 @@ class OwnFigures(Figures):
     """The same for a vibration that grows slowly, with its error, and beside it for one that falls."""
 
     error: Annotated[float, quantity("1", alone="working_error", headline=True)]
-    """of the peak and of `half`, relative: spread of the measurement, effect of its pace, and chance in where growing
-    vibration begins to bounce"""
+    """of the peak, relative: spread of the measurement, effect of its pace, and chance in where growing vibration
+    begins to bounce"""
+    half_error: Annotated[float, quantity("1")]
+    """of `half`, relative: the same, and how far its ends move with that; they may lie where the curve is flat"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
     least of starts rolling about the middle, or at rest there or at a wall against which rotation holds the ball"""
