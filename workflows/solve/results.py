@@ -191,7 +191,7 @@ class OwnFigures(Figures):
     error: Annotated[float, quantity("1", alone="working_error", headline=True)]
     """of the peak, relative: spread of the measurement, effect of its pace, and chance in where growing vibration
     begins to bounce"""
-    half_error: Annotated[float, quantity("1")]
+    half_error: Annotated[float, quantity("1")] = field(repr=False)
     """of `half`, relative: the same, and how far its ends move with that; they may lie where the curve is flat"""
     from_above: Annotated[Figures, part(prefix="from_above_")] = field(repr=False)
     """the same as the vibration falls and the ball keeps bouncing; the other figures are for growing vibration, the
