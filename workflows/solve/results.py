@@ -155,7 +155,7 @@ class Figures:
     """amplitude at the cavity where that is"""
     range: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
     """of amplitudes at which the damper works, with at least half its peak"""
-    half: Annotated[Pair, quantity("m", "half_range", ends=_ENDS, headline=True)]
+    half: Annotated[Pair, quantity("m", "half_range", ends=_ENDS, headline=True)] = field(repr=False)
     """between which the damping is at least half its peak"""
     cutoff: Annotated[Boundless, quantity("m", headline=True)]
     """amplitude up to which the ball stays at rest"""
@@ -208,7 +208,7 @@ class OwnFigures(Figures):
     jump: Annotated[Pair, quantity("m", ends=_ENDS)]
     """amplitudes at which the first and the last sweep up from rest begin to bounce, depending on how the vibration
     grows; null as for `folds`"""
-    level: Annotated[Figures | None, part("level_floor", prefix="level_", headline=False)]
+    level: Annotated[Figures | None, part("level_floor", prefix="level_", headline=False)] = field(repr=False)
     """figures for falling vibration on a level floor, where the scene keeps the floor level; else null"""
     tilt_share: Annotated[float, quantity("1", "floor_tilt_share", headline=True)]
     """share of the ball's drive along axis 1 that the tilt of the floor takes: at 1 nothing drives it that way"""
