@@ -115,13 +115,12 @@ _ALIKE = 1.01
 
 def torn_from(results: Results) -> str | None:
     """Above which speed the plate would tear, and the stress at the first such; None where it holds at all."""
-    stress = limits.root_stress(results, 1.0) or 0.0
-    torn = [point for point in results.speeds if stress * point.omega**2 > limits.STRONGEST]
+    torn = [point.omega for point in results.speeds if limits.is_torn(results, point)]
     if not torn:
         return None
-    first = min(torn, key=lambda point: point.omega)
-    endured = math.sqrt(limits.STRONGEST / stress)
-    of = {"bears": turning(endured), "speed": turning(first.omega), "stress": stress * first.omega**2}
+    first = min(torn)
+    stress = limits.root_stress(results, first)
+    of = {"bears": turning(limits.torn_above(results)), "speed": turning(first), "stress": stress}
     return phrase("phrases/torn", results, **of)
 
 

@@ -233,9 +233,15 @@ def ball_density(results: Results, point: SpeedPoint) -> float:
     return damper.density(point.reduced.M1 - point.reduced.M2)
 
 
+def torn_above(results: Results) -> float:
+    """Speed [rad/s] above which the centrifugal pull at the root is more than any blade metal bears."""
+    stress = root_stress(results, 1.0)
+    return math.sqrt(STRONGEST / stress) if stress else math.inf
+
+
 def is_torn(results: Results, point: SpeedPoint) -> bool:
     """Whether the centrifugal pull at the root is more than any blade metal bears."""
-    return (root_stress(results, point.omega) or 0.0) > STRONGEST
+    return point.omega > torn_above(results)
 
 
 def weight_governs(point: SpeedPoint) -> bool:
@@ -387,9 +393,8 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
 
 def strains_held(results: Results) -> list[tuple[float, float]]:
     """Speeds [rad/s] whose load does not tear the root, and the largest strain over the cavity's amplitude [1/m]."""
-    stress = root_stress(results, 1.0) or 0.0
-    known = [(point.omega, point.root_strain) for point in results.speeds if point.root_strain is not None]
-    return [(omega, strain) for omega, strain in known if stress * omega**2 <= STRONGEST]
+    held = [point for point in results.speeds if not is_torn(results, point)]
+    return [(point.omega, point.root_strain) for point in held if point.root_strain is not None]
 
 
 def span(results: Results) -> float | None:
