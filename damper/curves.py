@@ -290,7 +290,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
     """By how much the figures change if the last of the sweeps up begins to bounce later, as that of others may.
 
     Escapes at a rate are spread exponentially from the first on, with the scale s that is their mean. Of six others the
-    last comes no later than 2.3 s after the last of these, five times in six; it counts by whole bins.
+    last comes no later than 1.3 s after the last of these, three times in four; it counts by whole bins.
 
     Args:
         curve: figures of the way up.
@@ -298,7 +298,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
         joins: where the sweeps up begin to bounce [m].
     """
     place = np.log(joins)
-    later = place.max() + 2.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
+    later = place.max() + 1.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
     numbers, amplitude, ratio = np.array(_bins(curve.amplitude)), curve.amplitude, curve.damping_ratio.copy()
     inside = np.flatnonzero((numbers >= region[0]) & (numbers * _WIDTH < later))
     if not inside.size:
