@@ -152,45 +152,94 @@ def grown(
     rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
     begins = min((min(each) for each in (*climbs, rolling) if each), default=min(known))
     known = {k: point for k, point in known.items() if k >= begins}  # hits may take a falling vibration further down
-    merged, parted, spreads, nexts = dict(known), dict[int, float](), dict[int, float](), dict[int, float]()
+    lowest = _lowest(above, known, climbs, rolling)
+    points = [lowest[k] for k in sorted(lowest)]
+    if grazes.size:
+        points = _with_rise(lowest, above, meets, float(grazes[0, 0] - grazes[0, 1]) / (2 * math.pi))
+    amplitude, ratio = (np.array([getattr(each, name) for each in points]) for name in ("amplitude", "ratio"))
+    best = int(np.argmax(ratio))
+    curve = at_bin(replace(_bare(amplitude, ratio, above.cutoff), from_above=above), best)
+    usual = at_peak(replace(curve, damping_ratio=np.array([max(each.ratio, each.usual) for each in points])))
+    more = usual.peak / curve.peak - 1 if curve.peak > 0 else 0.0
+    curve = with_error(with_error(curve, max(more, points[best].spread)), *moved(curve, usual))
+    alone = [place for k, (place, _) in known.items() if k not in rolling]
+    parted = {k: each.lacks for k, each in lowest.items() if each.lacks is not None}
+    return _with_error_of_descent(curve, down, [*alone, meets]), _largest(parted)
+
+
+class _Point(NamedTuple):
+    """A point of the way up.
+
+    Attributes:
+        amplitude: [m].
+        ratio: damping ratio, the lowest that is seen there.
+        usual: what most of the sweeps up show; 0 where chance has no part.
+        spread: by how much the largest of theirs exceeds the lowest, relative.
+        lacks: what the damping ratio lacks of that of the way down, a motion of its own; None where both show one.
+    """
+
+    amplitude: float
+    ratio: float
+    usual: float = 0.0
+    spread: float = 0.0
+    lacks: float | None = None
+
+
+_Bins = dict[int, tuple[float, float]]
+"""Amplitudes and damping ratios by the numbers of their bins."""
+
+
+def _lowest(above: DampingCurve, known: _Bins, climbs: list[_Bins], rolling: _Bins) -> dict[int, _Point]:
+    """The lowest damping in each bin, of the way down where sweeps up agree with it."""
+    points = {k: _Point(*point) for k, point in known.items()}
     end, rests = min(known), abs(above.damping_ratio[0]) < _SMALL
     edge = _bins(np.array([above.cutoff]))[0] + 1 if above.cutoff > 0 else end - 1  # bins that a cut-off shares
     for k in sorted(set(rolling).union(*climbs)):
-        seen = [curve[k] for curve in (*climbs, rolling) if k in curve]
-        ranked = sorted(seen, key=lambda point: point[1])
-        (place, least), (_, other) = ranked[0], ranked[len(ranked) // 2]
         if k <= edge if k in known else k > end:
             continue
+        seen = [curve[k] for curve in (*climbs, rolling) if k in curve]
+        ranked = sorted(seen, key=lambda point: point[1])
+        (place, least), (_, usual) = ranked[0], ranked[len(ranked) // 2]
         least = 0.0 if rests and k < end else least
-        if k in known and least > (1 - _PARTED) * known[k][1]:
-            merged[k] = min(merged[k], rolling.get(k, merged[k]), key=lambda point: point[1])
+        falling = known[k][1] if k in known else None
+        if falling is not None and least > (1 - _PARTED) * falling:
+            points[k] = _Point(*min(known[k], rolling.get(k, known[k]), key=lambda point: point[1]))
             continue
-        merged[k] = place, least
-        nexts[k] = 0.0 if k in rolling else known[k][1] if k in known and other > (1 - _PARTED) * known[k][1] else other
-        spreads[k] = max(ratio for _, ratio in seen) / least - 1 if least > 0 and k not in rolling else 0.0
-        if k in known:
-            parted[k] = known[k][1] - least
-    points = [merged[k] for k in sorted(merged)]
-    if grazes.size:
-        last, rolled = _bins(np.array([meets]))[0], float(grazes[0, 0] - grazes[0, 1]) / (2 * math.pi)
-        begun = float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio))
-        if last in parted or (last - 1 in parted and rolled < (1 - _PARTED) * begun):
-            begun = min(begun, merged[last + 1][1]) if last + 1 in parted else begun
-            foot = min(rolled, merged[last][1]) if last in parted else rolled
-            first = last + 1 if last in parted else last  # a bin that both motions share shows neither
-            step = [((1 - _STEP) * meets, foot), (meets, max(begun, foot))]
-            below = [point for point in points if point[0] < step[0][0]]
-            points = [*below, *step, *(merged[k] for k in sorted(merged) if k >= first and merged[k][0] > meets)]
-            spreads[last], nexts[last] = spreads.get(last + 1, 0.0), 0.0
-    amplitude, ratio = np.array(points).T
-    best, numbers = int(np.argmax(ratio)), _bins(amplitude)
-    curve = at_bin(replace(_bare(amplitude, ratio, above.cutoff), from_above=above), best)
-    without = np.array([max(one, nexts.get(k, 0.0)) for k, one in zip(numbers, ratio, strict=True)])
-    median = at_peak(replace(curve, damping_ratio=without))
-    more = median.peak / curve.peak - 1 if curve.peak > 0 else 0.0
-    curve = with_error(with_error(curve, max(more, spreads.get(numbers[best], 0.0))), *moved(curve, median))
-    alone = [place for k, (place, _) in known.items() if k not in rolling]
-    return _with_error_of_descent(curve, down, [*alone, meets]), _largest(parted)
+        if k in rolling:
+            usual = 0.0
+        elif falling is not None and usual > (1 - _PARTED) * falling:
+            usual = falling
+        spread = ranked[-1][1] / least - 1 if least > 0 and k not in rolling else 0.0
+        points[k] = _Point(place, least, usual, spread, None if falling is None else falling - least)
+    return points
+
+
+def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, rolled: float) -> list[_Point]:
+    """All points, with those of the step at which a ball that rolls about the middle meets the walls, if it parts two.
+
+    Args:
+        lowest: points by the numbers of their bins.
+        above: figures of the way down.
+        meets: amplitude at which it does [m].
+        rolled: its damping ratio there.
+    """
+
+    def parts(k: int) -> bool:
+        return k in lowest and lowest[k].lacks is not None
+
+    last = _bins(np.array([meets]))[0]
+    begun = float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio))
+    if not (parts(last) or (parts(last - 1) and rolled < (1 - _PARTED) * begun)):
+        return [lowest[k] for k in sorted(lowest)]
+    begun = min(begun, lowest[last + 1].ratio) if parts(last + 1) else begun
+    foot = min(rolled, lowest[last].ratio) if parts(last) else rolled
+    first = last + 1 if parts(last) else last  # a bin that both motions share shows neither
+    spread = lowest[last + 1].spread if last + 1 in lowest else 0.0
+    if last in lowest:
+        lowest = lowest | {last: lowest[last]._replace(usual=0.0, spread=spread)}
+    step = [_Point((1 - _STEP) * meets, foot, spread=spread), _Point(meets, max(begun, foot), spread=spread)]
+    below = [lowest[k] for k in sorted(lowest) if lowest[k].amplitude < step[0].amplitude]
+    return [*below, *step, *(lowest[k] for k in sorted(lowest) if k >= first and lowest[k].amplitude > meets)]
 
 
 def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float]) -> DampingCurve:
@@ -382,12 +431,12 @@ def _bins(amplitude: Floats) -> list[int]:
     return [math.floor(place) for place in np.log(amplitude) / _WIDTH]
 
 
-def _binned_of(curve: DampingCurve) -> dict[int, tuple[float, float]]:
+def _binned_of(curve: DampingCurve) -> _Bins:
     """Points of a curve by their bins."""
     return dict(zip(_bins(curve.amplitude), zip(curve.amplitude, curve.damping_ratio, strict=True), strict=True))
 
 
-def _binned(found: Tally, sweeps: slice = _ALL) -> dict[int, tuple[float, float]]:
+def _binned(found: Tally, sweeps: slice = _ALL) -> _Bins:
     """Amplitude and damping ratio by the bin's number, of some sweeps."""
     amplitude, ratio = _points(found, sweeps)
     return dict(zip(_bins(amplitude), zip(amplitude.tolist(), ratio.tolist(), strict=True), strict=True))
