@@ -294,9 +294,10 @@ def _chordwise(x: Array, y: Array, w: Array, weight: Array) -> tuple[Array, Arra
 def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | None = None) -> Array:
     """Largest bending stress along x at the plate's faces, over the modulus, in each of some shapes.
 
-    The root mean square over strips along x, through the thickness as of a stress linear in z: a mean over the chord
-    has no singular corners. To the root it goes on from the two strips next to it as a power: rotation holds a plate
-    straight but for a layer there, of a few times its thickness if it is thin and fast.
+    Over strips along x, of a stress linear in z, and over the chord as of one that is linear there: the larger end of
+    that has a swept root's load on its inner corner, and no singular corners. To the root it goes on from the two
+    strips next to it as a power: rotation holds a plate straight but for a layer there, of a few times its thickness if
+    it is thin and fast.
 
     Args:
         operators: of the plate.
@@ -315,19 +316,34 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
         for layer, strain in zip(model.elastic, strains, strict=True):
             turned = np.einsum("s,sgh->gh", along, products(layer))
             strain += np.einsum("gh,gcp,hcpk->cpk", turned, at_rest, gradients, optimize=True)
+    sides = [1.0, -1.0]
     if len(strains) > 1:  # of plates: what the mid-surface has is stretching
         middle = sum(strains) / len(strains)
         strains = [strain - middle for strain in strains]
-    x, volumes = model.points[0].ravel(), model.gradient.dx.ravel()
-    squares = sum(np.abs(strain.reshape(x.size, -1)) ** 2 for strain in strains) / len(strains)
+    else:
+        sides = [(model.points[2] / np.sqrt(np.mean(model.points[2] ** 2)))[..., None]]
+    x, y = (each.ravel() for each in model.points[:2])
+    squares = sum(np.abs(strain) ** 2 for strain in strains).reshape(x.size, -1) / len(strains)
+    bends = sum(side * strain for side, strain in zip(sides, strains, strict=True)).reshape(x.size, -1) / len(strains)
     height = float(np.mean(thickness.of(operators.plate.thickness, model.points[:2])))
     count = max(STRIPS, round(float(np.ptp(x)) / (_LAYER * height)))
     strip = np.searchsorted(np.linspace(x.min(), x.max(), count + 1)[1:-1], x)
-    sums = np.stack([np.bincount(strip, volumes * each) for each in (np.ones_like(x), x, *squares.T)])
-    volume, moment, *every = sums[:, sums[0] > 0.0]
-    face, place = np.sqrt(3.0 * np.array(every) / volume), moment / volume
-    root = face[:, 0] * (face[:, 0] / face[:, 1]) ** ((place[0] - model.mesh.p[0].min()) / (place[1] - place[0]))
-    return np.asarray(np.maximum(root, face.max(axis=1)))
+    order, volumes = np.argsort(strip, kind="stable"), model.gradient.dx.ravel()
+    _, begins, strip = np.unique(strip[order], return_index=True, return_inverse=True)
+
+    def mean(values: NDArray[Any]) -> NDArray[Any]:
+        """Over each strip, of values in their order."""
+        weights = volumes[order].reshape(-1, *(1,) * (values.ndim - 1))
+        return np.asarray(np.add.reduceat(weights * values, begins) / np.add.reduceat(weights, begins))
+
+    place, across = mean(x[order]), y[order] - mean(y[order])[strip]
+    level = mean(bends[order])
+    slope = mean(across[:, None] * bends[order]) / np.sqrt(mean(across**2))[:, None]
+    ends = np.maximum(np.abs(level + np.sqrt(3.0) * slope), np.abs(level - np.sqrt(3.0) * slope))
+    more = ends**2 - np.abs(level) ** 2 - np.abs(slope) ** 2
+    face = np.sqrt(3.0 * (mean(squares[order]) + np.maximum(more, 0.0)))
+    root = face[0] * (face[0] / face[1]) ** ((place[0] - model.mesh.p[0].min()) / (place[1] - place[0]))
+    return np.asarray(np.maximum(root, face.max(axis=0)))
 
 
 EXTRA = 4
