@@ -229,6 +229,9 @@ STRIPS = 16
 _LAYER = 1.5
 """Thicknesses that a strip is wide at which stresses are taken: in a narrower one a solid shows those of its clamp."""
 
+_PARTS = 3
+"""Of such a strip, beyond the root's: where the thickness varies, a wider one would level its strains."""
+
 FAMILIES = ("flap", "twist", "chord", "lag", "axial")
 
 
@@ -322,28 +325,36 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
         strains = [strain - middle for strain in strains]
     else:
         sides = [(model.points[2] / np.sqrt(np.mean(model.points[2] ** 2)))[..., None]]
-    x, y = (each.ravel() for each in model.points[:2])
-    squares = sum(np.abs(strain) ** 2 for strain in strains).reshape(x.size, -1) / len(strains)
-    bends = sum(side * strain for side, strain in zip(sides, strains, strict=True)).reshape(x.size, -1) / len(strains)
-    height = float(np.mean(thickness.of(operators.plate.thickness, model.points[:2])))
-    count = max(STRIPS, round(float(np.ptp(x)) / (_LAYER * height)))
-    strip = np.searchsorted(np.linspace(x.min(), x.max(), count + 1)[1:-1], x)
-    order, volumes = np.argsort(strip, kind="stable"), model.gradient.dx.ravel()
-    _, begins, strip = np.unique(strip[order], return_index=True, return_inverse=True)
+    x, y, volumes = model.points[0].ravel(), model.points[1].ravel(), model.gradient.dx.ravel()
+    squares = sum(np.abs(strain) ** 2 for strain in strains).reshape(volumes.size, -1) / len(strains)
+    bends = sum(side * strain for side, strain in zip(sides, strains, strict=True)).reshape(volumes.size, -1)
+    bends = bends / len(strains)
 
-    def mean(values: NDArray[Any]) -> NDArray[Any]:
-        """Over each strip, of values in their order."""
-        weights = volumes[order].reshape(-1, *(1,) * (values.ndim - 1))
-        return np.asarray(np.add.reduceat(weights * values, begins) / np.add.reduceat(weights, begins))
+    def faces(strip: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Where strips lie, shape (strips,), and the strain at their worse ends, shape (strips, k)."""
+        there, number = np.unique(strip, return_inverse=True)
 
-    place, across = mean(x[order]), y[order] - mean(y[order])[strip]
-    level = mean(bends[order])
-    slope = mean(across[:, None] * bends[order]) / np.sqrt(mean(across**2))[:, None]
-    ends = np.maximum(np.abs(level + np.sqrt(3.0) * slope), np.abs(level - np.sqrt(3.0) * slope))
-    more = ends**2 - np.abs(level) ** 2 - np.abs(slope) ** 2
-    face = np.sqrt(3.0 * (mean(squares[order]) + np.maximum(more, 0.0)))
-    root = face[0] * (face[0] / face[1]) ** ((place[0] - model.mesh.p[0].min()) / (place[1] - place[0]))
-    return np.asarray(np.maximum(root, face.max(axis=0)))
+        def mean(values: NDArray[Any]) -> NDArray[Any]:
+            sums = np.zeros((len(there), *values.shape[1:]), values.dtype)
+            np.add.at(sums, number, (values.T * volumes).T)
+            return (sums.T / np.bincount(number, volumes)).T
+
+        across, level = y - mean(y)[number], mean(bends)
+        slope = np.sqrt(3.0 / mean(across**2))[:, None] * mean(across[:, None] * bends)
+        ends = np.maximum(np.abs(level + slope), np.abs(level - slope))
+        more = ends**2 - np.abs(level) ** 2 - np.abs(slope) ** 2 / 3.0
+        return mean(x), np.sqrt(3.0 * (mean(squares) + np.maximum(more, 0.0)))
+
+    order = np.argsort(x, kind="stable")
+    height = np.broadcast_to(thickness.of(operators.plate.thickness, model.points[:2]), model.points[0].shape).ravel()
+    deep = np.empty_like(x)  # thicknesses from the root on
+    deep[order] = np.cumsum(np.diff(x[order], prepend=x.min()) / height[order])
+    count = max(STRIPS, round(float(deep.max()) / _LAYER))
+    strip = np.minimum((deep * (_PARTS * count / deep.max())).astype(np.int64), _PARTS * count - 1)
+    place, wide = faces(strip // _PARTS)
+    root = wide[0] * (wide[0] / wide[1]) ** ((place[0] - model.mesh.p[0].min()) / (place[1] - place[0]))
+    narrow = faces(strip)[1][np.unique(strip) >= _PARTS]
+    return np.asarray(np.maximum(root, np.maximum(wide.max(axis=0), narrow.max(axis=0))))
 
 
 EXTRA = 4
