@@ -307,8 +307,8 @@ class Operators:
         return np.asarray(self.rotor.hub_radius * self.rotor.outwards + along)
 
     def radius(self, x: float, y: float = 0.0) -> float:
-        """Distance [m] of a place (x, y) [m] from the spin axis along the radius of the root's middle."""
-        return float(self.rotor.outwards @ self.from_axis((x, y)))
+        """Distance [m] of a place (x, y) [m] from the spin axis."""
+        return float(np.linalg.norm(self.rotor.projector @ self.from_axis((x, y))))
 
     def pull(self, at: tuple[float, float]) -> float:
         """The centrifugal load (m) along the plate's x at a place (x, y) in m, per mass and Omega²."""

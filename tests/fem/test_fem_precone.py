@@ -93,6 +93,7 @@ def test_the_radius_is_the_distance_from_the_axis(precone):
     rotor, place = operators.rotor, operators.from_axis((0.15, 0.0))
     assert operators.radius(0.15) == pytest.approx(np.linalg.norm(rotor.projector @ place), rel=1e-12)
     assert operators.radius(0.15) == pytest.approx(0.1 + 0.15 * np.cos(precone), rel=1e-12)
+    assert operators.radius(0.15, 0.02) == pytest.approx(np.hypot(operators.radius(0.15), 0.02), rel=1e-12)
     assert operators.pull((0.15, 0.0)) == pytest.approx(np.cos(precone) * operators.radius(0.15), abs=1e-12)
     assert rotor.axis @ rotor.outwards == pytest.approx(0.0, abs=1e-15)
     assert np.linalg.norm(rotor.outwards) == pytest.approx(1.0)
