@@ -121,7 +121,7 @@ def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     with pytest.MonkeyPatch.context() as patch:
         once(patch, PLATE_METHODS=few, LIMITS=limits, SPEEDS=20, SOLID_AT_MOST=5_000)
         once(patch, ASKED=(1e-2, 1e-3), FINEST=1e-4, METHODS=FEW_INTEGRATORS, CYCLES=3)
-        patch.setattr(damper_stage, "figures", measured_quickly)
+        patch.setattr(damper_stage, "damping_curve", measured_quickly)
         return study(source, QUIET).document()
 
 
@@ -382,7 +382,7 @@ def hurry(patch: pytest.MonkeyPatch) -> None:
     """Times, scatter and damping ratios that nobody reads: each effect is switched once, in quick figures."""
     patch.setattr("workflows.studies.work_precision.effects.compared", untimed)
     patch.setattr("workflows.studies.work_precision.effects.scatter_of", lambda *_: {})
-    patch.setattr(damper_stage, "figures", measured_quickly)
+    patch.setattr(damper_stage, "damping_curve", measured_quickly)
 
 
 def rows_of(scene: Scene | SceneFile) -> dict[str, EffectChange]:

@@ -19,7 +19,6 @@ from tests.workflows.browser import findings
 from tests.workflows.conftest import BALL, KNOWN, changed, on_mesh, refused, shipped_scene, write
 from workflows.errors import BadInput
 from workflows.scene.load import as_scene_file, load, parse
-from workflows.solve.damper import figures
 from workflows.solve.excitation import is_well_held
 from workflows.studies import response
 from workflows.studies.design import objectives, report, study
@@ -166,7 +165,7 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     first = goal.worth([there], quick=False)
     found = goal.scattered(first, there)
     like = (replace(fan, restitution=0.6 * (1 + k * 1e-9)) for k in range(1, 4))
-    runs = [objectives.least(figures(each), 1e-3, 3e-3)[0] for each in like]
+    runs = [objectives.least(damping_curve(each), 1e-3, 3e-3)[0] for each in like]
     assert found.value <= first.value
     assert 0.85 * found.value < min(runs) <= max(runs) < 1.15 * max(found.greatest, found.value)
     bare = undamped(fan)

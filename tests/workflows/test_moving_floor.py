@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import workflows
-from damper import ParticleDamper, ringdown, sample
+from damper import ParticleDamper, damping_curve, ringdown, sample
 from damper.curve_measurement import undamped
 from tests.workflows.conftest import BALL, Scene, changed, effects_of, write
 from workflows import pipeline
@@ -407,6 +407,27 @@ def test_no_sentence_holds_a_ball_that_other_forces_move() -> None:
     assert reasons == ["sideways", "not_found"], "what is counted begins within the limit, and takes nothing there"
 
 
+def test_growing_vibration_feeds_the_other_modes() -> None:
+    """A staggered blade, balls at a corner of its tip: an integrator of another hand has 0.7 to 1.5 % in four modes.
+
+    On 18 slow ramps between 0.21 and 0.24 mm, with 0.1 to 1 % of damping in the other three; in two modes 1.6 %.
+    """
+    plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"}
+    ball = {"count": 2, "ball_material": "tungsten", "radius": "2 mm", "cavity": ["4.6 mm", "5 mm"]}
+    rolls = {"at": ["120 mm", "20 mm"], "restitution": 0.6, "friction": 0.2, "rolling_friction": "0.02 mm"}
+    scene = {
+        "title": "corner",
+        "plate": plate,
+        "material": {"name": "Ti-6Al-4V"},
+        "rotor": {"speeds": ["3000 rpm"], "modes": 4, "hub_radius": "150 mm", "stagger": "60 deg"},
+        "damper": ball | rolls,
+    }
+    own = workflows.run(scene).speeds[0].damping_curve
+    near = np.interp([0.212e-3, 0.22e-3, 0.232e-3], own.amplitude, own.damping_ratio)
+    assert (near < 0.0145).all()
+    assert 0.01 < own.peak < 0.015
+
+
 def test_falling_vibration_feeds_the_other_modes() -> None:
     """As ring-downs in all modes have it: a ball that hits keeps in step with two modes, and not with a third."""
     plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm", "theory": "kirchhoff"}
@@ -421,7 +442,7 @@ def test_falling_vibration_feeds_the_other_modes() -> None:
     }
     system, _ = built(scene)
     assert len(system.modes) == 3
-    found = damper.figures(system)
+    found = damping_curve(system)
     assert damper_curve(system, {}).from_above.peak == found.from_above.peak, "sweeps and designs have what a run has"
     middle, bare = found.from_above.peak_amplitude, undamped(system)
     ratios = []
@@ -433,6 +454,5 @@ def test_falling_vibration_feeds_the_other_modes() -> None:
         turns = 0.99 * run.duration / 200 * (last - first) * bare.swing_frequency
         ratios.append(math.log(peaks[first] / peaks[last]) / turns)
     assert np.mean(ratios) == pytest.approx(found.from_above.peak, rel=0.4)
-    assert damper.figures(damper.in_leading_modes(system)).from_above.peak > 2 * found.from_above.peak
-    assert (found.from_above.damping_ratio >= np.interp(found.from_above.amplitude, found.amplitude,
-                                                         found.damping_ratio) - 1e-15).all()  # fmt: skip
+    two = replace(system, modes=tuple(system.modes[system.leading(axis)] for axis in range(2)))
+    assert damping_curve(two).from_above.peak > 2 * found.from_above.peak

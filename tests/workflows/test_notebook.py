@@ -255,7 +255,7 @@ from damper import damping_curve
 from workflows.report import figures
 from workflows.solve import damper as stage
 figures.report = lambda _: dict.fromkeys(figures.SHOWN, "")
-stage.figures = lambda system, **how: damping_curve(stage.in_leading_modes(system), **stage.QUICK, **how)
+stage.damping_curve = lambda system, **how: damping_curve(system, **stage.QUICK, **how)
 """
 """Quick figures of the damper, and pages without pictures; those of `results.plot` are drawn."""
 

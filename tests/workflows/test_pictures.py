@@ -53,7 +53,7 @@ def captured() -> Iterator[list[Any]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(plots, "svg", keep)
-        patch.setattr(damper_stage, "figures", measured_quickly)
+        patch.setattr(damper_stage, "damping_curve", measured_quickly)
         yield drawn
 
 

@@ -33,9 +33,11 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     ranges, held = dict[str, list[SpeedPoint]](), dict[str, list[SpeedPoint]]()
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         limit = limits.endured(results, point.omega)
-        others = [(begin, min(end, limit)) for begin, end in humps(figures) if end < low or high < begin < limit]
-        g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
         limited, error = high < figures.half[1], figures.half_error
+        around = low / (1 + error), high * (1 + error)  # what lies there belongs to this range as well as not
+        apart = [each for each in humps(figures) if each[1] < around[0] or around[1] < each[0] < limit]
+        others = [(begin, min(end, limit)) for begin, end in apart]
+        g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": limited, "error": error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 import damper
+from damper import damping_curve
 from damper.curve_measurement import falling
-from damper.curves import at_peak, continued, from_amplitude
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
@@ -93,11 +93,11 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     judged = system if tilting is None or system.formulation == "printed" else tilting
     more: dict[str, Any] = {"pendulum": coupling.pendulum(system, point.omega)}
     if tilting is not None:
-        level = None if judged is system else copy_fields(results.Figures, falling(in_leading_modes(system)))
+        level = None if judged is system else copy_fields(results.Figures, falling(system))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
     more["first"] = coupling.moves_first_from(judged, point)
-    curve = figures(judged, least=limits.least_amplitude(point))
+    curve = damping_curve(judged, least=limits.least_amplitude(point))
     return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, **more))
 
 
@@ -108,46 +108,8 @@ def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) 
     return tilting or particle_damper(scene, effects, point)
 
 
-def in_leading_modes(system: damper.ParticleDamper) -> damper.ParticleDamper:
-    """The damper in the modes that yield most along either axis.
-
-    Others, which hits feed, change the figures of growing vibration by less than their error as long as they are damped
-    by 0.1 % or more of their own; without any damping they would shake the ball for ever.
-    """
-    if system.modes is None:
-        return system
-    modes = sorted({system.leading(axis) for axis in range(2)})
-    return replace(system, modes=tuple(system.modes[k] for k in modes))
-
-
 QUICK = {"sweeps": 4, "stay": 60}
-"""Sweeps of a damping curve in about half of the time; by them all modes of a damper are looked at."""
-
-_MORE = 1.05
-"""Peak of the way down over that of the way up from which on a ball counts as having two motions."""
-
-
-def figures(system: damper.ParticleDamper, threads: int | None = None, **how: Any) -> damper.DampingCurve:
-    """The damper's own figures, in the modes that yield most along either axis; see :func:`damper.damping_curve`.
-
-    A ball that keeps bouncing as the vibration falls is shaken out of step by the other modes, which it feeds: its
-    figures are those of all modes where these leave it less.
-    """
-    leading = in_leading_modes(system)
-    curve = damper.damping_curve(leading, threads=threads, **how)
-    down = curve.from_above
-    if system.modes is None or len(leading.modes or ()) == len(system.modes) or down is None:
-        return curve
-    if down.peak <= _MORE * curve.peak:
-        return curve
-    every = from_amplitude(falling(system, threads=threads, **QUICK), float(down.amplitude[0]))
-    if not 0 < every.peak < down.peak:
-        return curve
-    every = continued(every, down)
-    if curve.peak > 0:
-        least = np.interp(every.amplitude, curve.amplitude, curve.damping_ratio)
-        every = replace(every, damping_ratio=np.maximum(every.damping_ratio, least))
-    return replace(curve, from_above=at_peak(every))
+"""Sweeps of a damping curve in about half of the time."""
 
 
 def most_cycles(system: damper.ParticleDamper) -> int:

@@ -500,7 +500,7 @@ def _followed(
         driven_from = float((levels * states.moves_from).min())
     figures = None
     if leads:
-        own = damper_stage.figures(system, least=limits.least_amplitude(met.at))
+        own = damper.damping_curve(system, least=limits.least_amplitude(met.at))
         figures = replace(own, cutoff=share * own.cutoff)
     return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
 

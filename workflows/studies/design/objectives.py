@@ -20,7 +20,7 @@ from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
 from workflows.solve import coupling, engine_orders, excitation
-from workflows.solve.damper import QUICK, in_leading_modes, particle_damper
+from workflows.solve.damper import QUICK, particle_damper
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
@@ -171,8 +171,7 @@ class LeastDamping:
         greatest = max(every)[0]
         if greatest <= (1 + _ALIKE) * min(every)[0]:
             return found
-        system = in_leading_modes(there.verdict_damper)
-        held = [(settled(system, amplitude), amplitude) for _, amplitude in every]
+        held = [(settled(there.verdict_damper, amplitude), amplitude) for _, amplitude in every]
         value, amplitude = min(every + [each for each in held if each[0] >= 0])
         return replace(found, value=value, score=value, amplitude=amplitude, falling=value, greatest=greatest)
 

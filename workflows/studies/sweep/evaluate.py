@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from damper import DampingCurve, ParticleDamper, ringdowns
+from damper import DampingCurve, ParticleDamper, damping_curve, ringdowns
 from damper.curve_measurement import undamped
 from damper.model import PARAMETERS
 from workflows.effects import selection
@@ -25,7 +25,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, limits
 from workflows.solve import damper as damper_stage
-from workflows.solve.damper import QUICK, figures
+from workflows.solve.damper import QUICK
 from workflows.solve.known_modes import Request
 from workflows.solve.model_choice import translated_errors
 from workflows.solve.results import Damping, OwnFigures, Results, SpeedPoint
@@ -75,7 +75,7 @@ def damper_curve(damper: ParticleDamper, known: Known, least: float = 0.0, **how
     """The damper's own figures; those of one that differs in its leading mode's damping alone are known already."""
     own = undamped(damper), damper.break_away, least
     if own not in known:
-        known[own] = figures(damper, threads=1, least=least, **how)
+        known[own] = damping_curve(damper, threads=1, least=least, **how)
     return known[own]
 
 
