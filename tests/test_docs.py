@@ -57,7 +57,7 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     assert main(["check", "mine.toml"]) == 2
     assert "did you mean 'length'?" in capsys.readouterr().err
     (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
-    monkeypatch.setattr(damper, "figures", measured_quickly)
+    monkeypatch.setattr(damper, "damping_curve", measured_quickly)
     (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.S)
     exec(compile(code, "tour.md", "exec"), {"__name__": "__main__"})
     assert (tmp_path / "campbell.png").is_file()

@@ -102,7 +102,7 @@ def measured_quickly(system: Any, least: float = 0.0) -> Any:
 def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     """Quick figures of the damper, where words are looked at, or what is not of the damper; not in sweeps."""
     import_module("workflows.studies.sweep.evaluate")  # has the others by then
-    monkeypatch.setattr(damper, "figures", measured_quickly)
+    monkeypatch.setattr(damper, "damping_curve", measured_quickly)
 
 
 @pytest.fixture(scope="module")

@@ -926,6 +926,14 @@ def test_an_order_that_may_meet_its_mode_within_the_error_is_not_denied(error: f
     assert sentence.endswith(f" rpm, {said}." if said else "4000 rpm.")
 
 
+def test_a_frequency_between_files_of_modes_is_known_only_roughly() -> None:
+    """The mesh's part is not known there, that of interpolation is."""
+    run = at(1000)
+    modes = (Mode(200.0, "flap", ErrorParts(None, 0.0, 0.33, 0.0, None, None)),)
+    speeds = tuple(replace(point, modes=modes) for point in run.speeds)
+    assert "the first frequency is known only to 33 %" in answer(replace(run, speeds=speeds)).verdict
+
+
 def test_friction_beyond_the_given_names_every_speed() -> None:
     """Less than dry metals have, more than the scene's 0.3."""
     found = at(400, 500, 3500)

@@ -34,7 +34,7 @@ VERDICTS = tomllib.loads(Path(__file__).with_name("verdicts.toml").read_text(enc
 def found() -> Reproduction:
     """All of it, with the damping ratios of quick figures."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(damper, "figures", measured_quickly)
+        patch.setattr(damper, "damping_curve", measured_quickly)
         return reproduce()
 
 

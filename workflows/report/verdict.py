@@ -248,8 +248,8 @@ def _unsure(results: Results) -> list[str]:
     """That the cavity has to fit; that the first frequency, and so the speeds of crossings, is known only roughly."""
     known = any(_rank(point) >= 0 for point in results.speeds) or any(not each.reason for each in results.reductions)
     fit = remarks.misfit(results.scene, results.speeds) if known else []
-    errors = [mode.error_estimate or 0.0 for point in results.speeds for mode in point.modes[:1]]
-    error = max(errors, default=0.0)
+    parts = [mode.error_parts for point in results.speeds for mode in point.modes[:1]]
+    error = max((each.at_least for each in parts if each is not None), default=0.0)
     return [*fit, f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else fit
 
 

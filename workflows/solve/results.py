@@ -554,10 +554,13 @@ class ErrorParts:
     @property
     def whole(self) -> float | None:
         """The sum; None where the mesh's part is not known."""
-        if self.mesh is None:
-            return None
+        return None if self.mesh is None else self.at_least
+
+    @property
+    def at_least(self) -> float:
+        """The sum of what is known."""
         left_out = (self.large_deflection or 0.0) + (self.coriolis or 0.0) + (self.cavity_mass or 0.0)
-        return self.mesh + self.layers + self.basis + self.theory + left_out
+        return (self.mesh or 0.0) + self.layers + self.basis + self.theory + left_out
 
 
 @dataclass(frozen=True)
