@@ -308,7 +308,7 @@ class Operators:
 
     def radius(self, x: float, y: float = 0.0) -> float:
         """Distance [m] of a place (x, y) [m] from the spin axis."""
-        return float(np.linalg.norm(self.rotor.projector @ self.from_axis((x, y))))
+        return float(np.linalg.norm(np.cross(self.rotor.axis, self.from_axis((x, y)))))
 
     def pull(self, at: tuple[float, float]) -> float:
         """The centrifugal load (m) along the plate's x at a place (x, y) in m, per mass and Omega²."""

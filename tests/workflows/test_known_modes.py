@@ -70,11 +70,13 @@ def test_how_far_a_cavity_sticks_out_is_said_of_each_damper_on_the_same_modes(fi
 def test_a_plate_by_its_modes_is_the_plate(files: Path, plate: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """From CalculiX's modes, whose mesh is 0.17 % too stiff, and from our own in a neutral file; against our plate."""
     monkeypatch.chdir(files)
-    own = figures(package.run(plate))
+    whole = package.run(plate)
+    own = figures(whole)
     speeds = plate["rotor"]["speeds"]
     calculix = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=speeds))
     found = figures(calculix)
-    assert found[:5] == pytest.approx(own[:5], rel=5e-3)
+    assert found[0] == pytest.approx(own[0], rel=whole.speeds[-1].damping_curve.error)
+    assert found[1:5] == pytest.approx(own[1:5], rel=5e-3)
     assert found[5] == pytest.approx(own[5], rel=1.7e-3)
     assert found[6:] == pytest.approx(own[6:], rel=1e-3)
     package.modes(plate, "plate.npz")

@@ -458,7 +458,8 @@ def leaning_load(results: Results) -> Values:
         slope = math.hypot(*point.lean) / point.pressing
     elif scene.damper.on_plate is not None and scene.plate is not None:
         point = max(points, key=lambda p: p.load_g)
-        slope = abs(scene.damper.on_plate[1] * math.cos(scene.rotor.stagger)) / point.radius
+        aside = abs(scene.damper.on_plate[1] * math.cos(scene.rotor.stagger))
+        slope = aside / math.sqrt(point.radius**2 - aside**2)
     else:
         return None
     rolls, simulated = limits.lever(scene, point) / scene.damper.radius, scene.damper.normal is not None
