@@ -729,8 +729,9 @@ def held(shapes: Array) -> NDArray[np.bool_]:
 def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float | None:
     """Largest principal strain in the cells in a mode, numbered from 0 [m^-1 per kg^1/2 m].
 
-    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp and in
-    sharp corners, the mesh has finite. None where no cell with a volume is held.
+    Of a shape w about a static displacement u it is that of Green, sym((I + grad u)^T grad w); where none is known, the
+    linear one. At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp
+    and in sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
     shape, total, count = modes.shapes[number], np.zeros((len(model.points), 3, 3)), np.zeros(len(model.points))
     for name, cells in model.cells:
@@ -739,8 +740,11 @@ def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float
             continue
         for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
             slopes = kind.gradients(model.points[there], kind.nodes)[0]
-            turned = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
-            np.add.at(total, there, symmetric(turned))
+            moved = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
+            if modes.static is not None:
+                bent = np.einsum("cpnj,cni->cpij", slopes, modes.static[there], optimize=True)
+                moved += np.swapaxes(bent, 2, 3) @ moved
+            np.add.at(total, there, symmetric(moved))
             np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():
