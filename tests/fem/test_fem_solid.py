@@ -848,6 +848,17 @@ def test_a_blade_is_strained_most_where_its_thick_root_ends(kind, n):
     assert largest_strain(solved.model, modes, 0) / lift == pytest.approx(most, rel=0.03)
 
 
+@pytest.mark.parametrize("kind", SECOND_ORDER)
+def test_the_section_of_a_lens_is_that_of_its_parabolas(kind):
+    """Of a half-chord b and heights h (0.1 + 0.9 (1 - e²)) on either side: 2.8 b h, exact from one cell across on."""
+    plain, b, h = box(kind, (2, 1, 1), (0.2, 2.0, 2.0)), 0.05, 0.0035
+    x, e, zeta = (plain.points - [0.0, 1.0, 1.0]).T
+    mesh = VolumeMesh(np.stack([x, b * e, zeta * h * (0.1 + 0.9 * (1.0 - e**2))], axis=1), plain.cells)
+    section = Blade(mesh, STEEL, np.flatnonzero(x == 0.0), AXIS, ORIGIN).section
+    np.testing.assert_allclose(section, [-2.8 * b * h, 0.0, 0.0], atol=1e-12 * b * h)
+    np.testing.assert_allclose(mesh.boundary_normals()[1].sum(axis=0), 0.0, atol=1e-12 * b * h)
+
+
 def test_a_turned_blade_is_strained_by_its_shape_alone():
     """The load turns it by 1 rad, and its shape stretches the turned metal: by Green's strain, as without the turn."""
     mesh, stretch = box("hexahedron20"), np.diag([3.0, -1.0, 0.5])
