@@ -111,6 +111,23 @@ class ModalModel:
         return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
 
     @cached_property
+    def weights(self) -> Array:
+        """Volume or, of flat cells alone, area that each node stands for, the integral of its shape function, (n,).
+
+        Ones without cells.
+        """
+        volumes = np.zeros(len(self.points))
+        most = max((cell(name).dimension for name, _ in self.cells), default=0)
+        for name, cells in self.cells:
+            kind = cell(name)
+            if kind.dimension == most:
+                points, weights = kind.rule
+                for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
+                    sizes = np.abs(kind.sizes(self.points[chunk], points)) * weights
+                    np.add.at(volumes, chunk, sizes @ kind.shape(points))
+        return volumes if volumes.any() else np.ones(len(volumes))
+
+    @cached_property
     def _turns(self) -> Array:
         """Rotations (s, k, k) of each speed's modes among themselves to be as like those of the middle one as they can.
 
@@ -634,19 +651,6 @@ def volume(model: ModalModel) -> float:
     return _integrals(model, model.speeds[0])[2]
 
 
-def node_volumes(model: ModalModel) -> Array:
-    """Volume that each node stands for, (n,) [m³]: the integral of its shape function."""
-    volumes = np.zeros(len(model.points))
-    for name, cells in model.cells:
-        kind = cell(name)
-        if kind.dimension == 3:
-            points, weights = kind.rule
-            for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-                sizes = np.abs(kind.sizes(model.points[chunk], points)) * weights
-                np.add.at(volumes, chunk, sizes @ kind.shape(points))
-    return volumes
-
-
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
     """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
 
@@ -729,8 +733,9 @@ def held(shapes: Array) -> NDArray[np.bool_]:
 def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float | None:
     """Largest principal strain in the cells in a mode, numbered from 0 [m^-1 per kg^1/2 m].
 
-    At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp and in
-    sharp corners, the mesh has finite. None where no cell with a volume is held.
+    Of a shape w about a static displacement u it is that of Green, sym((I + grad u)^T grad w); where none is known, the
+    linear one. At each node the mean over the cells that meet there; what the theory has infinite at the rim of a clamp
+    and in sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
     shape, total, count = modes.shapes[number], np.zeros((len(model.points), 3, 3)), np.zeros(len(model.points))
     for name, cells in model.cells:
@@ -739,8 +744,11 @@ def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float
             continue
         for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
             slopes = kind.gradients(model.points[there], kind.nodes)[0]
-            turned = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
-            np.add.at(total, there, symmetric(turned))
+            moved = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
+            if modes.static is not None:
+                bent = np.einsum("cpnj,cni->cpij", slopes, modes.static[there], optimize=True)
+                moved += np.swapaxes(bent, 2, 3) @ moved
+            np.add.at(total, there, symmetric(moved))
             np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():
@@ -802,12 +810,12 @@ FAMILIES = ("flap", "twist", "chord", "lag", "axial")
 def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
     """Name each mode by the largest share of its motion, one of `FAMILIES`.
 
-    In each of the sections along the longest extent the nodes' mean motion through the thickness is flap, along the
-    chord lag, along the span axial; the turn about the span is twist, and what is left bends chords. All nodes count
-    alike. The chord of nodes along a line is in the plane of rotation.
+    In each of the sections along the span the nodes' mean motion through the thickness is flap, along the chord lag,
+    along the span axial; the turn about the span is twist, and what is left bends chords. All nodes count alike. The
+    chord of nodes along a line is in the plane of rotation.
     """
     middle = model.points - model.points.mean(axis=0)
-    span = np.linalg.svd(middle, full_matrices=False)[2][0]
+    span = _span(model, modes)
     along = middle @ span
     section = np.searchsorted(np.quantile(along, np.linspace(0, 1, _SECTIONS + 1)[1:-1]), along)
     energy = np.zeros((len(FAMILIES), modes.frequencies_hz.size))
@@ -831,6 +839,42 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
         across = across - (across @ span)[..., None] * span
         energy[2] += np.maximum((across**2).sum(axis=(1, 2)) - twist, 0.0)
     return [FAMILIES[k] for k in energy.argmax(axis=0)]
+
+
+def root_to_centre(points: Array, weights: Array, root: Ints | NDArray[np.bool_]) -> Array | None:
+    """Unit vector (3,) from the middle of a root's nodes to the centre of points (n, 3) with weights (n,).
+
+    None where the root lies around the centre, or has no two nodes.
+    """
+    ends = points[root]
+    if len(ends) < 2:
+        return None
+    way = weights @ points / weights.sum() - ends.mean(axis=0)
+    extent = float(np.ptp(points @ way))  # times the length of `way`
+    return None if way @ way <= _AROUND * extent else np.asarray(way / np.linalg.norm(way))
+
+
+_AROUND = 0.1
+"""Distance of the centre from the root's middle, over the extent along it, up to which the root lies around it."""
+
+ON_ONE_SIDE = 0.5
+"""Distance of the middle of the nodes from the axis, over theirs, up to which they surround it, as a disc does."""
+
+
+def _span(model: ModalModel, modes: ModesAtSpeed) -> Array:
+    """Unit vector (3,) along a structure.
+
+    From its root to its centre; where no root is known, or it lies around that, outwards from the spin axis; where the
+    structure surrounds this, its longest extent.
+    """
+    root = held(modes.shapes)
+    if (way := root_to_centre(model.points, np.where(root, 0.0, model.weights), root)) is not None:
+        return way
+    arms = model.load(model.points)
+    arm = arms.mean(axis=0)
+    if np.linalg.norm(arm) > ON_ONE_SIDE * np.linalg.norm(arms, axis=1).mean():
+        return np.asarray(arm / np.linalg.norm(arm))
+    return np.asarray(np.linalg.svd(model.points - model.points.mean(axis=0), full_matrices=False)[2][0])
 
 
 def _across(direction: Array, axis: Array) -> Array:

@@ -107,18 +107,19 @@ class VolumeMesh:
         return np.concatenate([(0.5 * (low + high))[high - low <= within] for low, high in ends])
 
     def boundary_normals(self, own: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
-        """Middles (nface, 3) of the boundary's faces, and their areas times outward normals (nface, 3).
+        """Middles (nface, 3) of the corners of the boundary's faces, and the faces' vector areas (nface, 3), outwards.
 
-        They are computed by the faces' corners.
+        By Stokes' theorem a vector area is half the integral of r x dr around the face. Simpson's rule is exact on a
+        quadratic edge: four thirds of what the polygon of all nodes has, less a third of that of the corners.
 
         own: which nodes (n,) all of a face's have to be; None: any.
         """
         middles, normals = [], []
         for faces in self.boundary():
             faces = faces if own is None else faces[own[faces].all(axis=1)]
-            at = self.points[self.corners(faces)]
+            around, at = self.points[faces], self.points[self.corners(faces)]
             middles.append(at.mean(axis=1))
-            normals.append(0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1]))
+            normals.append((4.0 * _vector_areas(around) - _vector_areas(at)) / 3.0)
         return np.concatenate(middles), np.concatenate(normals)
 
     def _check_faces(self) -> None:
@@ -190,6 +191,12 @@ class VolumeMesh:
                 f"the mesh is in {sizes.size} pieces, of {', '.join(map(str, sizes[:4]))} nodes"
                 f"{' ...' * bool(sizes.size > 4)}: a blade is one piece; merge their nodes or remove the others"
             )
+
+
+def _vector_areas(rings: Array) -> Array:
+    """Vector areas (nface, 3) of closed polygons (nface, nnode, 3)."""
+    arms = rings - rings[:, :1]
+    return np.asarray(0.5 * np.cross(arms, np.roll(arms, -1, axis=1)).sum(axis=1))
 
 
 def _check_kinds(kinds: list[str]) -> None:

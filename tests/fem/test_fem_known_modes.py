@@ -240,6 +240,30 @@ def test_a_plate_of_calculix(plate: ModalModel, rpm: int, mass: float, hz: float
     assert abs(seen.spread[0, 0] / seen.slope[0, 0]) < 1e-3
 
 
+@pytest.mark.parametrize("length", [0.04, 0.1, 0.25])
+@pytest.mark.parametrize("at_root", ["clamped", "elastic", "free"])
+def test_families_go_by_the_span_however_wide_a_plate_is(length: float, at_root: str) -> None:
+    """Shapes of a plate 0.1 m wide that are what they are called by construction, laid anyhow in the file.
+
+    The span goes from the root to the tip; of a root that moves it is outwards from the spin axis.
+    """
+    x, y = (each.ravel() for each in np.meshgrid(np.linspace(0.0, 1.0, 17), np.linspace(-1.0, 1.0, 13)))
+    still, bend = np.zeros_like(x), {"clamped": x**2, "elastic": 0.1 + x**2, "free": x**2 - 0.3}[at_root]
+    shapes = {
+        "flap": [still, still, bend],
+        "twist": [still, still, bend * y],
+        "chord": [still, still, bend * (y**2 - 0.37)],
+        "lag": [still, bend, still],
+        "axial": [bend, still, still],
+    }
+    turn = Rotation.from_rotvec([0.4, -0.7, 1.1]).as_matrix()
+    points = np.stack([length * x, 0.05 * y, still], axis=1) + np.array([0.2, 0.03, 0.0])
+    for stagger in np.radians([0.0, 70.0]):
+        axis = turn @ [0.0, np.sin(stagger), np.cos(stagger)]
+        laid = cloud(points @ turn.T, np.array([np.array(each).T @ turn.T for each in shapes.values()]), axis)
+        assert families(laid, laid.speeds[0]) == list(shapes), stagger
+
+
 def test_cells_nodes_and_one_side_of_a_plate_give_one_slope(plate: ModalModel) -> None:
     """By shape functions, by a fit to all nodes, and by one to those of its upper face alone."""
     known = plate.speeds[0]

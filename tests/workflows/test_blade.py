@@ -716,6 +716,16 @@ def test_a_spin_axis_along_the_blade_or_that_leans_is_asked_about(flat, spindamp
         assert re.findall(r"leans by (\S+)° out of the plane of rotation", out) == lean
 
 
+def test_a_blade_wider_than_long_may_have_its_chord_along_the_axis(tmp_path, spindamp):
+    """50 mm long and 100 mm wide, at a stagger of 70°: the axis lies across its span, whichever extent is larger."""
+    mesh = make.solid(make.Airfoil(0.05, 0.1, 0.01, section="flat", hub_radius=0.2), (4, 4, 1), 1.0)
+    make.write_inp(tmp_path / "fan.inp", mesh, "flat")
+    scene(tmp_path, SCENE, "'10 rpm'", level=('stagger = "35 deg"', 'stagger = "70 deg"'))
+    out = spindamp("check", tmp_path / "fan.toml").out
+    assert "50 × 100 × 10 mm" in out
+    assert "along the spin axis" not in out
+
+
 def test_the_scene_of_the_guide_is_read():
     """`check`, word for word, beside the mesh that it names."""
     folder = Path(make.__file__).parent

@@ -285,9 +285,8 @@ def _structure(request: Request) -> SpaceStructure:
     density = None if fits is None else float(np.median(fits))
     if density is not None:
         described += f", of {significant(density)} kg/m³ by the scale of their modes"
-    weights = volumes if (volumes := modal_model.node_volumes(model)).any() else np.ones(len(model.points))
     root = np.flatnonzero(modal_model.held(model.speeds[0].shapes))
-    remarks += orientation_remarks(model, weights, root, "structure")
+    remarks += orientation_remarks(model, model.weights, root, "structure")
     count = min(source.scene.rotor.modes, *(modes.frequencies_hz.size for modes in model.speeds))
 
     @lru_cache(_SPEEDS)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fem.modal_model import ModalModel
+from fem.modal_model import ON_ONE_SIDE, ModalModel, root_to_centre
 from workflows.formatting import percent, significant
 from workflows.solve.results import Floats, Ints
 
@@ -35,27 +35,26 @@ def orientation_remarks(
                 " it."
             )
     axial, across = (float(np.ptp(each)) for each in (model.points @ model.axis, radii))
-    if axial > _SLENDER * across:
+    way = root_to_centre(model.points, masses, root)
+    lean = 0.0 if way is None else math.asin(min(abs(float(way @ model.axis)), 1.0))
+    if axial > _SLENDER * across and (way is None or lean > _ALONG):
         remarks.append(
             f"The {name} measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
             " across it: does [rotor] axis lie along the blade, where it should lie across it?"
         )
-    elif root.size and np.linalg.norm(arms.mean(axis=0)) > _ON_ONE_SIDE * radii.mean():
-        way = masses @ model.points / whole - model.points[root].mean(axis=0)
-        lean = math.asin(min(abs(float(way @ model.axis)) / max(float(np.linalg.norm(way)), 1e-300), 1.0))
-        if lean > _LEANS:
-            remarks.append(
-                f"The {name} leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the"
-                " middle of its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
-            )
+    elif lean > _LEANS and np.linalg.norm(arms.mean(axis=0)) > ON_ONE_SIDE * radii.mean():
+        remarks.append(
+            f"The {name} leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the"
+            " middle of its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
+        )
     return remarks
 
 
 _LEANS = math.radians(15.0)
 """Lean out of the plane of rotation above which the axis is asked about: blades are coned by some degrees."""
 
-_SLENDER = 1.5
-"""Extent along the spin axis over that across it above which the axis is asked about: of blades, chord over span."""
+_ALONG = math.radians(45.0)
+"""Lean out of the plane of rotation above which a structure lies along the axis rather than across it."""
 
-_ON_ONE_SIDE = 0.5
-"""Distance of the middle of the nodes from the axis, over theirs, up to which they surround it, as a disc does."""
+_SLENDER = 1.5
+"""Extent along the spin axis over that across it above which the axis may lie along the structure."""
