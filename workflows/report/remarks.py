@@ -581,14 +581,19 @@ def unknown_strain(results: Results) -> Values:
     return None if judged else {}
 
 
+_ROUNDED_TURN = 1e-6
+"""Rotation of a tip [rad] that is rounding: files give displacements in six digits, which are smaller than a chord."""
+
+
 @remark
 def deflection(results: Results) -> Values:
     """How far the load bends and untwists a solid blade, where it does the most."""
     point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
     if not point.static_displacement:
         return None
-    turned = math.degrees(abs(point.tip_rotation or 0.0))
-    return {"omega": point.omega, "displacement": point.static_displacement, "turned": turned}
+    turned = abs(point.tip_rotation or 0.0)
+    shown = math.degrees(turned) if turned > _ROUNDED_TURN else None
+    return {"omega": point.omega, "displacement": point.static_displacement, "turned": shown}
 
 
 @remark
