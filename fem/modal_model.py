@@ -565,7 +565,7 @@ class Pull:
     Attributes:
         axis: the spin axis, (3,).
         stiffening: what the stress that its pull causes adds to the stiffness of modes, over Omega², (k, k) [1].
-        strays: how far the way on which that is added up lies outside the structure [m].
+        strays: how far the way on which that is added up lies outside the structure [m]; before it enters, beside it.
     """
 
     place: Place
@@ -585,6 +585,9 @@ class Pull:
 
 SAMPLES = 48
 """Places on the way from the root to another at which its shortening is added up."""
+
+_ENTERED = 1e-6
+"""Distance of a line from the structure, relative to its length, up to which it lies in it."""
 
 
 def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
@@ -614,7 +617,11 @@ def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
         turned -= (turned @ outwards)[..., None] * outwards
         return np.asarray(radius * np.einsum("ski,sli,s->kl", turned, turned, 1.0 / steps))
 
-    return Pull(at, model.axis, stiffening, float(np.linalg.norm(feet - line, axis=1).max()))
+    off = feet - line
+    entered = np.linalg.norm(off, axis=1) < _ENTERED * length
+    before = np.cumsum(entered) == 0  # inboard of an oblique root the structure lies ahead, not beside the line
+    off[before] -= np.outer(off[before] @ outwards, outwards)
+    return Pull(at, model.axis, stiffening, float(np.linalg.norm(off, axis=1).max()))
 
 
 def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array, Array]:

@@ -132,27 +132,32 @@ def _samples(
 
 
 def _shifts(squares: Array, force: Array) -> Array:
-    """Sums (k, m) over its partners of the largest shift of each mode of squared rates (k, m).
+    """Shifts (k, m) of modes of squared rates (k, m): those by all partners together, and what uncertain rates may add.
 
-    Modes that may coincide have one another's shifts by others besides.
+    Partners push a mode up or down, so that their shifts may cancel. Modes that may coincide have one another's shifts
+    by others besides.
 
     force: (Omega g)², (k, m, m).
     """
     own, partner = np.broadcast_arrays(squares[:, :, None], squares[:, None, :])
-    ratio = partner / own
+    ratio, force = partner / own, force / own
     near = np.where(
         ratio < 1.0, np.minimum(ratio * (1.0 + 2.0 * UNCERTAIN), 1.0), np.maximum(ratio * (1.0 - 2.0 * UNCERTAIN), 1.0)
     )
-    force = force / own
-    middle, split = 0.5 * (1.0 + near + force), np.sqrt(np.maximum((1.0 + near + force) ** 2 / 4.0 - near, 0.0))
-    moved = np.where(near < 1.0, middle + split, middle - split)
-    moved = np.maximum(
-        np.abs(np.sqrt(np.maximum(moved, 0.0)) - 1.0), np.where(near == 1.0, np.sqrt(middle + split) - 1.0, 0.0)
-    )
-    moved = np.where(force > 0.0, moved, 0.0)
     alike = near == 1.0
-    by_others = np.where(alike, 0.0, moved).sum(axis=2)
-    return np.asarray(np.where(alike, moved + by_others[:, None, :], 0.0).sum(axis=2))
+    expected, largest = _pushed(ratio, force), _pushed(near, force)
+    mutual = np.maximum(np.abs(largest), _pushed(np.full_like(near, np.nextafter(1.0, 0.0)), force))
+    by_others = np.abs(np.where(alike, 0.0, expected).sum(axis=2))
+    by_others += np.where(alike, 0.0, np.abs(largest) - np.abs(expected)).sum(axis=2)
+    return np.asarray(np.where(alike, mutual + by_others[:, None, :], 0.0).sum(axis=2))
+
+
+def _pushed(ratio: Array, force: Array) -> Array:
+    """Relative shift of a rate by a partner of a squared rate `ratio` times its own, by force: (Omega g)² over it."""
+    middle = 0.5 * (1.0 + ratio + force)
+    split = np.sqrt(np.maximum(middle**2 - ratio, 0.0))
+    square = np.maximum(np.where(ratio < 1.0, middle + split, middle - split), 0.0)
+    return np.asarray(np.where(force > 0.0, np.sqrt(square) - 1.0, 0.0))
 
 
 STATE_ENOUGH = 1e-8

@@ -161,6 +161,24 @@ def test_the_pull_of_a_load_at_a_tip_that_bends_as_a_parabola(axis: tuple[float,
     assert found[0, 0] == pytest.approx(0.35 * 4 / 3 / 0.25 - softened, rel=2e-3)
 
 
+@pytest.mark.parametrize("sweep", [0.0, 0.7])
+def test_a_line_strays_where_it_leaves_a_swept_bar_not_inboard_of_its_root(sweep: float) -> None:
+    """A line that is not normal to the root begins inboard of it, as deep as its far corner; by plane geometry."""
+    nodes = 0.5 * (cell("hexahedron").nodes + 1.0) * [0.2, 0.06, 0.008] - [0.0, 0.03, 0.004]
+    nodes[:, 1] += sweep * nodes[:, 0]
+    still = modes(np.zeros((1, 8, 3)))
+    model = ModalModel(nodes, (still,), Z, np.array([-0.2, 0.0, 0.0]), (("hexahedron", np.arange(8)[None]),))
+    point = np.array([0.12, 0.018 + 0.12 * sweep, 0.0])
+    found, slope = pull(model, place(model, point)).strays, point[1] / 0.32
+    if sweep == 0.0:
+        inboard = (0.12 + 0.048 * slope) / (1.0 + slope**2) - 0.12
+        assert inboard == pytest.approx(2.31e-3, rel=1e-2)  # of the root, which lies straight ahead
+        assert found == pytest.approx(inboard * np.sin(np.arctan(slope)), rel=1e-6)
+    else:
+        beside = (0.2 * slope - 0.03) * np.cos(np.arctan(sweep)) * np.cos(np.arctan(sweep) - np.arctan(slope))
+        assert beside < found < 1.5 * beside
+
+
 @pytest.mark.parametrize("coupling", [0.0, 0.003, 0.1])
 def test_modes_between_speeds_are_those_of_the_structure(coupling: float) -> None:
     """Of a stiffness linear in the squared speed, whose lowest modes cross, or veer sharply or slowly; signs at random.

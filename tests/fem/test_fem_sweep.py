@@ -244,6 +244,21 @@ def test_critical_speed_is_the_dense_solver_s(monkeypatch, sides, cells, thickne
     assert critical_speed(operators) == pytest.approx((-least) ** -0.5, rel=1e-8)
 
 
+def test_coriolis_forces_up_to_the_critical_speed():
+    """Trial vectors beyond it have no stiffness: a coned plate, its frequencies by the dense solver of the states."""
+    plate, rotor = Plate(rectangle(0.2, 0.03, 5, 1), 0.005, STEEL), Rotor(stagger=0.35, precone=0.7)
+    operators = assemble(plate, rotor, Effects(stress_stiffening=False, coriolis=True))
+    found = campbell(operators, np.linspace(0.0, 1.01 * critical_speed(operators), 8), 4)
+    assert (found.omega.size, found.diverged.size) == (7, 1)
+    m, g = operators.mass.toarray(), operators.gyroscopic.toarray()
+    zero = np.zeros_like(m)
+    for omega, frequencies in zip(found.omega, found.frequencies_hz, strict=True):
+        turned = np.block([[-1j * omega * g, m], [m, zero]])
+        energy = scipy.linalg.block_diag(operators.at(omega).toarray(), m)
+        inverse = scipy.linalg.eigh(turned, energy, eigvals_only=True, subset_by_index=[2 * len(m) - 4, 2 * len(m) - 1])
+        np.testing.assert_allclose(frequencies, 1.0 / (2.0 * np.pi * inverse[::-1]), rtol=1e-6)
+
+
 def test_no_critical_speed_is_soon_found(monkeypatch):
     """On a strip whose stiffening and softening nearly cancel."""
     monkeypatch.setattr("fem.linalg.LARGEST", (120, 10))

@@ -85,6 +85,8 @@ def test_a_plate_by_its_modes_is_the_plate(files: Path, plate: Scene, monkeypatc
     assert [mode.family for mode in neutral.speeds[0].modes] == ["flap", "twist", "flap", "lag", "twist", "flap"]
     assert neutral.speeds[0].modes[0].error_estimate is not None
     assert calculix.speeds[0].modes[0].error_estimate is None
+    (displaced,) = [note for note in calculix.notes if "the centrifugal load displaces" in note]
+    assert displaced.endswith(" mm.")  # a flat plate in the plane of rotation does not twist
 
 
 def test_check_tells_where_the_cavity_lies(spindamp: Command, files: Path) -> None:

@@ -46,27 +46,24 @@ def _spin_softening(case: Case) -> Called:
 
 
 def _coriolis(case: Case) -> Called:
-    """Where they move a frequency of a plate that spins by more than the accuracy asked for.
+    """Where they move a frequency of a plate that spins by more than the accuracy asked for, on a coarse mesh.
 
-    What moves in the plane of rotation is coupled to the plate's stretching, at w = (pi / 2) (E / rho)^1/2 / L, which
-    lowers it by 2 (Omega / w)², two modes in the limit of a low one. Where that is less, and the scene leaves it open,
-    the modes are found.
+    In the plane of rotation bending across the width is coupled to stretching alone, at w = (pi / 2) (E / rho)^1/2 / L,
+    which lowers it by 2 (Omega / w)² in the limit of a low mode. Where that decides, no modes are found, unless the
+    scene leaves the forces out, whose part of every frequency's error is then needed.
 
     Raises:
         ValueError: the planform is a mesh, and is not given.
     """
     scene, (plate, material) = case.scene, case.plate
-    target, fastest = scene.accuracy.frequency, max(scene.rotor.speeds)
+    target, rotor = scene.accuracy.frequency, scene.rotor
     wave = math.sqrt(material.youngs_modulus / material.density)
-    moved = 2.0 * (fastest / (0.5 * math.pi * wave / plate_mesh.sides(plate, case.form)[0])) ** 2
-    if moved > target:
+    moved = 2.0 * (max(rotor.speeds) / (0.5 * math.pi * wave / plate_mesh.sides(plate, case.form)[0])) ** 2
+    if rotor.stagger == rotor.precone == 0.0 and scene.effects.coriolis is not False and moved > target:
         most = (
             f"{beside(100 * moved, 100 * target, 1)} % at most, more than the {significant(100 * target)} % requested"
         )
-        why = f"it lowers frequencies of motion in the plane of rotation by about {most}"
-        return Called(True, why, everywhere(fastest, moved, scene.rotor.modes))
-    if scene.effects.coriolis != "auto":  # what is settled costs nothing
-        return Called(False, f"coupled to the plate's stretching it moves frequencies by {share(moved, 1)} % at most")
+        return Called(True, f"it lowers frequencies of motion in the plane of rotation by about {most}")
     try:
         shift = _solved_with_coriolis(scene, case.form, case.on["large_deflection"])
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
@@ -74,7 +71,7 @@ def _coriolis(case: Case) -> Called:
     if shift is None:
         return Called(False, "the plate diverges without it")
     largest, omega = shift.largest
-    why = f"at {turning(omega)} it moves frequencies by up to {beside(100 * largest, 100 * target, 1)} %"
+    why = f"at {turning(omega)} it moves frequencies by up to {beside(100 * largest, 100 * target)} %"
     compared = f"{'more' if largest > target else 'less'} than the {significant(100 * target)} % requested"
     return Called(largest > target, f"{why}, {compared}", LeftOut(shift.omega, shift.shifts))
 

@@ -17,7 +17,7 @@ import numpy as np
 from damper import Outcome
 from damper.contact import Contact, hit_time
 from fem.theory.registry import THEORIES, kind
-from workflows.effects.selection import EFFECTS
+from workflows.effects.selection import EFFECTS, OF_THE_PLATE, called_for
 from workflows.formatting import turning, upwards
 from workflows.report import templates
 from workflows.scene import paper, plate_mesh
@@ -235,6 +235,9 @@ PARTS = {
 _BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
 """Those that an effect removes."""
 
+_WITHOUT_PART = tuple(name for name in OF_THE_PLATE if name not in _BY_EFFECT)
+"""Effects of a plate that are on unless the scene switches them off; what they would move is not estimated."""
+
 
 _NOTABLE_PART = 0.1
 """Share of the largest error from which on a part of it is named."""
@@ -286,8 +289,18 @@ def sentence(results: Results) -> Values:
     last, target = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
     sizes = {words: getattr(last.parts, name) or 0.0 for name, words in PARTS.items()}
     parts = {words: size for words, size in sizes.items() if size >= _NOTABLE_PART * last.whole}
+    calls = called_for(results.scene, names=_WITHOUT_PART)
+    off = [EFFECTS[name].word for name in calls if calls[name].called and not results.effects[name].on]
     missed = {} if met(results) else cure(results)
-    return {"first": modes[0], "last": last, "parts": parts, "target": target, "met": met(results), **missed}
+    return {
+        "first": modes[0],
+        "last": last,
+        "parts": parts,
+        "off": off,
+        "target": target,
+        "met": met(results),
+        **missed,
+    }
 
 
 def cure(results: Results) -> dict[str, Any]:
@@ -569,14 +582,19 @@ def unknown_strain(results: Results) -> Values:
     return None if judged else {}
 
 
+_ROUNDED_TURN = 1e-6
+"""Rotation of a tip [rad] that is rounding: files give displacements in six digits, which are smaller than a chord."""
+
+
 @remark
 def deflection(results: Results) -> Values:
     """How far the load bends and untwists a solid blade, where it does the most."""
     point = max(results.speeds, key=lambda p: p.static_displacement or 0.0)
     if not point.static_displacement:
         return None
-    turned = math.degrees(abs(point.tip_rotation or 0.0))
-    return {"omega": point.omega, "displacement": point.static_displacement, "turned": turned}
+    turned = abs(point.tip_rotation or 0.0)
+    shown = math.degrees(turned) if turned > _ROUNDED_TURN else None
+    return {"omega": point.omega, "displacement": point.static_displacement, "turned": shown}
 
 
 @remark
