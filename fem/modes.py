@@ -345,16 +345,25 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
         more = ends**2 - np.abs(level) ** 2 - np.abs(slope) ** 2 / 3.0
         return mean(x), np.sqrt(3.0 * (mean(squares) + np.maximum(more, 0.0)))
 
-    order = np.argsort(x, kind="stable")
-    height = np.broadcast_to(thickness.of(operators.plate.thickness, model.points[:2]), model.points[0].shape).ravel()
-    deep = np.empty_like(x)  # thicknesses from the root on
-    deep[order] = np.cumsum(np.diff(x[order], prepend=x.min()) / height[order])
-    count = max(STRIPS, round(float(deep.max()) / _LAYER))
-    strip = np.minimum((deep * (_PARTS * count / deep.max())).astype(np.int64), _PARTS * count - 1)
+    strip = _strips(operators)
     place, wide = faces(strip // _PARTS)
     root = wide[0] * (wide[0] / wide[1]) ** ((place[0] - model.mesh.p[0].min()) / (place[1] - place[0]))
     narrow = faces(strip)[1][np.unique(strip) >= _PARTS]
     return np.asarray(np.maximum(root, np.maximum(wide.max(axis=0), narrow.max(axis=0))))
+
+
+def _strips(operators: Operators) -> NDArray[np.int64]:
+    """In which strip along x each point of a plate's rule lies, from 0 at the root, shape (points,).
+
+    `_PARTS` of them are `_LAYER` times as wide as the plate is thick there, or the plate has `STRIPS` times as many.
+    """
+    points = operators.model.points
+    x, depth = points[0].ravel(), np.empty(points[0].size)
+    height = np.broadcast_to(thickness.of(operators.plate.thickness, points[:2]), points[0].shape).ravel()
+    order = np.argsort(x, kind="stable")
+    depth[order] = np.cumsum(np.diff(x[order], prepend=x.min()) / height[order])  # in thicknesses
+    count = _PARTS * max(STRIPS, round(float(depth.max()) / _LAYER))
+    return np.asarray(np.minimum((depth * (count / depth.max())).astype(np.int64), count - 1))
 
 
 EXTRA = 4
