@@ -167,23 +167,26 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > most else []
 
 
-_CONFIRMED = 0.01
-"""Relative difference up to which the forced motion confirms an amplitude."""
+_CONFIRMED, _REDUCTION = 0.01, 0.1
+"""Difference up to which the forced motion confirms an amplitude, relative to it and to the reduction."""
 
 
 def confirmed(optimum: Optimum, response: Response) -> Optimum:
     """The best design with its forced motion, under the largest force that the scene has.
 
-    Where the motion refutes the search, its figures take their place, and the worst deviation, by the search, is gone.
+    The amplitude without a ball is that of the motion. Where the motion refutes the search, its figures take their
+    place, and the worst deviation, by the search, is gone.
     """
     level, evaluation = max(response.requested_levels), optimum.evaluation
-    row = max((row for row in rows(response) if row.force == level), key=lambda row: row.mean)
+    every = [row for row in rows(response) if row.force == level]
+    row, without = max(every, key=lambda row: row.mean), max(row.without for row in every)
     value, crossing = evaluation.value, row.passage.crossing
-    evaluation = replace(evaluation, speed=crossing.omega, order=crossing.order)
+    evaluation = replace(evaluation, speed=crossing.omega, order=crossing.order, without=without)
     optimum = replace(optimum, evaluation=evaluation, confirmed=row.mean, search_value=value)
-    if abs(row.mean - value) <= _CONFIRMED * row.mean + row.error:
+    why = None if row.mean <= excitation.HELPS * without else Obstacle("useless")
+    most = min(_CONFIRMED * row.mean, _REDUCTION * abs(without - row.mean)) + row.error
+    if why is None and abs(row.mean - value) <= most:
         return optimum
-    why = None if row.mean <= excitation.HELPS * evaluation.without else Obstacle("useless")
     score = evaluation.score - math.log(row.mean / value)
     return replace(
         optimum, evaluation=replace(evaluation, value=row.mean, amplitude=row.mean, score=score, why=why), worst=None
