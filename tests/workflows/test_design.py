@@ -462,9 +462,92 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     assert (limit.name, limit.gain) == ("ball_diameter", pytest.approx(better - 1))
     assert limit.said == "ball diameter 4 mm is the greatest allowed"
     assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
-    for each, active in ((optimum, True), (replace(optimum, search_value=9e-4), False)):
+    several = replace(optimum, evaluations=200)
+    for each, active in ((several, True), (replace(several, search_value=9e-4), False)):
         said = " ".join(report._said("sentences", space, each, constraints=(), has_thickness=bool))
         assert ("No limit is active: beyond the ends of the ranges nothing is gained" in said) is active
+
+
+@pytest.mark.parametrize(
+    ("free", "limits"),
+    [
+        ({"clearance": ["0.5 mm", "1 mm", "2 mm"]}, {0: 0.5e-3 / 1.05, 2: 2e-3 * 1.05}),
+        ({"count": [2, 3, 4]}, {0: 1, 2: 5}),
+        ({"count": [1, 3, 4]}, {0: None, 2: 5}),
+        ({"count": [2, 3]}, {0: 1, 2: 4}),  # a range
+    ],
+)
+def test_the_end_of_a_list_limits_only_where_going_on_is_better(slow, free, limits):
+    """Beyond it lies a length by 5 % further, or the next number of balls: worse, better, or beyond another limit."""
+    lengths = {"ball_material": None, "ball_diameter": None, "clearance": None}
+    space = space_of(changed(slow, damper__ball_material="steel", damper__mass_ratio=None), **lengths | free)
+    for end, beyond in limits.items():
+        optimum, tried = Optimum(np.array([end / 2]), Evaluation(1e-3, 1e-3), 1), []
+
+        def found(value, score, optimum=optimum, tried=tried):
+            def scored(space, shares, _):
+                tried.append(*space.values(shares[0]).values())
+                return [Evaluation(value, score)]
+
+            return report.active_constraints(space, optimum, scored)
+
+        assert found(0.9e-3, 0.9e-3) == ()
+        assert found(0.0, -objectives.BEYOND - 1) == ()
+        better = found(1.2e-3, 1.2e-3)
+        if beyond is None:
+            assert (better, tried) == ((), [])
+            continue
+        assert tried.count(pytest.approx(beyond)) == 3
+        (limit,) = better
+        (name,) = free
+        which = "allowed" if len(free[name]) == 2 else "of the list"
+        assert limit.said == f"{space.summary(optimum.shares)} is the {'greatest' if end else 'least'} {which}"
+        assert (limit.name, limit.gain) == (name, pytest.approx(0.2))
+        said = " ".join(report._said("sentences", space, optimum, constraints=better, has_thickness=bool))
+        assert f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %" in said
+
+
+def test_a_limit_that_nothing_free_changes_limits_nothing(slow):
+    """The mass of three balls is 98.5 % of the mass allowed: it limits their number, not their clearance."""
+    three = 3 * 7850 * 4 / 3 * math.pi * 1e-3**3
+    used = {"ball_material": None, "ball_diameter": None, "mass": f"{three / 0.985} kg"}
+    steel = changed(slow, damper__ball_material="steel", damper__mass_ratio=None, damper__radius="1 mm")
+    for free, limited in (
+        ({"count": [3], "clearance": ["1 mm"]}, False),
+        ({"count": [3], "clearance": ["0.5 mm", "1 mm", "2 mm"]}, False),
+        ({"count": [1, 2, 3], "clearance": ["1 mm"]}, True),
+        ({"count": [1, 3], "clearance": ["1 mm"]}, True),
+    ):
+        space = space_of(changed(steel, design__amplitude=["1 um", "2 um"]), **used | free)
+        shares, score = np.array([0.5, 0.9]), score_of(space)
+        (evaluation,) = score(shares[None])
+        assert dict(evaluation.used)["mass"] == pytest.approx(0.985, rel=1e-9)
+
+        def by_formula(space, shares, quick):
+            return spaces.evaluate_designs(space, np.asarray(shares), PlateCache(), quick=quick)
+
+        constraints = report.active_constraints(space, Optimum(shares, evaluation, 2), by_formula)
+        assert ([each.said for each in constraints] == ["98 % of the mass allowed is used"]) is limited
+        assert bool(constraints) is limited
+
+
+def test_one_design_is_not_said_to_be_the_best_of_several(slow):
+    """Nothing is free: no range has an end, and no limit keeps it from being better."""
+    optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3), 1)
+    values = {"constraints": (), "has_thickness": bool}
+    single = space_of(slow, ball_material=["steel"], ball_diameter=None, clearance=["1 mm"])
+    said = " ".join(report._said("sentences", single, optimum, **values))
+    assert "The only design allowed: ball material steel, clearance 1 mm" in said
+    assert "No limit is active" not in said
+    for free, ends in (
+        ({"clearance": ["1 mm"]}, "."),
+        ({"clearance": ["1 mm", "2 mm", "3 mm"]}, ": beyond the ends of the lists nothing is gained."),
+        ({"clearance": ["1 mm", "2 mm"]}, ": beyond the ends of the ranges nothing is gained."),
+    ):
+        space = space_of(slow, ball_material=["steel", "lead", "alumina"], ball_diameter=None, **free)
+        said = " ".join(report._said("sentences", space, replace(optimum, evaluations=3), **values))
+        assert "Best of 3 designs evaluated" in said
+        assert f"No limit is active{ends}" in said
 
 
 def test_a_value_close_to_the_end_of_its_range_is_not_said_to_be_the_end(slow):
