@@ -609,6 +609,30 @@ def test_what_is_left_where_a_length_is_off(in_a_range):
         assert ("with its" in verdict) == bool(said)
 
 
+@pytest.mark.parametrize(
+    ("clearance", "share"), [(["0.5 mm", "1 mm"], 1.0), (["0.25 mm", "0.5 mm", "1 mm"], 0.9), (["1 mm"], 0.5)]
+)
+def test_a_length_of_a_list_is_as_little_exact_as_one_of_a_range(slow, clearance, share):
+    """A damper that loses half where its clearance is larger; a count, a material and a flat floor are exact."""
+    free = {"ball_diameter": None, "floor_radius": ["flat"], "count": [1, 2, 4], "clearance": clearance}
+    space = space_of(slow, **free)
+    shares, tried = np.array([0.1, share, 0.5, 0.9]), []
+
+    def score(space, rows, quick):
+        assert not quick
+        tried.extend(space.values(row) for row in rows)
+        values = [1e-3 if space.values(row)["damper.clearance"] < 1e-3 else 5e-4 for row in rows]
+        return [Evaluation(value, value) for value in values]
+
+    optimum = Optimum(shares, Evaluation(1e-3, 1e-3), 30)
+    worst = report.worst_deviation(space, optimum, score)
+    best = space.values(shares)
+    assert tried == [best | {"damper.clearance": pytest.approx(length)} for length in (1e-3 / 1.02, 1.02e-3)]
+    assert (worst.name, worst.relative, worst.evaluation.value) == ("clearance", 0.02, 5e-4)
+    verdict = report.verdict(space, replace(optimum, worst=worst))
+    assert verdict.endswith(", but 0.05 % with its clearance 2 % larger")
+
+
 def test_why_none_works(slow, here):
     """The remedy that is named is the right one: just beyond it, the ball moves."""
     scene = slow | {"design": FREE | {"amplitude": ["0.1 mm", "1 mm"], "clearance": ["1 mm"]}}

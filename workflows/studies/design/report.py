@@ -145,14 +145,17 @@ def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[Active
 def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:
     """What is left of the best design if one of its lengths is a little off, the least; None: it has none, or fails.
 
+    Lengths of lists are as little exact as those of ranges; a floor that is flat has none.
     A ball that is off lies in the cavity that was made for the best one. A deviation beyond a limit, as of the mass,
     does not count.
     """
     if not optimum.evaluation.works:
         return None
     deviations, best = [], space.values(optimum.shares)
-    for k in space.continuous:
-        axis, value = space.axes[k], float(best[space.axes[k].name])
+    for axis in space.axes:
+        value = best[axis.name]
+        if axis.key.whole or isinstance(value, str) or not math.isfinite(value):
+            continue
         off: dict[str, tuple[float, ...]] = {axis.name: (value / (1 + OFF), value * (1 + OFF))}
         if axis.name == "damper.radius" and "damper.clearance" in best:
             off["damper.clearance"] = tuple(float(best["damper.clearance"]) + 2 * (value - r) for r in off[axis.name])
