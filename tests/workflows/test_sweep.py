@@ -306,6 +306,48 @@ def test_lengths_that_may_be_meant_are_taken(varied):
     assert study.of_scene("structure", [varied]).plan.axes[0].values
 
 
+def test_a_quick_sweep_promises_the_same_in_python_as_in_the_guide():
+    guide = Path(__file__).parents[2].joinpath("docs", "guide", "sweeps.md").read_text(encoding="utf-8")
+    for text in (guide, spindamp.sweep.__doc__):
+        said_of_it = " ".join(text.split())
+        for promise in (
+            "half to two thirds of the time",
+            "Nine in ten damping ratios",
+            "within 1 %",
+            "tens of percent",
+        ):
+            assert promise in said_of_it
+
+
+def remark(speed, rpm):
+    return f"Speeds without a unit are in rad/s: {speed} is {rpm} rpm. Was '{speed} rpm' meant?"
+
+
+@pytest.mark.parametrize(
+    ("own", "varied", "remarks"),
+    [
+        (["3000 rpm"], "rotor.speeds=100,200", [remark(200, "1909.86")]),
+        (["3000 rpm"], "rotor.speeds=100, 2000 rpm", [remark(100, "954.93")]),
+        (["3000 rpm"], "rotor.speeds=log:100:200:3", [remark(200, "1909.86")]),
+        (["3000 rpm"], {"rotor.speeds": np.array([100, 200])}, [remark(200, "1909.86")]),
+        ([100, 600], "rotor.speeds=100,200", [remark(200, "1909.86")]),
+        ([100, 600], "rotor.speeds=0:2000 rpm:3", []),
+        ([100, 600], "damper.restitution=0.4,0.5", [remark(600, "5729.58")]),
+    ],
+)
+def test_speeds_without_a_unit_that_are_varied_are_remarked_on(own, varied, remarks):
+    """In place of those of the scene, which are not used."""
+    scene = changed(shipped_scene("structure"), rotor__speeds=own)
+    found = study.of_scene(scene, [varied] if isinstance(varied, str) else varied)
+    assert list(found.source.remarks) == remarks
+
+
+@pytest.mark.usefixtures("no_workers")
+def test_a_sweep_warns_of_speeds_without_a_unit(spindamp):
+    varied = ("sweep", "structure", "--vary", "rotor.speeds=100,200", "--quick", "--json")
+    assert f"spindamp: WARNING: structure.toml: {remark(200, '1909.86')}" in spindamp(*varied).err.splitlines()
+
+
 A, B = 7.0, 0.1
 
 

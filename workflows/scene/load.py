@@ -9,7 +9,7 @@ import re
 import stat
 import tomllib
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -246,10 +246,14 @@ def _gravity(data: Mapping[str, Any]) -> float:
 
 
 def _remarks(data: Mapping[str, Any]) -> tuple[str, ...]:
-    """Remarks on how a scene, which is valid, is written: speeds without a unit, which are seldom meant in rad/s."""
+    """Remarks on how a scene, which is valid, is written."""
     speeds = data["rotor"]["speeds"]
-    values = [speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds
-    bare = [speed for speed in values if speed and not isinstance(speed, str)]
+    return speed_remarks([speeds["start"], speeds["stop"]] if isinstance(speeds, Mapping) else speeds)
+
+
+def speed_remarks(speeds: Iterable[Any]) -> tuple[str, ...]:
+    """A remark on speeds, as they are written, of which some have no unit: they are seldom meant in rad/s."""
+    bare = [speed for speed in speeds if speed and not isinstance(speed, str)]
     if not bare:
         return ()
     fastest = max(bare)

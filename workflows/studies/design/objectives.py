@@ -280,6 +280,11 @@ class CrossedDamper:
         """Growth of the squared frequency over that of the squared speed, both relative."""
         return min(self.crossing.turns / self.crossing.order, 0.999)
 
+    @cached_property
+    def resting_crossing(self) -> ParticleDamper:
+        """The damper where the order meets the mode with the ball at rest: its load and stiffness are of that speed."""
+        return self.at(self.speed_of(self.with_ball))[0]
+
     @property
     def force(self) -> float:
         """At the cavity along x, of the same effect on the leading mode [N]."""
@@ -389,7 +394,8 @@ def linear(crossed: CrossedDamper) -> Linear:
 def _largest(crossed: CrossedDamper, resonance: float, answer: str) -> tuple[float, list[Harmonic], Motions, int]:
     """Linear answers about a resonance, and which of them is the largest: not the first nor the last where possible.
 
-    Where no speed meets the resonance, the one that comes nearest is taken.
+    The structure is that at the speed where the order meets the resonance. Where no speed does, the one that comes
+    nearest is taken.
 
     Returns:
         Speed of the structure [rad/s], what drives it, the answers, and the number of the largest.
@@ -401,13 +407,13 @@ def _largest(crossed: CrossedDamper, resonance: float, answer: str) -> tuple[flo
         if not low < omega < high:
             harmonics = [crossed.at(omega)[1]]
         else:
-            omega = crossed.crossing.omega
-            harmonics = [replace(crossed.harmonic, frequency=float(resonance * (1 + x))) for x in around]
+            met = crossed.crossing.order * omega
+            harmonics = [replace(crossed.harmonic, frequency=float(met * (1 + x))) for x in around]
         answers = _answers(crossed, omega, harmonics)
         k = int(np.argmax(np.abs(getattr(answers, answer))))
         if len(harmonics) == 1 or 0 < k < len(harmonics) - 1:
             break
-        resonance = harmonics[k].frequency
+        resonance *= 1 + float(around[k])
     return omega, harmonics, answers, k
 
 
@@ -421,11 +427,12 @@ _SCAN = 2000
 
 def amplitude(here: CrossedDamper, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
-    own = here.force / (2 * resting * here.system.stiffness[0])
-    figures = damper_curve(here.system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    system = here.resting_crossing
+    own = here.force / (2 * resting * system.stiffness[0])
+    figures = damper_curve(system, {}, reach=2 * resting, **(QUICK if quick else {}))
     if resting <= figures.cutoff:
         return resting
-    return max(hitting(figures.descending, own, resting), rolling(here.system, own, resting))
+    return max(hitting(figures.descending, own, resting), rolling(system, own, resting))
 
 
 def hitting(figures: DampingCurve, own: float, resting: float) -> float:
@@ -559,7 +566,7 @@ class LeastAmplitude:
 
 def _balanced(here: CrossedDamper) -> bool:
     """Whether the balance of free vibration answers for a damper."""
-    return here.leads and excitation.is_well_held(here.system)
+    return here.leads and excitation.is_well_held(here.resting_crossing)
 
 
 def _at_most(here: CrossedDamper, lines: Linear) -> float:
@@ -571,8 +578,8 @@ def _at_most(here: CrossedDamper, lines: Linear) -> float:
     """
     if _balanced(here):
         return lines.resting
-    slowest = min(_speeds(here, quick=False)) * here.crossing.order
-    return _BESIDE * lines.resting * max(here.with_ball / slowest, 1.0)
+    slowest = min(_speeds(here, quick=False))
+    return _BESIDE * lines.resting * max(here.speed_of(here.with_ball) / slowest, 1.0)
 
 
 def _reached(here: CrossedDamper, lines: Linear, *, quick: bool) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper import DampingCurve
-from workflows.formatting import fixed, significant, turning
+from workflows.formatting import significant, turning
 from workflows.io.files import StudyResult, finite
 from workflows.report import plots, templates
 from workflows.scene.load import SceneFile
@@ -23,7 +23,7 @@ from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstac
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, damper_curve, empty
-from workflows.studies.sweep.plan import Axis, Spread, as_plain
+from workflows.studies.sweep.plan import Axis, Spread, Value, as_plain
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
 _AT_END = 0.02
@@ -43,7 +43,7 @@ class ActiveConstraint:
     Attributes:
         name: what [design] calls it.
         said: in words.
-        gain: of the value by taking it 5 % further, relative; None where that is not known.
+        gain: of the value by taking it 5 % further, a count by one, relative; None where that is not known.
     """
 
     name: str
@@ -52,38 +52,74 @@ class ActiveConstraint:
 
 
 def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[ActiveConstraint, ...]:
-    """The limits at which the best design lies, and the ends of ranges beyond which it would be better.
+    """The limits at which the best design lies, and the ends of ranges and lists beyond which it would be better.
 
     And of the range of amplitudes, the end at which damping is least.
     """
     constraints = [
         ActiveConstraint(name, f"{100 * share:.0f} % of the {name} allowed is used")
         for name, share in optimum.evaluation.used
-        if share > 1 - _AT_END
+        if share > 1 - _AT_END and _varies(space, optimum, score, name)
     ]
-    values = space.values(optimum.shares)
     for k in space.continuous:
         if not _AT_END < optimum.shares[k] < 1 - _AT_END:
             constraints += _range_end(space, optimum, score, k)
     for axis in space.axes:
-        numbers = [each for each in axis.values if isinstance(each, int | float) and math.isfinite(each)]
-        if len(numbers) > 1 and (value := values[axis.name]) in (min(numbers), max(numbers)):
-            end = f"{formatted(axis.name, value)} is the {'least' if value == min(numbers) else 'greatest'} of the list"
-            if value == min(numbers) or axis.key.whole or not _longer(space, optimum, axis, score).impossible:
-                constraints.append(ActiveConstraint(NAMES[axis.name], end))
+        if axis.spread is None or axis.key.whole:
+            constraints += _list_end(space, optimum, score, axis)
     constraints += _fit_constraint(space, optimum, score)
     return (*constraints, *_amplitude_constraint(space, optimum, score))
 
 
-def _longer(
-    space: Space, optimum: Optimum, axis: Axis, score: Score, by: float = _FURTHER, *, quick: bool = True
+def _varies(space: Space, optimum: Optimum, score: Score, limit: str) -> bool:
+    """Whether another value of anything free uses another share of a limit than the best design."""
+    values, used = space.values(optimum.shares), dict(optimum.evaluation.used)[limit]
+    for k, axis in enumerate(space.axes):
+        near = optimum.shares[k] + (_FURTHER if optimum.shares[k] < 0.5 else -_FURTHER)
+        others = axis.at(np.array([near])) if k in space.continuous else _choices(axis)
+        for other in others:
+            if other != values[axis.name]:
+                share = dict(_with_value(space, optimum, axis, other, score).used).get(limit, used)
+                if not math.isclose(share, used, rel_tol=1e-9):
+                    return True
+    return False
+
+
+def _choices(axis: Axis) -> tuple[Value, ...]:
+    """All values of a list, or of a range of whole numbers."""
+    spread = axis.spread
+    return axis.values if spread is None else tuple(range(math.ceil(spread.low), math.floor(spread.high) + 1))
+
+
+def _with_value(
+    space: Space, optimum: Optimum, axis: Axis, value: Value, score: Score, *, quick: bool = True
 ) -> Evaluation:
-    """The best design with one of its lengths larger, relatively by so much."""
-    values = space.values(optimum.shares)
-    longer = values | {axis.name: float(values[axis.name]) * (1 + by)}
-    axes = tuple(replace(each, spread=None, values=(longer[each.name],)) for each in space.axes)
-    (further,) = score(replace(space, axes=axes), optimum.shares[None], quick)
-    return further
+    """The best design with another value along one of its axes."""
+    values = space.values(optimum.shares) | {axis.name: value}
+    axes = tuple(replace(each, spread=None, values=(values[each.name],)) for each in space.axes)
+    (other,) = score(replace(space, axes=axes), optimum.shares[None], quick)
+    return other
+
+
+def _list_end(space: Space, optimum: Optimum, score: Score, axis: Axis) -> list[ActiveConstraint]:
+    """The end of a list, or of a range of whole numbers, beyond which the best design would be better.
+
+    Beyond it lies the next whole number, or a length that is 5 % further.
+    """
+    numbers = [each for each in _choices(axis) if isinstance(each, int | float) and math.isfinite(each)]
+    value, evaluation = space.values(optimum.shares)[axis.name], optimum.evaluation
+    if len(numbers) < 2 or not isinstance(value, int | float) or value not in (min(numbers), max(numbers)):
+        return []
+    least = value == min(numbers)
+    beyond = value * (1 + _FURTHER) ** (-1 if least else 1)
+    if axis.key.whole:
+        beyond = int(value) + (-1 if least else 1)
+    further = _with_value(space, optimum, axis, beyond, score, quick=False) if beyond > 0 else None
+    if further is None or further.impossible or further.score <= np.fmax(evaluation.score, evaluation.greatest):
+        return []
+    end = f"{'least' if least else 'greatest'} {'of the list' if axis.spread is None else 'allowed'}"
+    gain = further.value / evaluation.value - 1 if evaluation.works else None
+    return [ActiveConstraint(NAMES[axis.name], f"{formatted(axis.name, value)} is the {end}", gain)]
 
 
 def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[ActiveConstraint]:
@@ -93,10 +129,12 @@ def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[Active
     for axis in space.axes:
         if axis.name not in ("damper.radius", "damper.clearance"):
             continue
-        near = _longer(space, optimum, axis, score, _AT_END)
+        length = float(space.values(optimum.shares)[axis.name])
+        near = _with_value(space, optimum, axis, length * (1 + _AT_END), score)
         if near.why is None or near.why.kind != "sticks_out":
             continue
-        further = _longer(replace(space, has_to_fit=False), optimum, axis, score, quick=False)
+        free = replace(space, has_to_fit=False)
+        further = _with_value(free, optimum, axis, length * (1 + _FURTHER), score, quick=False)
         gain = None if further.impossible or not evaluation.works else further.value / evaluation.value - 1
         if gain is None or further.score > most:
             said = f"the cavity has to lie within the blade, which limits the {NAMES[axis.name].replace('_', ' ')}"
@@ -107,14 +145,17 @@ def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[Active
 def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation | None:
     """What is left of the best design if one of its lengths is a little off, the least; None: it has none, or fails.
 
+    Lengths of lists are as little exact as those of ranges; a floor that is flat has none.
     A ball that is off lies in the cavity that was made for the best one. A deviation beyond a limit, as of the mass,
     does not count.
     """
     if not optimum.evaluation.works:
         return None
     deviations, best = [], space.values(optimum.shares)
-    for k in space.continuous:
-        axis, value = space.axes[k], float(best[space.axes[k].name])
+    for axis in space.axes:
+        value = best[axis.name]
+        if axis.key.whole or isinstance(value, str) or not math.isfinite(value):
+            continue
         off: dict[str, tuple[float, ...]] = {axis.name: (value / (1 + OFF), value * (1 + OFF))}
         if axis.name == "damper.radius" and "damper.clearance" in best:
             off["damper.clearance"] = tuple(float(best["damper.clearance"]) + 2 * (value - r) for r in off[axis.name])
@@ -167,23 +208,26 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > most else []
 
 
-_CONFIRMED = 0.01
-"""Relative difference up to which the forced motion confirms an amplitude."""
+_CONFIRMED, _REDUCTION = 0.01, 0.1
+"""Difference up to which the forced motion confirms an amplitude, relative to it and to the reduction."""
 
 
 def confirmed(optimum: Optimum, response: Response) -> Optimum:
     """The best design with its forced motion, under the largest force that the scene has.
 
-    Where the motion refutes the search, its figures take their place, and the worst deviation, by the search, is gone.
+    The amplitude without a ball is that of the motion. Where the motion refutes the search, its figures take their
+    place, and the worst deviation, by the search, is gone.
     """
     level, evaluation = max(response.requested_levels), optimum.evaluation
-    row = max((row for row in rows(response) if row.force == level), key=lambda row: row.mean)
+    every = [row for row in rows(response) if row.force == level]
+    row, without = max(every, key=lambda row: row.mean), max(row.without for row in every)
     value, crossing = evaluation.value, row.passage.crossing
-    evaluation = replace(evaluation, speed=crossing.omega, order=crossing.order)
+    evaluation = replace(evaluation, speed=crossing.omega, order=crossing.order, without=without)
     optimum = replace(optimum, evaluation=evaluation, confirmed=row.mean, search_value=value)
-    if abs(row.mean - value) <= _CONFIRMED * row.mean + row.error:
+    why = None if row.mean <= excitation.HELPS * without else Obstacle("useless")
+    most = min(_CONFIRMED * row.mean, _REDUCTION * abs(without - row.mean)) + row.error
+    if why is None and abs(row.mean - value) <= most:
         return optimum
-    why = None if row.mean <= excitation.HELPS * evaluation.without else Obstacle("useless")
     score = evaluation.score - math.log(row.mean / value)
     return replace(
         optimum, evaluation=replace(evaluation, value=row.mean, amplitude=row.mean, score=score, why=why), worst=None
@@ -399,5 +443,5 @@ def render(result: DesignResult) -> str:
         sentences=sentences(result),
         figures=pictures,
         toml=result.toml,
-        evaluations=fixed(result.optimum.evaluations),
+        evaluations=result.optimum.evaluations,
     )

@@ -95,6 +95,13 @@ class Space:
         """Numbers of the axes that are ranges."""
         return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
 
+    @property
+    def bounded(self) -> list[str]:
+        """What has ends, beyond which other designs lie: ranges, and lists of numbers."""
+        numbers = (sum(isinstance(value, int | float) for value in axis.values) for axis in self.axes)
+        ranges = any(axis.spread is not None for axis in self.axes)
+        return ["ranges"] * ranges + ["lists"] * any(count > 1 for count in numbers)
+
     def plan(self, shares: Floats) -> Plan:
         """Designs at rows of shares, at all speeds of the goal."""
         speeds = Axis(find(SPEEDS, "[design]"), self.goal.speeds)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from pydantic import TypeAdapter, ValidationError
 
 from workflows.errors import BadInput, did_you_mean, shown
-from workflows.scene.load import SceneFile, error_text, instead, keys, parse, unit
+from workflows.scene.load import SceneFile, error_text, instead, keys, parse, speed_remarks, unit
 from workflows.scene.materials import KNOWN, NUMBERS
 from workflows.scene.scene import FLAT, Scene
 from workflows.solve.results import Floats
@@ -405,6 +405,27 @@ def _parsed(text: str) -> object:
         except ValueError:
             continue
     return text
+
+
+def with_speeds_remarked(source: SceneFile, axes: Iterable[Axis]) -> SceneFile:
+    """The scene with a remark on speeds without a unit: where speeds are varied, on those instead of its own.
+
+    A scene that is read has no other remark.
+    """
+    for axis in axes:
+        if axis.name == SPEEDS:
+            source = replace(source, remarks=speed_remarks(_written(axis.given)))
+    return source
+
+
+def _written(given: Any) -> list[Any]:
+    """The values of an axis as they are written, of a range its ends: those with a unit are text."""
+    if not isinstance(given, str):
+        return given if isinstance(given, list) else [given]
+    law, *parts = given.split(":")
+    if not parts:
+        return [_parsed(item.strip()) for item in given.split(",")]
+    return [_parsed(part.strip()) for part in (parts if law.strip() in ("log", "normal") else [law, *parts])[:2]]
 
 
 _MILLIMETRES = 30.0

@@ -43,7 +43,7 @@ class Study:
     Attributes:
         source: the scene that the points have in common.
         plan: the points.
-        quick: whether the working range is measured on fewer sweeps, good to a percent.
+        quick: whether the working range is measured on fewer and faster sweeps, mostly within a percent.
         code: digest of the sources that compute it.
         resampling: seed of the confidence intervals; None where nothing is uncertain.
     """
@@ -124,6 +124,7 @@ def of_scene(
         points = sensitivity.plan(axes, speeds, sensitivity.BASE if count is None else count, seed)
     else:
         points = plan.grid(axes, speeds) if count is None else plan.sample(axes, speeds, count, seed)
+    source = plan.with_speeds_remarked(source, axes)
     return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
