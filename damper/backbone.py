@@ -36,6 +36,9 @@ _POINTS = 48
 _LOWEST = 1e-3
 """Least amplitude over half the clearance at which a ball that nothing holds is looked at."""
 
+_CENTRED = 0.97
+"""Share of the amplitude at which a ball that rolls about the middle meets the walls, up to which it must not stray."""
+
 _SCAN = 1000
 """Amplitudes of a branch looked through for answers to a force."""
 
@@ -212,14 +215,14 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     """A ball that rolls to and fro about the middle and reaches no wall; None where there is none.
 
     Up to the amplitude at which its even motion reaches the walls, it is followed without these: as it begins, it may
-    meet them at less. Where the load draws it from the middle or a bowl holds it there, it goes on up to its first hit.
+    meet them at less. Where the load draws it aside before, or a bowl holds it, it goes on up to its first hit.
     """
     gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
     if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
         return None
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
-    ends = rolling(bare, low, threads).ends
-    if math.isfinite(ends):
+    _, ends, _, meets = rolling(bare, low, threads)
+    if math.isfinite(ends) and ends > _CENTRED * meets:
         high, bare = ends, replace(bare, cavity=(2 * (bare.ball_radius + 100 * high), bare.cavity[1]))
     points = []
     amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)

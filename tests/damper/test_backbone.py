@@ -164,7 +164,14 @@ def test_a_ball_from_rest_goes_on_rolling_up_to_the_step() -> None:
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"cavity": (4.2e-3, 4.2e-3), "rolling_friction": 5e-6}], ids=["narrow", "wide"]
+    "changes",
+    [
+        {},
+        {"cavity": (4.2e-3, 4.2e-3), "rolling_friction": 5e-6},
+        {"cavity": (4.1e-3, 4.1e-3), "rolling_friction": 2e-6, "stagger": math.radians(25)},
+        {"cavity": (4.05e-3, 4.05e-3), "rolling_friction": 3e-6, "floor_radius": (2.0, 2.0)},
+    ],
+    ids=["narrow", "wide", "drawn aside", "hollow"],
 )
 def test_the_best_level_is_so_from_rest(changes: dict[str, Any]) -> None:
     """Of all forces the one under which the amplitude is least, over that of the ball at rest: motion from rest."""
