@@ -9,13 +9,13 @@ without reaching a wall, or hit the walls, at one and the same amplitude: each i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve_measurement import damping_curve, swinging, undamped
+from damper.curve_measurement import damping_curve, rolling, swinging, undamped
 from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
@@ -35,6 +35,9 @@ _POINTS = 48
 
 _LOWEST = 1e-3
 """Least amplitude over half the clearance at which a ball that nothing holds is looked at."""
+
+_CENTRED = 0.97
+"""Share of the amplitude at which a ball that rolls about the middle meets the walls, up to which it must not stray."""
 
 _SCAN = 1000
 """Amplitudes of a branch looked through for answers to a force."""
@@ -178,9 +181,9 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
     branches = [resting] if growing.cutoff > 0 else []
     if branch.peak > 0:
         branches.append(_hitting(bare, branch))
-    rolling = _rolling(bare, branch.cutoff)
-    if rolling is not None:
-        branches.append(rolling)
+    rolls = _rolling(bare, branch.cutoff, threads)
+    if rolls is not None:
+        branches.append(rolls)
     return Backbone(
         mass=damper.stuck_mass,
         stiffness=damper.stiffness[0],
@@ -208,17 +211,22 @@ def _hitting(bare: ParticleDamper, curve: DampingCurve) -> Branch:
     return Branch(Way.HITS, curve.amplitude, curve.damping_ratio, free, (low, math.inf), bare.stuck_frequency)
 
 
-def _rolling(bare: ParticleDamper, cutoff: float) -> Branch | None:
-    """A ball that rolls to and fro and reaches no wall; None where there is none."""
+def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch | None:
+    """A ball that rolls to and fro about the middle and reaches no wall; None where there is none.
+
+    Up to the amplitude at which its even motion reaches the walls, it is followed without these: as it begins, it may
+    meet them at less. Where the load draws it aside before, or a bowl holds it, it goes on up to its first hit.
+    """
     gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
     if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
         return None
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
+    _, ends, _, meets = rolling(bare, low, threads)
+    if math.isfinite(ends) and ends > _CENTRED * meets:
+        high, bare = ends, replace(bare, cavity=(2 * (bare.ball_radius + 100 * high), bare.cavity[1]))
     points = []
     amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)
     for amplitude, place, velocity in zip(amplitudes, *swinging(bare, amplitudes), strict=True):
-        if abs(place) > gap:
-            break
         run = _released(bare, amplitude, _FIRST + _FEW, (place, velocity))
         if run.impacts:
             break

@@ -542,6 +542,30 @@ def test_what_a_ball_holds_and_gives_back_is_not_lost() -> None:
     assert f"below {1e3 * own.cutoff:.2g} mm (a moving ball keeps moving down to {last:.2g} mm)" in text(found)
 
 
+@pytest.mark.parametrize(("release", "damping"), [(0.6, 0.5), (0.6, 0.9), (30.0, 0.6)])
+def test_near_critical_damping_does_not_keep_a_ball_moving(release: float, damping: float) -> None:
+    """On a level floor without a dent no amplitude below a_r / (omega_1^2 - E) drives it by more than the floor holds.
+
+    The structure comes to rest within the cycle in which the ball, thrown by the release, rolls on.
+    """
+    scene = {
+        "structure": {"frequency": "200 Hz", "mass": "1 kg", "floor_tilt": "5 1/m"},
+        "rotor": {"speeds": ["5000 rpm"], "radius": "20 cm"},
+        "damper": BALL
+        | {"radius": "2 mm", "cavity": ["5 mm", "5 mm"], "ball_density": "7850 kg/m^3", "count": 10}
+        | {"rolling_friction": "0.02 mm", "damping_ratio": damping},
+        "release": {"displacement": [f"{release} mm", "0 mm"]},
+    }
+    found = workflows.run(scene)
+    load = (5000 * math.pi / 30) ** 2 * 0.2
+    held = 0.01 * load / ((2 * math.pi * 200) ** 2 - 5 * load)
+    last = found.speeds[0].damper.cutoff_g * found.scene.rotor.gravity / (2 * math.pi * 200) ** 2
+    assert last < 0.8 * held, "the velocity's maximum after which it moved last"
+    said = text(found)
+    assert f"below {1e3 * held:.2g} mm" in said
+    assert "moving" not in said
+
+
 def test_a_verdict_on_rolling_says_what_it_rests_on() -> None:
     """Slippery walls; little load, or a vibration of 1 MHz, where no floor keeps the ball rolling."""
     rests = (

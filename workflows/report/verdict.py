@@ -57,11 +57,16 @@ def humps(figures: Figures) -> list[tuple[float, float]]:
 
 
 def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
-    """Down to where a ball in motion goes on [m], far below what sets it off, as one in a hollow floor may."""
+    """Down to where a ball in motion goes on [m], far below what sets it off, as one in a hollow floor may.
+
+    By the ring-down: only where the ball still moves after a cycle below what sets it off. Near critical damping the
+    structure comes to rest within the cycle in which a ball that it has thrown rolls on.
+    """
     if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return None
     last = point.damper.cutoff_g / limits.in_g(results, point.reduced, 1.0)
-    return last if last < _BELOW * cutoff else None
+    kept = math.sqrt(1 - point.damper.intrinsic_sdc)  # of the amplitude, from cycle to cycle, by the structure alone
+    return last if last < min(_BELOW, kept) * cutoff else None
 
 
 def reach_of(results: Results, points: list[SpeedPoint]) -> str | None:
