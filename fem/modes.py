@@ -340,7 +340,9 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
             return (sums.T / np.bincount(number, volumes)).T
 
         across, level = y - mean(y)[number], mean(bends)
-        slope = np.sqrt(3.0 / mean(across**2))[:, None] * mean(across[:, None] * bends)
+        spread = mean(across**2)
+        spread[spread == 0.0] = np.inf  # of one point there is no slope
+        slope = np.sqrt(3.0 / spread)[:, None] * mean(across[:, None] * bends)
         ends = np.maximum(np.abs(level + slope), np.abs(level - slope))
         more = ends**2 - np.abs(level) ** 2 - np.abs(slope) ** 2 / 3.0
         return mean(x), np.sqrt(3.0 * (mean(squares) + np.maximum(more, 0.0)))

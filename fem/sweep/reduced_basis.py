@@ -508,7 +508,7 @@ def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray
         energy = 0.5 * (energy + (states[:, :, None] * np.abs(basis.axes.T @ vectors) ** 2).sum(axis=1))
     floor = states.min(axis=1)[:, None]
     squared = (np.maximum(squared, 0.0) + lost) / (2.0 * energy * np.maximum(floor, LEAST))
-    return np.sqrt(np.where(floor > 0.0, squared, np.inf))
+    return np.asarray(np.sqrt(np.where(floor > 0.0, squared, np.inf)))
 
 
 def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:

@@ -7,6 +7,7 @@ import pytest
 from fem_cases import STEEL, paper_plate, rpm
 from numpy.polynomial import Legendre, Polynomial
 from scipy.linalg import eigh
+from skfem import MeshTri
 
 from fem import (
     Divergence,
@@ -274,3 +275,11 @@ def test_strain_of_a_neck():
     neck = Bilinear(knots, (0.0,), tuple((each,) for each in heights))
     expected = (bend * height / 2).max()
     assert bending_of(rectangle(0.2, 0.05, 50, 4), neck, (0.19, 0.0)) == pytest.approx(expected, rel=0.07)
+
+
+def test_strain_of_a_single_triangle():
+    """Next to its tip a strip has one point of the rule; a fine mesh has the same."""
+    corners = MeshTri(np.array([[0.0, 0.0, 0.15], [-0.03, 0.03, 0.0]]), np.array([[0], [1], [2]]))
+    coarse, fine = (bending_of(mesh, 0.003, (0.1, 0.0)) for mesh in (corners.refined(1), corners.refined(4)))
+    assert coarse == pytest.approx(fine, rel=0.1)
+    assert np.isfinite(bending_of(corners, 0.003, (0.1, 0.0)))
