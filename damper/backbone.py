@@ -9,13 +9,13 @@ without reaching a wall, or hit the walls, at one and the same amplitude: each i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve_measurement import damping_curve, rolling, swinging, undamped
+from damper.curve_measurement import damping_curve, in_wide_cavity, rolling, swinging, undamped
 from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
@@ -35,9 +35,6 @@ _POINTS = 48
 
 _LOWEST = 1e-3
 """Least amplitude over half the clearance at which a ball that nothing holds is looked at."""
-
-_CENTRED = 0.97
-"""Share of the amplitude at which a ball that rolls about the middle meets the walls, up to which it must not stray."""
 
 _SCAN = 1000
 """Amplitudes of a branch looked through for answers to a force."""
@@ -221,9 +218,9 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
         return None
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
-    _, ends, _, meets = rolling(bare, low, threads)
-    if math.isfinite(ends) and ends > _CENTRED * meets:
-        high, bare = ends, replace(bare, cavity=(2 * (bare.ball_radius + 100 * high), bare.cavity[1]))
+    ball = rolling(bare, low, threads)
+    if ball.is_centred:
+        high, bare = ball.ends, in_wide_cavity(bare, high)
     points = []
     amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)
     for amplitude, place, velocity in zip(amplitudes, *swinging(bare, amplitudes), strict=True):

@@ -182,7 +182,7 @@ def damping_curve(
         return above
     deflection = bare.ball_mass * max(abs(float(bare.pull[0] @ place)) for place in places) / bare.stiffness[0]
     low = min(max(low, _CLEAR * deflection), 0.5 * high)
-    rolls, ends, grazes, meets = rolling(bare, low, threads)
+    rolls, ends, grazes, meets = ball = rolling(bare, low, threads)
     begun = samples_at(bare, low, high, min(sweeps, BINS), threads, places[0])
     last = _AROUND[1] * meets
     abrupt = tally(begun, above.cutoff)
@@ -190,7 +190,7 @@ def damping_curve(
     paces = [max(round(part * cycles / _CLIMBS), 1) for part in _PACES]
     climbs = [Climb(low, last, pace, place) for place in places for pace in paces]
     resting = len(climbs)
-    if math.isfinite(ends) and ends > _AROUND[0] * meets:
+    if ball.is_centred:
         climbs += [Climb(_AROUND[0] * meets, _AROUND[1] * meets, pace, rolls=True) for pace in paces]
     up = samples_up(bare, climbs, threads)
     ramps = up[up[:, 2] < _CLIMBS * resting]
@@ -473,6 +473,11 @@ class Rolling(NamedTuple):
     there: Floats
     meets: float
 
+    @property
+    def is_centred(self) -> bool:
+        """Whether it goes on about the middle until it meets the walls, or nearly so."""
+        return math.isfinite(self.ends) and self.ends > _AROUND[0] * self.meets
+
 
 def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     """Follow a ball that rolls to and fro about the middle as the amplitude grows, until the load has drawn it away.
@@ -497,7 +502,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
         if lasts.sum() < 2:
             return Rolling(np.zeros((0, 3)), math.inf, np.zeros((0, 3)), math.inf)
         amplitude, strays = amplitude[lasts], strays[lasts]
-    wide = replace(damper, cavity=(2 * (damper.ball_radius + 100 * high), damper.cavity[1]))
+    wide = in_wide_cavity(damper, high)
 
     ball = swinging(wide, amplitude)
     settling, counted = _ROLLED
@@ -515,6 +520,11 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     lost = np.interp(ends, amplitude[which], np.bincount(number, rows[:, 0] - rows[:, 1]) / cycles)
     there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
     return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)
+
+
+def in_wide_cavity(damper: ParticleDamper, amplitude: float) -> ParticleDamper:
+    """The same in a cavity so wide that up to an amplitude [m] a ball rolls along x without a hit."""
+    return replace(damper, cavity=(2 * (damper.ball_radius + 100 * amplitude), damper.cavity[1]))
 
 
 def _lag(damper: ParticleDamper) -> float:

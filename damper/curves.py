@@ -161,7 +161,7 @@ def grown(
     curve = at_bin(replace(_bare(amplitude, ratio, above.cutoff), from_above=above), best)
     usual = at_peak(replace(curve, damping_ratio=np.array([max(each.ratio, each.usual) for each in points])))
     more = usual.peak / curve.peak - 1 if curve.peak > 0 else 0.0
-    curve = with_error(with_error(curve, max(more, points[best].spread)), *moved(curve, usual))
+    curve = with_error(with_error(curve, *moved(curve, usual)), max(more, points[best].spread))
     alone = [place for k, (place, _) in known.items() if k not in rolling]
     parted = {k: each.lacks for k, each in lowest.items() if each.lacks is not None}
     return _with_error_of_descent(curve, down, [*alone, meets]), _largest(parted)
@@ -246,14 +246,12 @@ def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float]) 
     """A curve of the way up, with the errors of what it has of the way down `alone`, at these amplitudes [m]."""
     shown, best = np.isin(curve.amplitude, alone), int(np.argmax(curve.damping_ratio))
     before = np.interp(np.log(curve.amplitude), np.log(down.before.amplitude), down.before.damping_ratio)
-    curve = with_error(
-        curve, *moved(at_peak(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio))), curve)
-    )
-    scatter = 0.0
-    if shown[best]:
-        there = int(np.argmin(abs(down.curve.amplitude - curve.peak_amplitude)))
-        scatter = spread(tally(down.samples, curve.cutoff), at_bin(down.curve, there))
-    return with_error(curve, max(BINNED, scatter))
+    faster = at_peak(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio)))
+    curve = with_error(with_error(curve, BINNED), *moved(faster, curve))
+    if not shown[best]:
+        return curve
+    there = int(np.argmin(abs(down.curve.amplitude - curve.peak_amplitude)))
+    return with_error(curve, spread(tally(down.samples, curve.cutoff), at_bin(down.curve, there)))
 
 
 class Down(NamedTuple):

@@ -297,10 +297,10 @@ def _chordwise(x: Array, y: Array, w: Array, weight: Array) -> tuple[Array, Arra
 def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | None = None) -> Array:
     """Largest bending stress along x at the plate's faces, over the modulus, in each of some shapes.
 
-    Over strips along x, of a stress linear in z, and over the chord as of one that is linear there: the larger end of
-    that has a swept root's load on its inner corner, and no singular corners. To the root it goes on from the two
-    strips next to it as a power: rotation holds a plate straight but for a layer there, of a few times its thickness if
-    it is thin and fast.
+    In each strip along x the stress is taken to be linear in z and along the chord, and counts at the worse end of the
+    chord: a swept root is strained most at its inner corner, and the corners of a clamp, which are singular, count by
+    what is beside them. The root's strain is extrapolated from the two strips next to it as a power of x: rotation
+    holds a plate straight but for a layer there, of a few times its thickness if it is thin and fast.
 
     Args:
         operators: of the plate.

@@ -115,12 +115,11 @@ _ALIKE = 1.01
 
 def torn_from(results: Results) -> str | None:
     """Above which speed the plate would tear, and the stress at the first such; None where it holds at all."""
-    torn = [point.omega for point in results.speeds if limits.is_torn(results, point)]
-    if not torn:
+    endured = limits.torn_above(results)
+    first = min((point.omega for point in results.speeds if point.omega > endured), default=None)
+    if first is None:
         return None
-    first = min(torn)
-    stress = limits.root_stress(results, first)
-    of = {"bears": turning(limits.torn_above(results)), "speed": turning(first), "stress": stress}
+    of = {"bears": turning(endured), "speed": turning(first), "stress": limits.root_stress(results, first)}
     return phrase("phrases/torn", results, **of)
 
 

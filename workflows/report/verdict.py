@@ -34,7 +34,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     for point, figures, (low, high) in able[:1] + able[1:][-1:]:
         limit = limits.endured(results, point.omega)
         limited, error = high < figures.half[1], figures.half_error
-        around = low / (1 + error), high * (1 + error)  # what lies there belongs to this range as well as not
+        around = low / (1 + error), high * (1 + error)  # within the error of this range
         apart = [each for each in humps(figures) if each[1] < around[0] or around[1] < each[0] < limit]
         others = [(begin, min(end, limit)) for begin, end in apart]
         g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None

@@ -393,7 +393,8 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
 
 def strains_held(results: Results) -> list[tuple[float, float]]:
     """Speeds [rad/s] whose load does not tear the root, and the largest strain over the cavity's amplitude [1/m]."""
-    held = [point for point in results.speeds if not is_torn(results, point)]
+    most = torn_above(results)
+    held = [point for point in results.speeds if point.omega <= most]
     return [(point.omega, point.root_strain) for point in held if point.root_strain is not None]
 
 
