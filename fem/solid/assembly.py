@@ -26,7 +26,7 @@ import numpy as np
 from fem import linalg
 from fem.linalg import Nearby, symmetric
 from fem.meshes.cells import cell
-from fem.rotor import Effects
+from fem.rotor import Effects, across, turning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -313,7 +313,6 @@ class SolidOperators:
     gyroscopic: csc_array | None
     load: Array
     masses: Array
-    geometric: None = field(default=None, init=False)
     known: list[Factor] = field(default_factory=list, init=False, repr=False)
     solved: list[Modes] = field(default_factory=list, init=False, repr=False)
 
@@ -436,13 +435,12 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     cells, heavy = [], []
     mesh = blade.mesh
     load, masses = np.zeros((len(mesh.points), 3)), np.zeros((len(mesh.points), 3))
-    pull = (mesh.points - blade.origin) @ blade.projector
     for kind, nodes in mesh.cells:
         values, slopes, volumes = mapped(kind, mesh.points[nodes], *rule(kind, full))
         cells.append(Cells(kind, nodes, slopes, volumes))
         own = np.einsum("pa,cp,pb->cab", values, blade.material.density * volumes, values, optimize=True)
         heavy.append(own)
-        _add(load, nodes, own @ pull[nodes])
+        _add(load, nodes, own @ blade.arms[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
     places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
     inertia = places.blocks(heavy)
@@ -459,8 +457,8 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         places,
         stiffness=mass,
         mass=mass,
-        softening=through(blade.projector) if effects.spin_softening else None,
-        gyroscopic=through(2.0 * blade.spin) if effects.coriolis else None,
+        softening=through(across(blade.axis)) if effects.spin_softening else None,
+        gyroscopic=through(2.0 * turning(blade.axis)) if effects.coriolis else None,
         load=np.empty(0),
         masses=masses[:, 0],
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.meshes.planform import MeshError
+from fem.rotor import across
 
 if TYPE_CHECKING:
     from fem.linalg import Array
@@ -56,14 +57,9 @@ class Blade:
             raise MeshError(f"the root's {fault}: expected all nodes of the clamped faces")
 
     @property
-    def projector(self) -> Array:
-        """I - n n^T, (3, 3): the part of a vector that is perpendicular to the axis."""
-        return np.asarray(np.eye(3) - np.outer(self.axis, self.axis))
-
-    @property
     def arms(self) -> Array:
         """Of the nodes from the axis, (nnode, 3) [m]."""
-        return np.asarray((self.mesh.points - self.origin) @ self.projector)
+        return np.asarray((self.mesh.points - self.origin) @ across(self.axis))
 
     @cached_property
     def held(self) -> Indices:
@@ -87,12 +83,6 @@ class Blade:
         own = np.isin(np.arange(len(self.mesh.points)), self.held)
         return np.asarray(self.mesh.boundary_normals(own)[1].sum(axis=0))
 
-    @property
-    def spin(self) -> Array:
-        """The matrix (3, 3) of v -> n x v."""
-        x, y, z = self.axis
-        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
 
 FACING = 0.7
 """Cosine of the angle to the axis from which on a face at the inner end looks inwards."""
@@ -115,8 +105,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     Raises:
         MeshError: there are no such nodes, or they contain no whole face of a cell.
     """
-    arm = mesh.points - origin
-    arm = arm - np.outer(arm @ axis, axis)
+    arm = (mesh.points - origin) @ across(axis)
     middle = arm.mean(axis=0)
     if np.linalg.norm(middle) < ON_THE_FACE * mesh.size:
         raise MeshError("the mesh lies around the spin axis: name the set of nodes that is its root")
