@@ -250,7 +250,7 @@ class SolidState:
                 own = np.empty((9, *places.shape))
                 for few in cells.parts(IN_CACHE, part):
                     own[:, few.start - part.start : few.stop - part.start] = _cell_stiffness(
-                        cells, few, f[few], s[few], operators.lame
+                        cells, few, f[few], s[few], operators.blade.material.lame
                     )
                 for total, values in zip(blocks, own, strict=True):
                     total += np.bincount(places.ravel(), values.ravel(), total.size)
@@ -323,13 +323,6 @@ class SolidOperators:
         """Number of nodes, those held included."""
         return len(self.blade.mesh.points)
 
-    @cached_property
-    def lame(self) -> tuple[float, float]:
-        """Lamé's constants in Pa."""
-        material = self.blade.material
-        nu, shear = material.poissons_ratio, material.shear_modulus
-        return 2.0 * shear * nu / (1.0 - 2.0 * nu), shear
-
     def spread(self, unknowns: NDArray[Any]) -> NDArray[Any]:
         """Displacements (nnode, 3, ...) of all nodes for unknowns (n, ...)."""
         moved = np.zeros((self.nodes, 3, *unknowns.shape[1:]), dtype=unknowns.dtype)
@@ -346,7 +339,7 @@ class SolidOperators:
 
     def stress(self, strain: Array) -> Array:
         """Stress (..., 3, 3) in Pa of strains (..., 3, 3)."""
-        first, second = self.lame
+        first, second = self.blade.material.lame
         spherical = first * np.trace(strain, axis1=-2, axis2=-1)
         return np.asarray(2.0 * second * strain + spherical[..., None, None] * np.eye(3))
 
