@@ -47,8 +47,8 @@ class Blade:
     def __post_init__(self) -> None:
         if self.root.size == len(self.mesh.points):
             raise MeshError("the root contains every node: nothing is left to move")
-        spread = self.mesh.points[self.root] - self.mesh.points[self.root].mean(axis=0) if self.root.size else None
-        sides = np.zeros(3) if spread is None or len(spread) < 3 else np.linalg.svd(spread, compute_uv=False)
+        at = self.mesh.points[self.root]
+        sides = np.zeros(3) if len(at) < 3 else np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
         if sides[1] <= FLAT * sides[0] or sides[0] == 0.0:
             raise MeshError(
                 f"the root's {self.root.size} nodes do not constrain the blade: expected three or more, not collinear"
@@ -110,8 +110,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     if np.linalg.norm(middle) < ON_THE_FACE * mesh.size:
         raise MeshError("the mesh lies around the spin axis: name the set of nodes that is its root")
     outwards = middle / np.linalg.norm(middle)
-    inwards = _inner_normal(mesh, outwards)
-    heights = (mesh.points - origin) @ (outwards if inwards is None else -inwards)
+    heights = (mesh.points - origin) @ _from_inner_end(mesh, outwards)
     distances = np.linalg.norm(arm, axis=1)
     near = ON_THE_FACE * mesh.size
     candidates = [
@@ -144,12 +143,12 @@ def _faceless(mesh: VolumeMesh, nodes: Indices) -> str:
     return f"{some} no whole face of a cell{without}"
 
 
-def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:
-    """The mean normal of the faces at the inner end that look at the axis; None where there are none."""
+def _from_inner_end(mesh: VolumeMesh, outwards: Array) -> Array:
+    """Against the mean normal of the faces at the inner end that look at the axis; outwards where there are none."""
     middles, normals = mesh.boundary_normals()
     heights = middles @ outwards
     inner = heights <= heights.min() + INNER * np.ptp(heights)
     facing = normals @ outwards < -FACING * np.linalg.norm(normals, axis=1)
     total = normals[inner & facing].sum(axis=0)
     size = float(np.linalg.norm(total))
-    return None if size == 0.0 else np.asarray(total / size)
+    return outwards if size == 0.0 else np.asarray(-total / size)

@@ -273,7 +273,7 @@ class _Solved:
     def bend(self) -> float:
         """Omega² above the lowest that doubles an eigenvalue, by the modes at both ends [rad²/s²]."""
         low, high = min(self.values), max(self.values)
-        growth = float((self.values[high] / self.values[low]).max()) if high > low else 1.0
+        growth = float((self.values[high] / self.values[low]).max())
         return (high - low) / max(growth - 1.0, LINEAR) if high > low else 1.0
 
 

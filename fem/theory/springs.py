@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.linalg import Array
-from fem.meshes.planform import root_facets
+from fem.meshes.planform import lengths, root_facets
 from fem.plate import ElasticRoot
 from fem.theory.discretisation import Space
 from fem.theory.fields import Block, Fields
@@ -45,8 +45,7 @@ def edge(mesh: Any, rule: tuple[Array, Array]) -> tuple[NDArray[np.int64], Array
     local = [(mesh.t[:, cells] == ends).argmax(axis=0) for ends in mesh.facets[:, facets]]
     start, end = (mesh.elem.refdom.p[:, k] for k in local)
     t, weights = rule
-    length = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
-    return cells, start[:, :, None] + (end - start)[:, :, None] * t, length[:, None] * weights
+    return cells, start[:, :, None] + (end - start)[:, :, None] * t, lengths(mesh, facets)[:, None] * weights
 
 
 def springs(
