@@ -180,7 +180,7 @@ class Shear:
         samples: the fields u, v and w by the two reference coordinates and theta_x, theta_y, where the shear is
             sampled.
         sides: X, Y by the reference coordinates there, (2, 2, ncell, nsample).
-        reduction: from the samples' covariant shear to the shear at the points, (ncell, npoint, 2, nsample, 2).
+        reduction: from the samples' covariant shear to the shear at the points, (ncell, 2 npoint, 2 nsample).
         modulus: (ncell, npoint) in N/m, dx in m².
     """
 
@@ -204,15 +204,10 @@ class Shear:
     def felt(self, covariant: Array) -> Array:
         """The energy's derivative by the samples' covariant shears (ncell, nsample, 2): (2, ncell, nsample)."""
         ncell, npoint = self.dx.shape
-        shear = self._reduction @ covariant.reshape(ncell, -1, 1)
+        shear = self.reduction @ covariant.reshape(ncell, -1, 1)
         stress = (self.modulus * self.dx)[:, :, None] * shear.reshape(ncell, npoint, 2)
-        felt = stress.reshape(ncell, 1, -1) @ self._reduction
+        felt = stress.reshape(ncell, 1, -1) @ self.reduction
         return np.asarray(felt.reshape(ncell, -1, 2).transpose(2, 0, 1))
-
-    @property
-    def _reduction(self) -> Array:
-        ncell, npoint, _, nsample, _ = self.reduction.shape
-        return self.reduction.reshape(ncell, 2 * npoint, 2 * nsample)
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,7 +262,7 @@ class ShearStress:
         variation, start = self._variation.transpose(2, 3, 0, 1), 0
         for block in self.energy.samples.blocks:
             part = variation[..., start : start + block.size] @ block.table
-            shear = self.energy._reduction @ part.reshape(ncell, -1, part.shape[-1])
+            shear = self.energy.reduction @ part.reshape(ncell, -1, part.shape[-1])
             yield shear.reshape(ncell, npoint, 2, -1)
             start += block.size
 
