@@ -214,7 +214,7 @@ class StressedPlate:
 
     def stiffness(self, stress: list[Array] | None = None) -> csc_array:
         """The tangent stiffness (n, n) in N/m, or that under another stress."""
-        under: list[Array | None] = [None] * len(self.parts) if stress is None else [*stress]
+        under = [part.stress for part in self.parts] if stress is None else stress
         return gram(*(term for part, own in zip(self.parts, under, strict=True) for term in part.terms(own)))
 
 

@@ -24,8 +24,8 @@ Energy = Quadratic | Section | Shear
 Stressed = QuadraticStress | SectionStress | ShearStress
 """A part of the elastic energy at a state.
 
-Each has its `force`, the energy's derivative; `ahead` of a step, the stress that this leads to, to first order; and the
-`terms` of its tangent stiffness (see `gram`), or of that under a given stress.
+Each has its `stress`; its `force`, the energy's derivative; `ahead` of a step, the stress that this leads to, to first
+order; and the `terms` of its tangent stiffness under a stress (see `gram`).
 """
 
 

@@ -131,9 +131,8 @@ class QuadraticStress:
         strain = np.einsum("sgcp,gcp->scp", self.variation, self.energy.fields.evaluate(step))
         return np.asarray(self.stress + np.tensordot(self.energy.modulus, strain, 1))
 
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
-        stress = self.stress if stress is None else stress
+    def terms(self, stress: Array) -> Terms:
+        """Fields and coefficients of the tangent stiffness under a stress, its own or another."""
         stiff = np.tensordot(self.energy.modulus, self.variation, 1)
         material = np.einsum("sgcp,shcp->ghcp", self.variation, stiff, optimize=True)
         return ((self.energy.fields, material + np.tensordot(self.energy.products.transpose(1, 2, 0), stress, 1)),)
