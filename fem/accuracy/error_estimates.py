@@ -6,7 +6,7 @@ rest.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -155,10 +155,12 @@ class Trial:
         return int(self.operators.mass.shape[0])
 
 
+@dataclass(eq=False)
 class TrialMeshes:
     """Solves each mesh once, when it is first asked for.
 
     Attributes:
+        build: matrices for a size of the planform.
         probes: speeds in rad/s.
         count: of modes.
         exact: relative accuracy of their squared frequencies.
@@ -166,22 +168,19 @@ class TrialMeshes:
         tried: the meshes tried by size, the last one last.
     """
 
-    def __init__(
-        self, planform: Planform, build: Callable[[int], Operators], probes: tuple[float, ...], count: int, exact: float
-    ) -> None:
-        self.planform = planform
-        self.probes = probes
-        self.count = count
-        self.lost: ArithmeticError | None = None
-        self.tried: dict[int, Trial] = {}
-        self._build = build
-        self._exact = exact
-        self._alone = False
+    planform: Planform
+    build: Callable[[int], Operators]
+    probes: tuple[float, ...]
+    count: int
+    exact: float
+    lost: ArithmeticError | None = field(default=None, init=False)
+    tried: dict[int, Trial] = field(default_factory=dict, init=False)
+    _alone: bool = field(default=False, init=False)
 
     def at(self, size: int) -> Trial:
         """What is known on a mesh."""
         if size not in self.tried:
-            self.tried[size] = self._solved(self._build(size))
+            self.tried[size] = self._solved(self.build(size))
         return self.tried[size]
 
     @property
@@ -233,11 +232,11 @@ class TrialMeshes:
         starts = self._starts(operators)
         try:
             if not self._alone:
-                probed = probe(operators, self.probes, self.count, self._exact, starts)
+                probed = probe(operators, self.probes, self.count, self.exact, starts)
                 further = list(zip(self.probes, probed, strict=False))[1:]
                 self._alone = not (self.tried or all(complete(operators, speed, modes) for speed, modes in further))
             if self._alone:
-                return probe(operators, self.probes, self.count, self._exact, starts, alone=True)
+                return probe(operators, self.probes, self.count, self.exact, starts, alone=True)
             return probed
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
@@ -273,6 +272,7 @@ MISSED = 0.1
 """Part of the edge layer that a mesh misses if its errors fall slowly for that reason."""
 
 
+@dataclass(eq=False)
 class Estimates:
     """Errors of the frequencies of meshes tried, at their probes.
 
@@ -282,10 +282,9 @@ class Estimates:
             says what is left.
     """
 
-    def __init__(self, meshes: TrialMeshes) -> None:
-        self.meshes = meshes
-        self.largest: dict[int, float] = {}
-        self.slow = False
+    meshes: TrialMeshes
+    largest: dict[int, float] = field(default_factory=dict, init=False)
+    slow: bool = field(default=False, init=False)
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated relative errors (probes, count) on a coarse mesh and on a finer one.
