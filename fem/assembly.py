@@ -22,10 +22,10 @@ from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
 from fem.rotor import Effects, Rotor
-from fem.theory.discretisation import Discretisation
+from fem.theory.discretisation import Discretisation, Stressed
 from fem.theory.fields import gram
 from fem.theory.registry import Kind, discretise, kind
-from fem.theory.sections import Stressed, products, strain_matrix
+from fem.theory.sections import products, strain_matrix
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -214,7 +214,7 @@ class StressedPlate:
 
     def stiffness(self, stress: list[Array] | None = None) -> csc_array:
         """The tangent stiffness (n, n) in N/m, or that under another stress."""
-        under: list[Array | None] = [None] * len(self.parts) if stress is None else [*stress]
+        under = [part.stress for part in self.parts] if stress is None else stress
         return gram(*(term for part, own in zip(self.parts, under, strict=True) for term in part.terms(own)))
 
 

@@ -123,7 +123,7 @@ def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -
     count = int(numbers.max()) + 1
     moved = np.zeros((count, 3, columns.shape[1]))
     for k, space in enumerate(operators.model.spaces):
-        weights = space.everywhere(grid.points.T)[: len(numbers)]  # (cells, places, functions); of bricks the first
+        weights = space.weights(grid.points.T)[: len(numbers)]  # (cells, places, functions); of bricks the first
         dofs = space.dofs[: len(numbers), None]
         rows, dofs = (np.broadcast_to(each, weights.shape) for each in (numbers[:, :, None], dofs))
         total = coo_array(

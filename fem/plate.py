@@ -44,6 +44,12 @@ class Material:
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
 
     @property
+    def lame(self) -> tuple[float, float]:
+        """Lamé's constants lambda and mu, in Pa."""
+        shear, nu = self.shear_modulus, self.poissons_ratio
+        return 2.0 * shear * nu / (1.0 - 2.0 * nu), shear
+
+    @property
     def plane_stress(self) -> NDArray[Any]:
         """Plane-stress stiffness (3, 3) in Pa for the strains xx, yy and 2xy."""
         import numpy as np
@@ -56,10 +62,10 @@ class Material:
         """Three-dimensional stiffness (6, 6) in Pa for the strains xx, yy, zz, 2yz, 2xz and 2xy."""
         import numpy as np
 
-        lame = 2.0 * self.shear_modulus * self.poissons_ratio / (1.0 - 2.0 * self.poissons_ratio)
+        first, shear = self.lame
         c = np.zeros((6, 6))
-        c[:3, :3] = lame
-        c[np.arange(6), np.arange(6)] += self.shear_modulus * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+        c[:3, :3] = first
+        c[np.arange(6), np.arange(6)] += shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
         return c
 
 

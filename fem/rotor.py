@@ -23,6 +23,21 @@ def from_rpm(speed: Speed) -> Speed:
     return speed * pi / 30
 
 
+def across(axis: NDArray[Any]) -> NDArray[Any]:
+    """I - n n^T, (3, 3): the part of a vector that is perpendicular to an axis, a unit vector (3,)."""
+    import numpy as np
+
+    return np.eye(3) - np.outer(axis, axis)
+
+
+def turning(axis: NDArray[Any]) -> NDArray[Any]:
+    """The matrix (3, 3) of v -> n x v with an axis n, a unit vector (3,)."""
+    import numpy as np
+
+    x, y, z = axis
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
 @dataclass(frozen=True)
 class Rotor:
     """The spin axis: it passes hub_radius (m) inside the clamped root and leans by stagger (rad) from z towards y.
@@ -74,18 +89,13 @@ class Rotor:
 
     @property
     def projector(self) -> NDArray[Any]:
-        """I - n n^T, (3, 3): the part of a vector that is perpendicular to the axis."""
-        import numpy as np
-
-        return np.eye(3) - np.outer(self.axis, self.axis)
+        """What leaves the part of a vector that is perpendicular to the axis, (3, 3)."""
+        return across(self.axis)
 
     @property
     def spin(self) -> NDArray[Any]:
         """The matrix (3, 3) of v -> n x v."""
-        import numpy as np
-
-        x, y, z = self.axis
-        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return turning(self.axis)
 
 
 def _without_dust(n: NDArray[Any]) -> NDArray[Any]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import Operators, point_rows
+from fem.assembly import AtPlace, Operators
 from fem.linalg import Array
 from fem.meshes.planform import locate
 from fem.plate import Plate
@@ -100,13 +100,15 @@ def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega:
     plate = operators.plate
     if plate.tip_mass == 0.0 or plate.tip_at is None:
         return np.zeros(eigenvalues.size)
-    along, across = _growth(plate, plate.tip_at)
+    place = operators.at_place(plate.tip_at)
+    along, across = _growth(plate, place.at)
     if kind(operators.model.theory) is Kind.KIRCHHOFF:
         across = 0.0
-    force = np.abs(_pressing(operators, eigenvalues, shapes, omega)) ** 2
+    pull = _pull(place, omega)
+    force = np.abs(_pressing(place, eigenvalues, shapes, omega, pull)) ** 2
     work = (force[0] + force[1]) * along + force[2] * across
-    outwards = np.linalg.norm(_pull(operators, omega)[:2]) * along
-    moved = outwards * np.abs(_carried_outwards(operators, eigenvalues, shapes, omega))
+    outwards = np.linalg.norm(pull[:2]) * along
+    moved = outwards * np.abs(_carried_outwards(place, eigenvalues, shapes, omega, pull))
     return np.asarray(0.5 * (work + moved) / eigenvalues)
 
 
@@ -122,55 +124,48 @@ def _growth(plate: Plate, place: tuple[float, float]) -> tuple[float, float]:
     )
 
 
-def _pull(operators: Operators, omega: float) -> Array:
+def _pull(place: AtPlace, omega: float) -> Array:
     """The centrifugal force (3,) in N of the point mass, none where nothing asks for it."""
-    plate = operators.plate
-    if plate.tip_at is None or operators.prestress is None:
+    operators = place.operators
+    if operators.prestress is None:
         return np.zeros(3)
-    return np.asarray(plate.tip_mass * omega**2 * operators.rotor.projector @ operators.from_axis(plate.tip_at))
+    return np.asarray(operators.plate.tip_mass * omega**2 * operators.rotor.projector @ operators.from_axis(place.at))
 
 
-def _at_mass(operators: Operators, shapes: NDArray[Any], derivative: tuple[int, ...] = ()) -> NDArray[Any]:
-    """Displacement (3, count) of the point mass in modes (n, count), or a derivative of it."""
-    return np.asarray(point_rows(operators.model, operators.plate.tip_at or (0.0, 0.0), derivative) @ shapes)
-
-
-def _inertia(operators: Operators, eigenvalues: Array, motion: NDArray[Any], omega: float) -> NDArray[Any]:
+def _inertia(place: AtPlace, eigenvalues: Array, motion: NDArray[Any], omega: float) -> NDArray[Any]:
     """Force (3, count) in N of the point mass where it moves (3, count), turning with the plate."""
+    operators = place.operators
     force = eigenvalues * motion
     if operators.effects.spin_softening:
         force = force + omega**2 * operators.rotor.projector @ motion
     return np.asarray(operators.plate.tip_mass * force)
 
 
-def _pressing(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> NDArray[Any]:
+def _pressing(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: float, pull: Array) -> NDArray[Any]:
     """The force (3, count) of the point mass on the plate in modes (n, count) at a speed in rad/s.
 
     It is m w² times its displacement, and m Omega² times that part of it which is perpendicular to the axis. What it
-    pulls with outwards stays as it is, and where the plate turns, the stress that it makes there carries a part of it
-    sideways, as a string's does.
+    pulls with outwards (3,) stays as it is, and where the plate turns, the stress that it makes there carries a part of
+    it sideways, as a string's does.
     """
-    force = _inertia(operators, eigenvalues, _at_mass(operators, shapes), omega)
-    pull = _pull(operators, omega)
-    for axis in (0, 1):
-        force = force - pull[axis] * _at_mass(operators, shapes, (axis,))
-    return force
+    force = _inertia(place, eigenvalues, place.moved @ shapes, omega)
+    return np.asarray(force - pull[0] * (place.along @ shapes) - pull[1] * (place.across @ shapes))
 
 
-def _carried_outwards(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega: float) -> Array:
-    """By how much (count,) squared frequencies rise, per metre that the point mass gives way to its own pull.
+def _carried_outwards(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: float, pull: Array) -> Array:
+    """By how much (count,) squared frequencies rise, per metre that the point mass gives way to its own pull (3,).
 
     It moves with another part of the plate, stretches what is between, and pulls more.
     """
-    pull = _pull(operators, omega)
+    operators = place.operators
     size = np.linalg.norm(pull)
     if size == 0.0 or operators.pulled is None:
         return np.zeros(eigenvalues.size)
-    motion = _at_mass(operators, shapes)
-    further = sum(pull[axis] / size * _at_mass(operators, shapes, (axis,)) for axis in (0, 1))
+    motion = place.moved @ shapes
+    further = pull[0] / size * (place.along @ shapes) + pull[1] / size * (place.across @ shapes)
     stiffer = omega**2 * np.real((shapes.conj() * (operators.pulled @ shapes)).sum(axis=0))
-    radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(operators.plate.tip_at or (0.0, 0.0)))
-    moved = 2.0 * np.real((motion.conj() * _inertia(operators, eigenvalues, further, omega)).sum(axis=0))
+    radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(place.at))
+    moved = 2.0 * np.real((motion.conj() * _inertia(place, eigenvalues, further, omega)).sum(axis=0))
     return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)
 
 

@@ -5,17 +5,17 @@ edges (`fem.accuracy.edge_layer`), errors are divided into the layer's part, whi
 rest.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
 
-from fem.accuracy.edge_layer import drift, folds, layer_and_rest, layer_errors, unseen
+from fem.accuracy.edge_layer import drift, layer_and_rest, layer_errors, unseen
 from fem.accuracy.theory_selection import layers
 from fem.assembly import Operators, transfer
-from fem.linalg import Array, Solver, factorise, lowest_modes
+from fem.linalg import Array, factorise, lowest_modes
 from fem.meshes.mesh_sequence import Planform, enough_cells
 from fem.modes import Divergence, Modes, check_count, solve_modes, solve_real
 from fem.plate import Plate
@@ -53,7 +53,7 @@ def probe(
     speeds: tuple[float, ...],
     count: int,
     exact: float,
-    starts: tuple[Array | None, ...] = (),
+    starts: Mapping[float, Array | None] | None = None,
     *,
     alone: bool = False,
 ) -> list[Probed]:
@@ -64,7 +64,7 @@ def probe(
         speeds: ascending [rad/s].
         count: of modes.
         exact: relative tolerance of squared frequencies.
-        starts: states (n,) near those of large deflections, one a speed.
+        starts: by speed, states (n,) near those of large deflections.
         alone: every speed is solved by itself, not from the modes at the first.
 
     Raises:
@@ -72,7 +72,7 @@ def probe(
         Divergence, NoEquilibrium: at the first speed.
         Unresolved: the plate is too thin for its theory in double precision.
     """
-    near = dict(zip(speeds, starts, strict=False))
+    near = starts or {}
     first = _solve(operators, speeds[0], count, exact, near.get(speeds[0]))
     probes = [_kept(first)]
     for speed in speeds[1:]:
@@ -117,119 +117,91 @@ def _kept(modes: Modes) -> Probed:
 def _from(operators: Operators, known: Modes, speed: float, exact: float, start: Array | None) -> Probed:
     """Modes at a speed in rad/s from those at another, or by themselves where they differ too much."""
     if operators.gyroscopic is None:
-        stiffness, start, factor = _near(operators, known, speed, exact, start)
-        near = lowest_modes(stiffness, operators.mass, known.shapes, factor, exact)
+        if operators.effects.large_deflection:
+            start, factor = settle(operators, speed, start, BENT * exact)
+            near = lowest_modes(tangent(operators, speed, start), operators.mass, known.shapes, factor, exact)
+        else:
+            near = lowest_modes(operators.at(speed), operators.mass, known.shapes, known.factor, exact)
         if near is not None and near[0][0] > 0.0:
             return Probed(*near, start)
     return _kept(solve_modes(operators, speed, known.eigenvalues.size, start=start))
-
-
-def _near(
-    operators: Operators, known: Modes, speed: float, exact: float, start: Array | None
-) -> tuple[csc_array, Array | None, Solver]:
-    """The stiffness (n, n) at a speed, the state it is taken about, and the factor of a similar one."""
-    if not operators.effects.large_deflection:
-        return operators.at(speed), None, known.factor
-    state, factor = settle(operators, speed, start, BENT * exact)
-    return tangent(operators, speed, state), state, factor
 
 
 SURELY = 3.0
 """Ratio of the sizes of two meshes at which a plate diverges that makes it believed; coarse ones may do so alone."""
 
 
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A mesh tried.
+
+    Attributes:
+        operators: the matrices on it.
+        frequencies: (probes, count) in Hz, NaN at speeds that have none.
+        drifts: relative drop (probes, count) of frequencies as cells around a point mass shrink e times.
+        layers: compliance (probes, count) of the layer along the edges in each mode, zero in theories without one.
+        states: speeds [rad/s] and static displacements (n,) [m], where the deflection is large.
+    """
+
+    operators: Operators
+    frequencies: Array
+    drifts: Array
+    layers: Array
+    states: tuple[tuple[float, Array], ...]
+
+    @property
+    def unknowns(self) -> int:
+        """How many it has."""
+        return int(self.operators.mass.shape[0])
+
+
+@dataclass(eq=False)
 class TrialMeshes:
     """Solves each mesh once, when it is first asked for.
 
     Attributes:
+        build: matrices for a size of the planform.
         probes: speeds in rad/s.
         count: of modes.
         exact: relative accuracy of their squared frequencies.
         lost: why there are no modes, where there are none.
+        tried: the meshes tried by size, the last one last.
     """
 
-    def __init__(
-        self, planform: Planform, build: Callable[[int], Operators], probes: tuple[float, ...], count: int, exact: float
-    ) -> None:
-        self.planform = planform
-        self.probes = probes
-        self.count = count
-        self.lost: ArithmeticError | None = None
-        self._build = build
-        self._exact = exact
-        self._operators: dict[int, Operators] = {}
-        self._frequencies: dict[int, Array] = {}
-        self._drifts: dict[int, Array] = {}
-        self._layers: dict[int, Array] = {}
-        self._alone = False
-        self._states: dict[int, tuple[Array | None, ...]] = {}
-        self._latest: int | None = None
+    planform: Planform
+    build: Callable[[int], Operators]
+    probes: tuple[float, ...]
+    count: int
+    exact: float
+    lost: ArithmeticError | None = field(default=None, init=False)
+    tried: dict[int, Trial] = field(default_factory=dict, init=False)
+    _alone: bool = field(default=False, init=False)
 
-    @property
-    def sizes(self) -> tuple[int, ...]:
-        """Of the meshes tried."""
-        return tuple(self._frequencies)
+    def at(self, size: int) -> Trial:
+        """What is known on a mesh."""
+        if size not in self.tried:
+            self.tried[size] = self._solved(self.build(size))
+        return self.tried[size]
 
     @property
     def plate(self) -> Plate:
         """On any of the meshes tried."""
-        return next(iter(self._operators.values())).plate
+        return next(iter(self.tried.values())).operators.plate
 
     @property
     def theory(self) -> str:
         """The theory of the meshes tried."""
-        return next(iter(self._operators.values())).model.theory
-
-    def frequencies(self, size: int) -> Array:
-        """Frequencies (probes, count) in Hz, NaN at speeds that have none."""
-        if size not in self._frequencies:
-            operators = self._operators[size] = self._build(size)
-            probes = self._modes(operators)
-            frequencies, drifts, layered = (
-                np.full((len(self.probes), self.count), empty) for empty in (np.nan, 0.0, 0.0)
-            )
-            for row, (omega, modes) in enumerate(zip(self.probes, probes, strict=False)):
-                frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
-                drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
-                if kind(operators.model.theory) is Kind.MINDLIN:
-                    layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
-            self._frequencies[size], self._drifts[size], self._layers[size] = frequencies, drifts, layered
-            self._states[size], self._latest = tuple(modes.state for modes in probes), size
-        return self._frequencies[size]
-
-    def drifts(self, size: int) -> Array:
-        """Relative drop (probes, count) of frequencies that a point mass still leaves on a mesh."""
-        return self._drifts[size] * folds(self._operators[size].plate)
-
-    def layers(self, size: int) -> Array:
-        """Compliance (probes, count) of the layer along the edges in each mode.
-
-        It is zero in theories without one.
-        """
-        return self._layers[size]
+        return next(iter(self.tried.values())).operators.theory
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
         """Probes (k,) at which all of some meshes have modes."""
-        finite = [np.isfinite(self.frequencies(size)).all(axis=1) for size in sizes]
+        finite = [np.isfinite(self.at(size).frequencies).all(axis=1) for size in sizes]
         return np.asarray(np.logical_and.reduce(finite))
-
-    def operators(self, size: int) -> Operators:
-        """The matrices of a mesh tried."""
-        return self._operators[size]
-
-    def states(self, size: int) -> tuple[tuple[float, Array], ...]:
-        """Speeds [rad/s] and static displacements (n,) [m] on a mesh, where the deflection is large."""
-        known = zip(self.probes, self._states[size], strict=False)
-        return tuple((speed, state) for speed, state in known if state is not None)
-
-    def unknowns(self, size: int) -> int:
-        """How many unknowns a mesh tried has."""
-        return int(self._operators[size].mass.shape[0])
 
     def apart(self, coarse: int, fine: int) -> Array:
         """Relative differences (probes, count) between two meshes, less the endless drop under a point mass."""
-        there, here = self.frequencies(coarse), self.frequencies(fine)
-        apart = np.abs(there / here - 1.0 - self._drifts[fine] * np.log(fine / coarse))
+        there, here = self.at(coarse), self.at(fine)
+        apart = np.abs(there.frequencies / here.frequencies - 1.0 - here.drifts * np.log(fine / coarse))
         none = ~self.alive(coarse) & ~self.alive(fine)
         apart[~self.alive(coarse, fine)] = np.inf
         apart[none & self.diverging()] = 0.0
@@ -237,34 +209,45 @@ class TrialMeshes:
 
     def diverging(self) -> NDArray[np.bool_]:
         """Probes (k,) at which the plate, and not a coarse mesh alone, is believed to have no modes."""
-        sizes = np.array([np.where(self.alive(size), np.nan, size) for size in self.sizes])
+        sizes = np.array([np.where(self.alive(size), np.nan, size) for size in self.tried])
         with np.errstate(invalid="ignore"):
             return np.asarray(np.fmax.reduce(sizes) >= SURELY * np.fmin.reduce(sizes))
 
+    def _solved(self, operators: Operators) -> Trial:
+        probes = self._modes(operators)
+        frequencies = np.full((len(self.probes), self.count), np.nan)
+        drifts, layered = np.zeros((2, *frequencies.shape))
+        states = []
+        for row, (omega, modes) in enumerate(zip(self.probes, probes, strict=False)):
+            frequencies[row] = np.sqrt(modes.eigenvalues) / (2.0 * np.pi)
+            drifts[row] = drift(operators, modes.eigenvalues, modes.shapes, omega)
+            if kind(operators.theory) is Kind.MINDLIN:
+                layered[row] = layers(operators, modes.eigenvalues, modes.shapes)
+            if modes.state is not None:
+                states.append((omega, modes.state))
+        return Trial(operators, frequencies, drifts, layered, tuple(states))
+
     def _modes(self, operators: Operators) -> list[Probed]:
         """Modes at each probe; that none is missed is seen on the first mesh, and holds for its like."""
-        starts, first = self._starts(operators), self._latest is None
+        starts = self._starts(operators)
         try:
             if not self._alone:
-                probed = probe(operators, self.probes, self.count, self._exact, starts)
+                probed = probe(operators, self.probes, self.count, self.exact, starts)
                 further = list(zip(self.probes, probed, strict=False))[1:]
-                self._alone = first and not all(complete(operators, speed, modes) for speed, modes in further)
+                self._alone = not (self.tried or all(complete(operators, speed, modes) for speed, modes in further))
             if self._alone:
-                return probe(operators, self.probes, self.count, self._exact, starts, alone=True)
+                return probe(operators, self.probes, self.count, self.exact, starts, alone=True)
             return probed
         except (Divergence, NoEquilibrium) as error:
             self.lost = error
             return []
 
-    def _starts(self, operators: Operators) -> tuple[Array | None, ...]:
+    def _starts(self, operators: Operators) -> dict[float, Array | None]:
         """Where large deflections begin: at those on the mesh tried last."""
-        if self._latest is None:
-            return ()
-        known, states = self._operators[self._latest], self._states[self._latest]
-        return tuple(
-            None if state is None or speed == 0.0 else transfer(state, known, operators)
-            for speed, state in zip(self.probes, states, strict=False)
-        )
+        if not self.tried:
+            return {}
+        latest = next(reversed(self.tried.values()))
+        return {speed: transfer(state, latest.operators, operators) for speed, state in latest.states if speed != 0.0}
 
 
 ROUND = 1.6
@@ -289,6 +272,7 @@ MISSED = 0.1
 """Part of the edge layer that a mesh misses if its errors fall slowly for that reason."""
 
 
+@dataclass(eq=False)
 class Estimates:
     """Errors of the frequencies of meshes tried, at their probes.
 
@@ -298,10 +282,9 @@ class Estimates:
             says what is left.
     """
 
-    def __init__(self, meshes: TrialMeshes) -> None:
-        self.meshes = meshes
-        self.largest: dict[int, float] = {}
-        self.slow = False
+    meshes: TrialMeshes
+    largest: dict[int, float] = field(default_factory=dict, init=False)
+    slow: bool = field(default=False, init=False)
 
     def errors(self, coarse: int, fine: int) -> tuple[Array, Array]:
         """Estimated relative errors (probes, count) on a coarse mesh and on a finer one.
@@ -338,7 +321,7 @@ class Estimates:
         Where a mesh tried had no modes, two that have are not enough.
         """
         errors = self._fallen(apart, self._usual, coarse, fine)
-        errors[self.meshes.alive(coarse, fine) & ~self.meshes.alive(*self.meshes.sizes)] = np.inf
+        errors[self.meshes.alive(coarse, fine) & ~self.meshes.alive(*self.meshes.tried)] = np.inf
         before = self._before(coarse)
         if before is not None and (known := self.meshes.alive(before, coarse, fine)).any():
             errors[known] = self._by_three(self.meshes.apart(before, coarse)[known], apart[known], before, coarse, fine)
@@ -373,13 +356,13 @@ class Estimates:
 
         At a singular corner what has fallen is the corner's, and the layer's comes on top.
         """
-        layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), self.meshes.layers(fine)[: len(apart)])
+        layer = layer_errors(apart, self._unseen(coarse), self._unseen(fine), self.meshes.at(fine).layers[: len(apart)])
         fallen = np.asarray(apart / ((fine / coarse) ** order - 1.0))
         return fallen + layer if self._is_cornered else np.maximum(fallen, layer)
 
     def _before(self, coarse: int) -> int | None:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
-        sizes = [size for size in self.meshes.sizes if size < coarse]
+        sizes = [size for size in self.meshes.tried if size < coarse]
         # where a point mass pulls at a solid, its displacement there grows with the cells' inverse size
         if not (self._pressed and kind(self.meshes.theory) is Kind.SOLID):
             sizes = [size for size in sizes if enough_cells(self.meshes.planform, size, self.meshes.count)]
@@ -418,7 +401,7 @@ class Estimates:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""
         if kind(self.meshes.theory) is Kind.KIRCHHOFF:
             return 0.0
-        return unseen(self.meshes.planform.edge(size), self.meshes.operators(size).plate.mean_thickness)
+        return unseen(self.meshes.planform.edge(size), self.meshes.at(size).operators.plate.mean_thickness)
 
 
 def _falling(first: Array | float, second: Array | float, sizes: tuple[int, int, int], most: float) -> Array:

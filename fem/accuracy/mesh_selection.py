@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.accuracy.edge_layer import folds
 from fem.accuracy.error_estimates import Estimates, TrialMeshes
 from fem.accuracy.tolerances import EXACT, FIRST, SURE
 from fem.assembly import Operators
@@ -98,7 +99,7 @@ def choose_mesh(
     probes = tuple(sorted({min(speeds), max(speeds)}))
     search = Estimates(TrialMeshes(planform, build, probes, count, EXACT * tolerance))
     if len(planform.sizes) == 1 or _alone(search.meshes, most):
-        unknown = np.full_like(search.meshes.frequencies(planform.sizes[0]), np.nan)
+        unknown = np.full_like(search.meshes.at(planform.sizes[0]).frequencies, np.nan)
         return _end(search, planform.sizes[0], unknown, tolerance)
     coarse, fine = first_pair(planform, count)
     while True:
@@ -115,7 +116,7 @@ def choose_mesh(
         if between and len(search.largest) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.unknowns(fine)
+        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.at(fine).unknowns
         following = next_size(planform, fine, float(errors.max()) / tolerance, room)
         if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
@@ -134,16 +135,17 @@ def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choic
     alive = meshes.alive(size)
     if meshes.lost is not None and not alive.any():
         raise meshes.lost
-    errors = (errors + meshes.drifts(size))[alive]
+    trial = meshes.at(size)
+    errors = (errors + trial.drifts * folds(trial.operators.plate))[alive]
     return Choice(
-        meshes.operators(size),
+        trial.operators,
         size,
         np.array(meshes.probes)[alive],
         np.where(np.isfinite(errors), errors, np.nan),
         tolerance,
         tuple(sorted(search.largest.items())),
-        2.0 * np.pi * meshes.frequencies(size)[alive],
-        meshes.states(size),
+        2.0 * np.pi * trial.frequencies[alive],
+        trial.states,
     )
 
 
@@ -152,8 +154,8 @@ def _alone(meshes: TrialMeshes, most: int | None) -> bool:
     coarsest = meshes.planform.sizes[0]
     if _few_cells(meshes.planform):
         return False
-    meshes.frequencies(coarsest)
-    return not has_pair(meshes.planform, meshes.unknowns(coarsest), meshes.theory, most)
+    unknowns = meshes.at(coarsest).unknowns
+    return not has_pair(meshes.planform, unknowns, meshes.theory, most)
 
 
 def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:
@@ -189,7 +191,7 @@ def first_pair(planform: Planform, count: int) -> tuple[int, int]:
     return max(size for size in sizes if size <= max(fine / PAIRED, sizes[0])), fine
 
 
-def next_size(planform: Planform, size: int, excess: float, room: float, step: float = STEP) -> int | None:
+def next_size(planform: Planform, size: int, excess: float, room: float) -> int | None:
     """The size that should bring an error down by a factor, or the largest that may be tried.
 
     Args:
@@ -197,11 +199,10 @@ def next_size(planform: Planform, size: int, excess: float, room: float, step: f
         size: the last one tried.
         excess: factor by which its error is too large.
         room: factor by which the unknowns may grow.
-        step: factor by which the size may grow.
 
     Returns:
         None where no larger size may be tried.
     """
     finer = [other for other in planform.sizes if other > size and (other / size) ** 2 <= room]
-    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), step)
+    wanted = size * min(max(MARGIN, (MARGIN * excess) ** (2.0 / sum(planform.orders))), STEP)
     return next((other for other in finer if other >= wanted), finer[-1] if finer else None)

@@ -54,9 +54,18 @@ def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.g
     Returns:
         Shape (count,).
     """
-    parts = np.hstack([np.real(shapes), np.imag(shapes)]) if np.iscomplexobj(shapes) else np.real(shapes)
-    stiff, heavy = (np.diag(rule(operators, parts)).reshape(-1, eigenvalues.size) for rule in (doubt, thick))
-    return np.asarray(stiff.sum(axis=0) / eigenvalues + heavy.sum(axis=0) + sloping(operators))
+    stiff, heavy = (_of_modes(rule(operators, _parts(shapes)), eigenvalues.size) for rule in (doubt, thick))
+    return np.asarray(stiff / eigenvalues + heavy + sloping(operators))
+
+
+def _parts(shapes: NDArray[np.generic]) -> Array:
+    """Shapes (n, count), and beside them, where they are complex, their imaginary parts."""
+    return np.hstack([np.real(shapes), np.imag(shapes)]) if np.iscomplexobj(shapes) else np.real(shapes)
+
+
+def _of_modes(form: Array, count: int) -> Array:
+    """What a form (r, r) of the parts of so many shapes has for each of them, (count,)."""
+    return np.asarray(np.diag(form).reshape(-1, count).sum(axis=0))
 
 
 def doubt(operators: Operators, basis: Array) -> Array:
@@ -127,7 +136,7 @@ def sloping(operators: Operators) -> float:
     return SLOPE * slope(plate.thickness, plate.mesh) ** 2
 
 
-def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
+def layers(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
     """By how much the layers along free edges lower frequencies, relatively.
 
     Args:
@@ -139,8 +148,8 @@ def layers(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
         Shape (count,).
     """
     model, plate = operators.model, operators.plate
-    energy = _layers(model, plate, _gradient(model, plate, shapes))
-    return np.asarray(0.5 * MARGIN * np.diag(energy) / eigenvalues)
+    energy = _layers(model, plate, _gradient(model, plate, _parts(shapes)))
+    return np.asarray(0.5 * MARGIN * _of_modes(energy, eigenvalues.size) / eigenvalues)
 
 
 def _gradient(model: Discretisation, plate: Plate, basis: Array) -> Array:

@@ -27,7 +27,6 @@ class Cell:
     """A kind of cell.
 
     Attributes:
-        name: as meshio calls it.
         nodes: reference places of its nodes, (k, d).
         powers: exponents of its monomials, (k, d).
         simplex: how many of the reference coordinates, the first, are those of a simplex, from 0 on with a sum of at
@@ -36,7 +35,6 @@ class Cell:
         rule: points (p, d) and weights (p,) that integrate a product of two shape functions on a straight cell.
     """
 
-    name: str
     nodes: Array
     powers: Ints
     simplex: int
@@ -199,13 +197,8 @@ def edges_of(cells: Iterable[tuple[str, Ints]]) -> Ints:
     return np.asarray(np.unique(np.sort(np.concatenate(sides), axis=1), axis=0))
 
 
-@cache
-def cell(name: str) -> Cell:
-    """A kind of cell by meshio's name.
-
-    Raises:
-        KeyError: it is none of `KINDS`.
-    """
+def _kinds() -> dict[str, tuple[Array, list[tuple[int, ...]], int, tuple[tuple[int, ...], ...]]]:
+    """Nodes, powers, simplex and faces of the kinds of cells, by meshio's names."""
     square, triangle = np.array(_SQUARE, float), np.array(_TRIANGLE, float)
     cube = np.array([(*p, z) for z in (-1, 1) for p in _SQUARE], float)
     tetra = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
@@ -217,7 +210,7 @@ def cell(name: str) -> Cell:
     wedge15 = [(*p, k) for p in _up_to(2, 2) for k in range(2)] + [(*p, 2) for p in _up_to(1, 2)]
     linear, quadratic, flat, flat9 = (list(product(range(n), repeat=d)) for d, n in ((3, 2), (3, 3), (2, 2), (2, 3)))
     hex20_faces = _around(_HEX_FACES, _HEX_EDGES, 8)
-    table: dict[str, tuple[Array, list[tuple[int, ...]], int, tuple[tuple[int, ...], ...]]] = {
+    return {
         "hexahedron": (cube, linear, 0, tuple(_HEX_FACES)),
         "hexahedron20": (cube20, _serendipity(3), 0, hex20_faces),
         "hexahedron27": (np.vstack([cube20, centres]), quadratic, 0, hex20_faces),
@@ -231,14 +224,20 @@ def cell(name: str) -> Cell:
         "quad8": (square8, _serendipity(2), 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
         "quad9": (np.vstack([square8, [(0.0, 0.0)]]), flat9, 0, ((0, 4, 1, 5, 2, 6, 3, 7),)),
     }
-    nodes, powers, simplex, faces = table[name]
+
+
+KINDS = _kinds()
+"""What each kind of cell is made of, by meshio's names."""
+
+
+@cache
+def cell(name: str) -> Cell:
+    """A kind of cell by meshio's name.
+
+    Raises:
+        KeyError: it is none of `KINDS`.
+    """
+    nodes, powers, simplex, faces = KINDS[name]
     exponents = np.array(powers, dtype=np.int64)
     inverse = np.asarray(np.linalg.inv(_monomials(nodes, exponents)), dtype=np.float64)
-    return Cell(name, nodes, exponents, simplex, faces, _rule(simplex, nodes.shape[1]), inverse)
-
-
-KINDS = (
-    *("hexahedron", "hexahedron20", "hexahedron27", "tetra", "tetra10", "wedge", "wedge15"),
-    *("triangle", "triangle6", "quad", "quad8", "quad9"),
-)
-"""Kinds of cells that there are, by meshio's names."""
+    return Cell(nodes, exponents, simplex, faces, _rule(simplex, nodes.shape[1]), inverse)

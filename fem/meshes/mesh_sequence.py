@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fem.meshes.planform import check_sides, root_facets, twice_areas
+from fem.meshes.planform import check_sides, lengths, root_facets, twice_areas
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -159,9 +159,8 @@ class Given:
         """How wide the cells along the edges are, in m; the median."""
         mesh = self.given
         facets = mesh.boundary_facets()
-        along = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
         twice = np.abs(twice_areas(mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]]))
-        return float(np.median(twice / along)) / (size if mesh.t.shape[0] == 3 else 2 * size)
+        return float(np.median(twice / lengths(mesh, facets))) / (size if mesh.t.shape[0] == 3 else 2 * size)
 
 
 Planform: TypeAlias = Rectangle | Given

@@ -66,10 +66,14 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
     return np.asarray(boundary[off <= np.maximum(ROOT_TOLERANCE * length, ROUNDING * np.ptp(mesh.p[0]))])
 
 
+def lengths(mesh: Any, facets: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Lengths (n,) in m of facets by their numbers."""
+    return np.asarray(np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0))
+
+
 def clamped_length(mesh: Any) -> float:
     """Length (m) of the root edge."""
-    ends = mesh.p[:, mesh.facets[:, root_facets(mesh)]]
-    return float(np.linalg.norm(np.diff(ends, axis=1)[:, 0], axis=0).sum())
+    return float(lengths(mesh, root_facets(mesh)).sum())
 
 
 def check_mesh(mesh: Any) -> None:

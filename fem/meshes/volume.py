@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.meshes.cells import cell, faces_of
 from fem.meshes.planform import MeshError
-from fem.meshes.read import GEOMETRY, deck_fault, raw_mesh
+from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -288,16 +288,12 @@ def read_volume(path: str | Path, scale: float = 1.0, size: float | None = None)
         MeshError: with the file's name, for a file that cannot be read, or a mesh that no blade can be made of.
     """
     path = Path(path)
-    if not path.is_file():
-        raise MeshError(f"{path}: no such mesh file")
-    try:
+    with named(path):
         if path.suffix.lower() in GEOMETRY:
             return volume_of(path, _meshed(path, scale, size), 1.0)
         if size is not None:
             raise MeshError(f"a mesh has its own cell size: size belongs to geometry ({', '.join(GEOMETRY)})")
         return volume_of(path, raw_mesh(path), scale)
-    except MeshError as error:
-        raise type(error)(f"{path}: {error}") from None
 
 
 def _meshed(path: Path, scale: float, size: float | None) -> Any:

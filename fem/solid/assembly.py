@@ -26,7 +26,7 @@ import numpy as np
 from fem import linalg
 from fem.linalg import Nearby, symmetric
 from fem.meshes.cells import cell
-from fem.rotor import Effects
+from fem.rotor import Effects, across, turning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -250,7 +250,7 @@ class SolidState:
                 own = np.empty((9, *places.shape))
                 for few in cells.parts(IN_CACHE, part):
                     own[:, few.start - part.start : few.stop - part.start] = _cell_stiffness(
-                        cells, few, f[few], s[few], operators.lame
+                        cells, few, f[few], s[few], operators.blade.material.lame
                     )
                 for total, values in zip(blocks, own, strict=True):
                     total += np.bincount(places.ravel(), values.ravel(), total.size)
@@ -313,7 +313,6 @@ class SolidOperators:
     gyroscopic: csc_array | None
     load: Array
     masses: Array
-    geometric: None = field(default=None, init=False)
     known: list[Factor] = field(default_factory=list, init=False, repr=False)
     solved: list[Modes] = field(default_factory=list, init=False, repr=False)
 
@@ -323,13 +322,6 @@ class SolidOperators:
     def nodes(self) -> int:
         """Number of nodes, those held included."""
         return len(self.blade.mesh.points)
-
-    @cached_property
-    def lame(self) -> tuple[float, float]:
-        """Lamé's constants in Pa."""
-        material = self.blade.material
-        nu, shear = material.poissons_ratio, material.shear_modulus
-        return 2.0 * shear * nu / (1.0 - 2.0 * nu), shear
 
     def spread(self, unknowns: NDArray[Any]) -> NDArray[Any]:
         """Displacements (nnode, 3, ...) of all nodes for unknowns (n, ...)."""
@@ -347,7 +339,7 @@ class SolidOperators:
 
     def stress(self, strain: Array) -> Array:
         """Stress (..., 3, 3) in Pa of strains (..., 3, 3)."""
-        first, second = self.lame
+        first, second = self.blade.material.lame
         spherical = first * np.trace(strain, axis1=-2, axis2=-1)
         return np.asarray(2.0 * second * strain + spherical[..., None, None] * np.eye(3))
 
@@ -436,13 +428,12 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
     cells, heavy = [], []
     mesh = blade.mesh
     load, masses = np.zeros((len(mesh.points), 3)), np.zeros((len(mesh.points), 3))
-    pull = (mesh.points - blade.origin) @ blade.projector
     for kind, nodes in mesh.cells:
         values, slopes, volumes = mapped(kind, mesh.points[nodes], *rule(kind, full))
         cells.append(Cells(kind, nodes, slopes, volumes))
         own = np.einsum("pa,cp,pb->cab", values, blade.material.density * volumes, values, optimize=True)
         heavy.append(own)
-        _add(load, nodes, own @ pull[nodes])
+        _add(load, nodes, own @ blade.arms[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
     places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
     inertia = places.blocks(heavy)
@@ -459,8 +450,8 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         places,
         stiffness=mass,
         mass=mass,
-        softening=through(blade.projector) if effects.spin_softening else None,
-        gyroscopic=through(2.0 * blade.spin) if effects.coriolis else None,
+        softening=through(across(blade.axis)) if effects.spin_softening else None,
+        gyroscopic=through(2.0 * turning(blade.axis)) if effects.coriolis else None,
         load=np.empty(0),
         masses=masses[:, 0],
     )

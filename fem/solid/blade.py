@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.meshes.planform import MeshError
+from fem.rotor import across
 
 if TYPE_CHECKING:
     from fem.linalg import Array
@@ -46,8 +47,8 @@ class Blade:
     def __post_init__(self) -> None:
         if self.root.size == len(self.mesh.points):
             raise MeshError("the root contains every node: nothing is left to move")
-        spread = self.mesh.points[self.root] - self.mesh.points[self.root].mean(axis=0) if self.root.size else None
-        sides = np.zeros(3) if spread is None or len(spread) < 3 else np.linalg.svd(spread, compute_uv=False)
+        at = self.mesh.points[self.root]
+        sides = np.zeros(3) if len(at) < 3 else np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
         if sides[1] <= FLAT * sides[0] or sides[0] == 0.0:
             raise MeshError(
                 f"the root's {self.root.size} nodes do not constrain the blade: expected three or more, not collinear"
@@ -56,14 +57,9 @@ class Blade:
             raise MeshError(f"the root's {fault}: expected all nodes of the clamped faces")
 
     @property
-    def projector(self) -> Array:
-        """I - n n^T, (3, 3): the part of a vector that is perpendicular to the axis."""
-        return np.asarray(np.eye(3) - np.outer(self.axis, self.axis))
-
-    @property
     def arms(self) -> Array:
         """Of the nodes from the axis, (nnode, 3) [m]."""
-        return np.asarray((self.mesh.points - self.origin) @ self.projector)
+        return np.asarray((self.mesh.points - self.origin) @ across(self.axis))
 
     @cached_property
     def held(self) -> Indices:
@@ -87,12 +83,6 @@ class Blade:
         own = np.isin(np.arange(len(self.mesh.points)), self.held)
         return np.asarray(self.mesh.boundary_normals(own)[1].sum(axis=0))
 
-    @property
-    def spin(self) -> Array:
-        """The matrix (3, 3) of v -> n x v."""
-        x, y, z = self.axis
-        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
 
 FACING = 0.7
 """Cosine of the angle to the axis from which on a face at the inner end looks inwards."""
@@ -115,14 +105,12 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     Raises:
         MeshError: there are no such nodes, or they contain no whole face of a cell.
     """
-    arm = mesh.points - origin
-    arm = arm - np.outer(arm @ axis, axis)
+    arm = (mesh.points - origin) @ across(axis)
     middle = arm.mean(axis=0)
     if np.linalg.norm(middle) < ON_THE_FACE * mesh.size:
         raise MeshError("the mesh lies around the spin axis: name the set of nodes that is its root")
     outwards = middle / np.linalg.norm(middle)
-    inwards = _inner_normal(mesh, outwards)
-    heights = (mesh.points - origin) @ (outwards if inwards is None else -inwards)
+    heights = (mesh.points - origin) @ _from_inner_end(mesh, outwards)
     distances = np.linalg.norm(arm, axis=1)
     near = ON_THE_FACE * mesh.size
     candidates = [
@@ -155,12 +143,12 @@ def _faceless(mesh: VolumeMesh, nodes: Indices) -> str:
     return f"{some} no whole face of a cell{without}"
 
 
-def _inner_normal(mesh: VolumeMesh, outwards: Array) -> Array | None:
-    """The mean normal of the faces at the inner end that look at the axis; None where there are none."""
+def _from_inner_end(mesh: VolumeMesh, outwards: Array) -> Array:
+    """Against the mean normal of the faces at the inner end that look at the axis; outwards where there are none."""
     middles, normals = mesh.boundary_normals()
     heights = middles @ outwards
     inner = heights <= heights.min() + INNER * np.ptp(heights)
     facing = normals @ outwards < -FACING * np.linalg.norm(normals, axis=1)
     total = normals[inner & facing].sum(axis=0)
     size = float(np.linalg.norm(total))
-    return None if size == 0.0 else np.asarray(total / size)
+    return outwards if size == 0.0 else np.asarray(-total / size)

@@ -27,19 +27,16 @@ from scipy.linalg import polar
 from fem.linalg import lowest_modes, orthonormal
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull, Tracks, lagrange
 from fem.modes import Divergence, solve_real
+from fem.rotor import across
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Solver
+    from fem.linalg import Array, Solver
     from fem.solid.assembly import SolidOperators
-
-    Array = NDArray[np.float64]
 
 
 SPARE = 2
@@ -276,7 +273,7 @@ class _Solved:
     def bend(self) -> float:
         """Omega² above the lowest that doubles an eigenvalue, by the modes at both ends [rad²/s²]."""
         low, high = min(self.values), max(self.values)
-        growth = float((self.values[high] / self.values[low]).max()) if high > low else 1.0
+        growth = float((self.values[high] / self.values[low]).max())
         return (high - low) / max(growth - 1.0, LINEAR) if high > low else 1.0
 
 
@@ -286,7 +283,6 @@ def sweep_blade(
     count: int = 6,
     *,
     tolerance: float = 2e-4,
-    progress: Callable[[int], None] | None = None,
 ) -> BladeSweep:
     """Equilibria and modes of a blade over a range of speeds.
 
@@ -295,7 +291,6 @@ def sweep_blade(
         speeds: shape (k,) [rad/s]; the range is from the lowest to the highest.
         count: number of modes.
         tolerance: relative, of frequencies between the speeds that are solved.
-        progress: is called with the number of speeds solved.
 
     Raises:
         ValueError: there is no speed, or one is not finite.
@@ -310,8 +305,6 @@ def sweep_blade(
     alone = requested if requested.size <= ALONE else requested[[0, -1]]
     for omega in map(float, alone):
         _solve_alone(operators, omega, count, known)
-        if progress is not None:
-            progress(len(known.states))
     if requested.size <= ALONE:
         return _gathered(operators, known, count, np.full(count, np.inf))
     low, high, bend = float(requested[0] ** 2), float(requested[-1] ** 2), known.bend
@@ -326,8 +319,6 @@ def sweep_blade(
         left = max(left, off)
         missed.append(float(np.abs(np.sqrt(np.abs(guess / known.values[square][:count])) - 1.0).max()))
         errors = np.full(count, FLOOR + SPREAD * left + ENVELOPE * max(missed[-3:]))
-        if progress is not None:
-            progress(len(known.states))
         if errors.max() <= tolerance:
             break
     return _gathered(operators, known, count, errors)
@@ -535,21 +526,14 @@ class SolvedBlade:
         errors: estimated relative errors (count,) of frequencies by the mesh.
     """
 
-    def __init__(
-        self,
-        operators: SolidOperators,
-        speeds: Array,
-        count: int,
-        tolerance: float,
-        progress: Callable[[int], None] | None = None,
-    ) -> None:
-        """Solve for the count lowest modes at speeds (k,) in rad/s; tolerance, progress: see `sweep_blade`.
+    def __init__(self, operators: SolidOperators, speeds: Array, count: int, tolerance: float) -> None:
+        """Solve for the count lowest modes at speeds (k,) in rad/s; tolerance: see `sweep_blade`.
 
         Raises:
             NoEquilibrium, Divergence: where the blade has no stable state at the highest speed.
         """
-        self.operators, self.tolerance, self.progress = operators, tolerance, progress
-        self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance, progress=progress)
+        self.operators, self.tolerance = operators, tolerance
+        self.sweep: BladeSweep = sweep_blade(operators, speeds, count, tolerance=tolerance)
         ends = [(float(self.sweep.squares[k]) ** 0.5, self.sweep.states[k]) for k in (0, -1)]
         solved = [(*self.sweep.modes(omega, spare=True), state) for omega, state in ends[: self.sweep.squares.size]]
         every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
@@ -585,8 +569,7 @@ class SolvedBlade:
             return
         known = np.sqrt(np.append(self.sweep.squares, omega**2))
         speeds = np.linspace(known.min(), known.max(), MORE)
-        count, tolerance = self.sweep.count, self.tolerance
-        self.sweep = sweep_blade(self.operators, speeds, count, tolerance=tolerance, progress=self.progress)
+        self.sweep = sweep_blade(self.operators, speeds, self.sweep.count, tolerance=self.tolerance)
         self._at.cache_clear()
         self._stiffened_at.cache_clear()
 
@@ -617,7 +600,7 @@ class SolvedBlade:
             if step is None or not linear:
                 force, moved = np.zeros((operators.nodes, 3)), operators.spread(state)[at.nodes]
                 point = at.point if linear else at.point + at.value @ moved
-                force[at.nodes] = np.outer(at.value, (point - blade.origin) @ blade.projector)
+                force[at.nodes] = np.outer(at.value, (point - blade.origin) @ across(blade.axis))
                 omega = 0.0 if linear else float(sweep.squares[number]) ** 0.5
                 step = operators.factorise(_about(operators, omega, state)).solve(operators.gathered(force))
             small.append(operators.bending(state, step, sweep.shapes[number]))

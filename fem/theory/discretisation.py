@@ -15,7 +15,18 @@ from fem.linalg import Array
 from fem.meshes.planform import root_facets
 from fem.plate import Plate
 from fem.theory.fields import CLAMPED, Block, Fields
-from fem.theory.sections import Energy, Layer
+from fem.theory.finite_rotation import Section, SectionStress, Shear, ShearStress
+from fem.theory.sections import Layer, Quadratic, QuadraticStress
+
+Energy = Quadratic | Section | Shear
+"""A part of the elastic energy, and `at` a state the same there."""
+
+Stressed = QuadraticStress | SectionStress | ShearStress
+"""A part of the elastic energy at a state.
+
+Each has its `stress`; its `force`, the energy's derivative; `ahead` of a step, the stress that this leads to, to first
+order; and the `terms` of its tangent stiffness under a stress (see `gram`).
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +70,13 @@ class Space:
             reference: planar reference coordinates, shape (2, npoint).
             derivative: numbers of the coordinates to differentiate by; none: the value.
         """
-        return self._weights(reference[:, :, None], derivative, cells)[:, 0], self.dofs[cells]
+        return self.weights(reference[:, :, None], derivative, cells)[:, 0], self.dofs[cells]
 
-    def everywhere(self, reference: Array) -> Array:
-        """Weights (ncell, npoint, ndof) of the values at the same planar reference points (2, npoint) of all cells."""
-        return self._weights(reference, (), None)
+    def weights(self, at: Array, derivative: tuple[int, ...] = (), cells: NDArray[np.int64] | None = None) -> Array:
+        """Weights (ncell, npoint, ndof) of a derivative at planar reference points of some cells, or of all.
 
-    def _weights(self, at: Array, derivative: tuple[int, ...], cells: NDArray[np.int64] | None) -> Array:
+        at: (2, npoint), the same in every cell, or (2, ncell, npoint).
+        """
         if self.height is not None:
             at = np.concatenate([at, np.full((1, *at.shape[1:]), self.height)])
         element, mapping = self.basis.elem, self.basis.mapping

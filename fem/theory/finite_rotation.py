@@ -110,9 +110,8 @@ class SectionStress:
         moved = _pointwise(self.energy.fields.evaluate(step))[:, :, None]
         return np.asarray(self.stress + (self.modulus @ (self.turned @ (self.jacobian @ moved)))[:, :, 0])
 
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
-        stress = self.stress if stress is None else stress
+    def terms(self, stress: Array) -> Terms:
+        """Fields and coefficients of the tangent stiffness under a stress, its own or another."""
         normal_force = (stress[:, None, :] @ self.turned)[:, 0] * self.thickness
         inner = self.turned.transpose(0, 2, 1) @ (self.modulus @ self.turned)
         inner += np.tensordot(stress, FORMS, 1)
@@ -180,7 +179,7 @@ class Shear:
         samples: the fields u, v and w by the two reference coordinates and theta_x, theta_y, where the shear is
             sampled.
         sides: X, Y by the reference coordinates there, (2, 2, ncell, nsample).
-        reduction: from the samples' covariant shear to the shear at the points, (ncell, npoint, 2, nsample, 2).
+        reduction: from the samples' covariant shear to the shear at the points, (ncell, 2 npoint, 2 nsample).
         modulus: (ncell, npoint) in N/m, dx in m².
     """
 
@@ -204,15 +203,10 @@ class Shear:
     def felt(self, covariant: Array) -> Array:
         """The energy's derivative by the samples' covariant shears (ncell, nsample, 2): (2, ncell, nsample)."""
         ncell, npoint = self.dx.shape
-        shear = self._reduction @ covariant.reshape(ncell, -1, 1)
+        shear = self.reduction @ covariant.reshape(ncell, -1, 1)
         stress = (self.modulus * self.dx)[:, :, None] * shear.reshape(ncell, npoint, 2)
-        felt = stress.reshape(ncell, 1, -1) @ self._reduction
+        felt = stress.reshape(ncell, 1, -1) @ self.reduction
         return np.asarray(felt.reshape(ncell, -1, 2).transpose(2, 0, 1))
-
-    @property
-    def _reduction(self) -> Array:
-        ncell, npoint, _, nsample, _ = self.reduction.shape
-        return self.reduction.reshape(ncell, 2 * npoint, 2 * nsample)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,35 +216,35 @@ class ShearStress:
     Attributes:
         director: (3, ncell, nsample).
         edges: r by the reference coordinates, (3, 2, ncell, nsample).
-        felt: the energy's derivative by the samples' covariant shears, (2, ncell, nsample).
+        stress: the energy's derivative by the samples' covariant shears, (2, ncell, nsample).
     """
 
     energy: Shear
     director: Array
     edges: Array
-    felt: Array
+    stress: Array
 
     def force(self) -> Array:
         """The internal force (n,)."""
-        return self.energy.samples.load(np.einsum("mfcs,mcs->fcs", self._variation, self.felt))
+        return self.energy.samples.load(np.einsum("mfcs,mcs->fcs", self._variation, self.stress))
 
     def ahead(self, step: Array) -> Array:
         """What the samples would feel after a step (n,), to first order: (2, ncell, nsample)."""
         moved = np.einsum("mfcs,fcs->csm", self._variation, self.energy.samples.evaluate(step))
-        return self.felt + self.energy.felt(moved)
+        return self.stress + self.energy.felt(moved)
 
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness, where the samples feel something else if that is given."""
+    def terms(self, stress: Array) -> Terms:
+        """Fields and coefficients of the tangent stiffness where the samples feel a stress, their own or another."""
         samples = self.energy.samples
         blocks = tuple(Block(t, block.dofs) for t, block in zip(self._tables(), samples.blocks, strict=True))
         fields = Fields(blocks, self.energy.dx, samples.dofs)
         material = np.tile(np.eye(2), 2 * [len(blocks)])[:, :, None, None] * self.energy.modulus
-        return (fields, material), (samples, self._curvature(self.felt if stress is None else stress))
+        return (fields, material), (samples, self._curvature(stress))
 
     @property
     def _variation(self) -> Array:
         """How the covariant shears vary with the samples' fields, (2, 8, ncell, nsample)."""
-        variation = np.zeros((2, 8, *self.felt.shape[1:]))
+        variation = np.zeros((2, 8, *self.stress.shape[1:]))
         for m in range(2):
             variation[m, m:6:2] = self.director
             variation[m, 6:] = self.edges[2, m] * self._slope - self.edges[:2, m]
@@ -267,7 +261,7 @@ class ShearStress:
         variation, start = self._variation.transpose(2, 3, 0, 1), 0
         for block in self.energy.samples.blocks:
             part = variation[..., start : start + block.size] @ block.table
-            shear = self.energy._reduction @ part.reshape(ncell, -1, part.shape[-1])
+            shear = self.energy.reduction @ part.reshape(ncell, -1, part.shape[-1])
             yield shear.reshape(ncell, npoint, 2, -1)
             start += block.size
 

@@ -25,14 +25,11 @@ from fem.theory.fields import Fields
 from fem.theory.sections import layers, of_layers, stretched, weighed
 from fem.theory.springs import energies, springs
 
-ELEMENTS = ("bfs", "argyris", "morley")
-"""Names of the elements for w."""
-
 PIECE = 256
 """Cells whose combinations are found at once."""
 
 ORDER = {"bfs": 7, "argyris": 8, "morley": 5}
-"""Degree to which integrals are exact."""
+"""Degree to which integrals are exact, by the elements for w."""
 
 
 def discretise(plate: Plate, rotary_inertia: bool = True, element: str = "") -> Discretisation:

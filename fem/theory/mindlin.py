@@ -150,7 +150,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True) -> Discretisation:
         extra=((shear, np.eye(2)[:, :, None, None] * modulus), *springs),
         energies=(
             Section(turned, plate.material, thickness),
-            Shear(samples, np.asarray(basis.mapping.DF(places)), reduction, modulus, dx),
+            Shear(samples, basis.mapping.DF(places), reduction.reshape(len(dx), 2 * dx.shape[1], -1), modulus, dx),
             *root_springs.energies(springs),
         ),
         membrane=np.arange(1 + max(tables[0].max(), tables[1].max())),

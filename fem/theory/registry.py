@@ -88,7 +88,7 @@ THEORIES = {
     "kirchhoff": PlateTheory(
         kind=Kind.KIRCHHOFF,
         discretise=kirchhoff.discretise,
-        elements=kirchhoff.ELEMENTS,
+        elements=tuple(kirchhoff.ORDER),
         most_unknowns=100_000,
         unknowns=lambda _, quads: (6, 2, 2) if quads else (8, 3, 0),
         memory={"": 2.4e4},

@@ -14,7 +14,6 @@ plates that turn further.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -71,9 +70,8 @@ def products(layer: Layer) -> Array:
 def layers(thickness: float | Array, flat: bool = False) -> tuple[Layer, ...]:
     """The layers of a plate: u, v and w and the rotations, by z; flat: the mid-surface alone."""
     arms = (0.0,) if flat else (-GAUSS, GAUSS)
-    if isinstance(thickness, float):
-        return tuple(_layer(arm * thickness, thickness / len(arms), arm * thickness) for arm in arms)
-    return tuple(_layer(arm * thickness, 1.0 / len(arms), arm) for arm in arms)
+    unit = thickness if isinstance(thickness, float) else 1.0
+    return tuple(_layer(arm * thickness, unit / len(arms), arm * unit) for arm in arms)
 
 
 def weighed(dx: Array, thickness: float | Array) -> Array:
@@ -97,26 +95,6 @@ def _layer(z: float | Array, weight: float, arm: float) -> Layer:
     products = np.diag([1.0, 1.0, 1.0, -arm, -arm])
     gradient, quadratic = (np.einsum("kf,ab->kafb", m, np.eye(2)).reshape(-1, 2, 10) for m in (displacement, products))
     return Layer(z, weight, displacement, gradient, quadratic)
-
-
-class Stressed(Protocol):
-    """A part of the elastic energy at a state."""
-
-    def force(self) -> Array:
-        """The internal force (n,), the energy's derivative."""
-
-    def ahead(self, step: Array) -> Array:
-        """The stress that a step (n,) leads to, to first order."""
-
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness (see `gram`), or of that under a given stress."""
-
-
-class Energy(Protocol):
-    """A part of the elastic energy."""
-
-    def at(self, state: Array) -> Stressed:
-        """The same at a state (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,9 +131,8 @@ class QuadraticStress:
         strain = np.einsum("sgcp,gcp->scp", self.variation, self.energy.fields.evaluate(step))
         return np.asarray(self.stress + np.tensordot(self.energy.modulus, strain, 1))
 
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness, under another stress if one is given."""
-        stress = self.stress if stress is None else stress
+    def terms(self, stress: Array) -> Terms:
+        """Fields and coefficients of the tangent stiffness under a stress, its own or another."""
         stiff = np.tensordot(self.energy.modulus, self.variation, 1)
         material = np.einsum("sgcp,shcp->ghcp", self.variation, stiff, optimize=True)
         return ((self.energy.fields, material + np.tensordot(self.energy.products.transpose(1, 2, 0), stress, 1)),)

@@ -9,19 +9,18 @@ then lacks to c, which may be negative, on the mean rotation (12 / h³) integral
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.linalg import Array
-from fem.meshes.planform import root_facets
+from fem.meshes.planform import lengths, root_facets
 from fem.plate import ElasticRoot
 from fem.theory.discretisation import Space
 from fem.theory.fields import Block, Fields
+from fem.theory.sections import Quadratic, Terms
 
-Terms = tuple[tuple[Fields, Array], ...]
 Sampled = tuple[Space, tuple[int, ...]]
 
 GAUSS = 5
@@ -46,8 +45,7 @@ def edge(mesh: Any, rule: tuple[Array, Array]) -> tuple[NDArray[np.int64], Array
     local = [(mesh.t[:, cells] == ends).argmax(axis=0) for ends in mesh.facets[:, facets]]
     start, end = (mesh.elem.refdom.p[:, k] for k in local)
     t, weights = rule
-    length = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0)
-    return cells, start[:, :, None] + (end - start)[:, :, None] * t, length[:, None] * weights
+    return cells, start[:, :, None] + (end - start)[:, :, None] * t, lengths(mesh, facets)[:, None] * weights
 
 
 def springs(
@@ -89,6 +87,8 @@ def _sampled(
 def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, ...], layers: int, total: int) -> Terms:
     """The same on the root's face of a solid: u, v and w at its points, and the two mean rotations.
 
+    The stiffness of each point is part of its weight.
+
     Args:
         root: its springs; None: the clamp.
         planform: mesh of the mid-surface.
@@ -116,59 +116,24 @@ def face_springs(root: ElasticRoot | None, planform: Any, spaces: tuple[Space, .
     everywhere = np.broadcast_to(table, (layers, *table.shape)).reshape(layers * nedge, npoint * GAUSS, 1, -1)
     points = Fields(
         tuple(Block(everywhere, space.dofs[bricks.ravel()]) for space in spaces),
-        (dz * dx[:, :, None]).reshape(layers * nedge, -1),
+        (dz * (root.stiffness / h * dx)[:, :, None]).reshape(layers * nedge, -1),
         total,
     )
-    spread = np.broadcast_to((root.stiffness / h)[:, :, None], dz.shape).reshape(layers * nedge, -1)
     mean = np.einsum("lepk,epkd->eldp", 12.0 * dz * z / h[:, :, None] ** 3, table).reshape(nedge, -1, npoint)
     turned = np.ascontiguousarray(mean.transpose(0, 2, 1)[:, :, None])
     rotations = Fields(
         tuple(Block(turned, space.dofs[bricks].transpose(1, 0, 2).reshape(nedge, -1)) for space in spaces[:2]),
-        dx,
+        (root.rotational - root.stiffness * h**2 / 12.0) * dx,
         total,
     )
-    lacking = root.rotational - root.stiffness * h**2 / 12.0
-    return (points, np.eye(3)[:, :, None, None] * spread), (rotations, np.eye(2)[:, :, None, None] * lacking)
+    return (points, np.eye(3)), (rotations, np.eye(2))
 
 
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """The springs' energy, whose forces stay linear at large displacements."""
-
-    fields: Fields
-    stiffness: Array
-
-    def at(self, state: Array) -> LinearForce:
-        """The energy at a state (n,)."""
-        return LinearForce(self, self.fields.evaluate(state))
-
-
-@dataclass(frozen=True, eq=False)
-class LinearForce:
-    """The same at a state, of which the fields' values are known."""
-
-    energy: Linear
-    values: Array
-
-    def force(self) -> Array:
-        """The internal force (n,)."""
-        stiffness = self.energy.stiffness
-        pairs = "fg,gcp->fcp" if stiffness.ndim == 2 else "fgcp,gcp->fcp"
-        return self.energy.fields.load(np.einsum(pairs, stiffness, self.values))
-
-    def ahead(self, step: Array) -> Array:
-        """The forces that a step (n,) leads to, of which the stiffness has no part."""
-        return self.values + self.energy.fields.evaluate(step)
-
-    def terms(self, stress: Array | None = None) -> Terms:
-        """Fields and coefficients of the tangent stiffness, the same under any stress."""
-        del stress
-        return ((self.energy.fields, self.energy.stiffness),)
-
-
-def energies(terms: Terms) -> tuple[Linear, ...]:
-    """The energies of springs."""
-    return tuple(Linear(fields, stiffness) for fields, stiffness in terms)
+def energies(terms: Terms) -> tuple[Quadratic, ...]:
+    """The energies of springs, whose forces stay linear at large displacements: the fields are the strains."""
+    return tuple(
+        Quadratic(fields, stiffness, np.eye(fields.size), np.zeros((fields.size,) * 3)) for fields, stiffness in terms
+    )
 
 
 def _gauss() -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from fem_cases import AT_REST, STEEL, promise_kept, rpm
 
 from fem import Effects, Given, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
 from fem.accuracy.edge_layer import drift, folds, layer_and_rest, unseen
+from fem.accuracy.theory_selection import layers
 from fem.accuracy.tolerances import FIRST, SURE, Budget
 
 COUNT = 6
@@ -118,6 +119,16 @@ def test_half_of_the_layer_is_seen_by_cells_of_some_thicknesses():
     assert unseen(4.7, 1.0) == pytest.approx(0.5, abs=0.01)
     assert unseen(1e3, 1.0) == pytest.approx(1.0 - 6.0 * np.sqrt(2.0 / 10.0) / 1e3, abs=1e-6)
     assert unseen(0.2, 1.0) / unseen(0.1, 1.0) == pytest.approx(16.0, rel=0.05)
+
+
+def test_the_phase_of_a_complex_mode_says_nothing_of_its_layers():
+    """At 1 rad/s Coriolis forces leave the modes at rest but for a factor of size 1; one is in the plane."""
+    plate, found = Plate(rectangle(0.2, 0.08, 8, 4), 0.01, STEEL), []
+    for coriolis, phase in ((False, 1.0), (True, np.exp(0.7j))):
+        operators = assemble(plate, Rotor(0.1, 0.5), Effects(coriolis=coriolis), "mindlin")
+        modes = solve_modes(operators, 1.0, 4)
+        found.append(layers(operators, modes.eigenvalues, phase * modes.shapes))
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-4, atol=1e-8)
 
 
 def test_a_row_of_elements_is_as_stiff_as_the_formula_says():
