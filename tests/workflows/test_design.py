@@ -553,6 +553,14 @@ def test_a_value_close_to_the_end_of_its_range_is_not_said_to_be_the_end(slow):
     assert limit.said == "ball diameter 4.97 mm is close to the greatest allowed, 5 mm"
 
 
+def test_what_a_range_of_amplitudes_without_a_verdict_would_give_is_not_said(slow):
+    """The structure does not endure a least amplitude that is 5 % larger."""
+    space = space_of(slow, ball_material=None, ball_diameter=["2 mm", "5 mm"], clearance=["0.5 mm", "1 mm"])
+    optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3, amplitude=space.goal.low), 2)
+    (limit,) = report.active_constraints(space, optimum, lambda *_: [Evaluation(0.0, -objectives.NONE)])
+    assert (limit.name, limit.gain) == ("amplitude", None)
+
+
 def test_progress_names_the_best_so_far(slow):
     """Nothing works, then 0.2 %, which 0.1 % does not change."""
     worth, told = iter([None, 2e-3, 1e-3]), []

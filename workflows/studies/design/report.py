@@ -200,7 +200,7 @@ def _amplitude_constraint(space: Space, optimum: Optimum, score: Score) -> list[
         if abs(evaluation.amplitude / end - 1) < _AT_END and narrower.low < narrower.high:
             said = f"the damping is least at the {name} amplitude required, {significant(1e3 * end)} mm"
             (further,) = score(replace(space, goal=narrower), optimum.shares[None], False)
-            return [ActiveConstraint("amplitude", said, further.value / evaluation.value - 1)]
+            return [ActiveConstraint("amplitude", said, _gain(optimum, further))]
     return []
 
 
