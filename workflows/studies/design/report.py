@@ -65,7 +65,7 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         if not _AT_END < optimum.shares[k] < 1 - _AT_END:
             constraints += _range_end(space, optimum, score, k)
     for axis in space.axes:
-        if axis.spread is None or axis.key.whole:
+        if not axis.is_continuous:
             constraints += _list_end(space, optimum, score, axis)
     constraints += _fit_constraint(space, optimum, score)
     return (*constraints, *_amplitude_constraint(space, optimum, score))
@@ -76,19 +76,13 @@ def _varies(space: Space, optimum: Optimum, score: Score, limit: str) -> bool:
     values, used = space.values(optimum.shares), dict(optimum.evaluation.used)[limit]
     for k, axis in enumerate(space.axes):
         near = optimum.shares[k] + (_FURTHER if optimum.shares[k] < 0.5 else -_FURTHER)
-        others = axis.at(np.array([near])) if k in space.continuous else _choices(axis)
+        others = axis.at(np.array([near])) if axis.is_continuous else axis.choices
         for other in others:
             if other != values[axis.name]:
                 share = dict(_with_value(space, optimum, axis, other, score).used).get(limit, used)
                 if not math.isclose(share, used, rel_tol=1e-9):
                     return True
     return False
-
-
-def _choices(axis: Axis) -> tuple[Value, ...]:
-    """All values of a list, or of a range of whole numbers."""
-    spread = axis.spread
-    return axis.values if spread is None else tuple(range(math.ceil(spread.low), math.floor(spread.high) + 1))
 
 
 def _with_value(
@@ -126,7 +120,7 @@ def _list_end(space: Space, optimum: Optimum, score: Score, axis: Axis) -> list[
 
     Beyond it lies the next whole number, or a length that is 5 % further.
     """
-    numbers = [each for each in _choices(axis) if isinstance(each, int | float) and math.isfinite(each)]
+    numbers = [each for each in axis.choices if isinstance(each, int | float) and math.isfinite(each)]
     value = space.values(optimum.shares)[axis.name]
     if len(numbers) < 2 or not isinstance(value, int | float) or value not in (min(numbers), max(numbers)):
         return []

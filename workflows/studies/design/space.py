@@ -93,7 +93,7 @@ class Space:
     @property
     def continuous(self) -> list[int]:
         """Numbers of the axes that are ranges."""
-        return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
+        return [k for k, axis in enumerate(self.axes) if axis.is_continuous]
 
     @property
     def bounded(self) -> list[str]:

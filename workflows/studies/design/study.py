@@ -31,8 +31,6 @@ from workflows.studies.design.space import Optimum, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
 from workflows.studies.sweep.executor import Workers
-from workflows.studies.sweep.plan import Axis
-from workflows.versions import versions
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Evaluation]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""
@@ -75,7 +73,7 @@ class Designs:
     def _read(self, path: Path, seed: int) -> dict[str, Evaluation]:
         """Scores from before, without a last line that was cut off; the file is ready for further ones."""
         source = self._space.source
-        origin = (executor.digest(), versions(), source.scene.model_dump_json(), source.mesh_sha256, seed)
+        origin = (executor.identity(), source.scene.model_dump_json(), source.mesh_sha256, seed)
         digest, scores = hashlib.sha256(repr(origin).encode()).hexdigest(), dict[str, Evaluation]()
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         adapter = TypeAdapter(Evaluation)
@@ -122,17 +120,9 @@ def search(space: Space, designs: Designs, seed: int) -> Optimum:
 
 def _few(space: Space) -> Floats | None:
     """All choices and whole numbers, and values all over the ranges, where that makes few designs; else None."""
-    shares = [_all_shares(axis) for axis in space.axes]
+    counts = [None if axis.is_continuous else len(axis.choices) for axis in space.axes]
+    shares = [np.linspace(0.0, 1.0, MAP) if n is None else (np.arange(n) + 0.5) / n for n in counts]
     return np.array(list(product(*shares))) if math.prod(map(len, shares)) <= _FEW else None
-
-
-def _all_shares(axis: Axis) -> Floats:
-    """Shares of an axis: of each of its values, and all over its range."""
-    if axis.spread is not None and not axis.key.whole:
-        return np.linspace(0.0, 1.0, MAP)
-    spread = axis.spread
-    count = len(axis.values) if spread is None else math.floor(spread.high) - math.ceil(spread.low) + 1
-    return (np.arange(count) + 0.5) / count
 
 
 def _best_of(score: Score, shares: Floats) -> Floats:

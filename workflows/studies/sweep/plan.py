@@ -253,6 +253,17 @@ class Axis:
         """Of the dimension or coordinate."""
         return self.key.name
 
+    @property
+    def is_continuous(self) -> bool:
+        """Whether it is a range of numbers that need not be whole."""
+        return self.spread is not None and not self.key.whole
+
+    @property
+    def choices(self) -> Sequence[Value]:
+        """All values of a list, or of a range of whole numbers."""
+        spread = self.spread
+        return self.values if spread is None else range(math.ceil(spread.low), math.floor(spread.high) + 1)
+
     def at(self, shares: Floats) -> list[Value]:
         """Its values at shares from 0 to 1: of its spread, or one of its values each."""
         if self.spread is None:
