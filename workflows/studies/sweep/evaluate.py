@@ -154,13 +154,7 @@ def empty(count: int) -> Rows:
 
 
 def block(
-    source: SceneFile,
-    plan: Plan,
-    begin: int,
-    end: int,
-    speeds: tuple[float, ...],
-    *,
-    quick: bool = False,
+    source: SceneFile, plan: Plan, begin: int, end: int, speeds: tuple[float, ...], *, quick: bool = False
 ) -> Rows:
     """The headline numbers of the points from `begin` to before `end`.
 
