@@ -36,14 +36,14 @@ def main(count: int = 10_000, scene: str = "design", best: str = "") -> int:
         began, worth, near = time.perf_counter(), [], []
         for begin in range(0, count, AT_ONCE):
             part = rows[begin : begin + AT_ONCE]
-            found = study.evaluate_on_workers(workers, executor.digest(), free, part, quick=True)
+            found = study.evaluate_on_workers(workers, free, part, quick=True)
             worth += [each for each in found if each.works]
             near += [
                 row for row, each in zip(part, found, strict=True) if each.works and _near(each.value, known, sign)
             ]
             if begin % (16 * AT_ONCE) == 0:
                 print(f"{begin + len(part)} designs, {len(worth)} work", flush=True)
-        again = study.evaluate_on_workers(workers, executor.digest(), free, np.array(near), quick=False) if near else []
+        again = study.evaluate_on_workers(workers, free, np.array(near), quick=False) if near else []
     better = [each.value for each in again if each.works and sign * (each.value - known) > 0]
     most = max((sign * each.value for each in worth), default=0.0)
     took = time.perf_counter() - began

@@ -5,7 +5,6 @@ import math
 import re
 import tomllib
 from dataclasses import fields, replace
-from functools import partial
 from pathlib import Path
 
 import meshio
@@ -33,7 +32,6 @@ from workflows.studies.design.objectives import Evaluation, Obstacle
 from workflows.studies.design.report import active_constraints, verdict
 from workflows.studies.design.space import Optimum, design_space, evaluate_designs
 from workflows.studies.design.study import design
-from workflows.studies.sweep.evaluate import PlateCache
 
 TEXTS = tomllib.loads(Path(__file__).with_name("blades.toml").read_text(encoding="utf-8"))
 SCENE, DAMPER, PLATE = (TEXTS[name] for name in ("scene", "damper", "plate"))
@@ -297,7 +295,7 @@ def test_a_design_whose_cavity_sticks_out_of_a_solid_blade_is_not_feasible(brick
     """
     space = design_space(with_clearances(bricks, 8, 36, 6.06))
     rows = (np.arange(3)[:, None] + 0.5) / 3
-    thick, large, fits = evaluate_designs(space, rows, PlateCache(), quick=True)
+    thick, large, fits = evaluate_designs(space, rows, quick=True)
     assert "[damper] cavity = " in large.why.text
     assert re.search("the box of 40 x 40 x 4 mm .* only \\d+ % of it is in metal", large.why.text)
     assert (thick.why.kind, thick.impossible) == ("sticks_out", True)
@@ -305,8 +303,8 @@ def test_a_design_whose_cavity_sticks_out_of_a_solid_blade_is_not_feasible(brick
     assert not fits.impossible
     for longest, named in ((6.06, ["fit"]), (1.5, ["clearance"]), (3, [])):
         space = design_space(with_clearances(bricks, 0.5, 1, longest))
-        (best,) = evaluate_designs(space, rows[2:], PlateCache(), quick=True)
-        limits = active_constraints(space, Optimum(rows[2], best, 3), partial(_scored, PlateCache()))
+        (best,) = evaluate_designs(space, rows[2:], quick=True)
+        limits = active_constraints(space, Optimum(rows[2], best, 3), _scored)
         assert [each.name for each in limits if each.name != "amplitude"] == named, (
             "a clearance 5 % longer than the first does not fit; longer than the last, the ball damps less"
         )
@@ -335,8 +333,8 @@ def test_that_a_cavity_has_to_fit_limits_where_a_larger_one_would_be_better(bric
     assert limit.said == "the cavity has to lie within the blade, which limits the clearance"
 
 
-def _scored(plates, space, shares, quick):
-    return evaluate_designs(space, shares, plates, quick=quick)
+def _scored(space, shares, quick):
+    return evaluate_designs(space, shares, quick=quick)
 
 
 def test_a_design_space_in_which_no_cavity_fits_says_by_how_much_the_least_sticks_out(bricks, no_workers):

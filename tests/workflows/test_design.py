@@ -29,7 +29,6 @@ from workflows.studies.design import space as spaces
 from workflows.studies.design.objectives import Evaluation, Obstacle
 from workflows.studies.design.space import Optimum
 from workflows.studies.sweep import evaluate, executor
-from workflows.studies.sweep.evaluate import PlateCache
 
 SHIPPED_DESIGN = shipped_scene("design") | {"accuracy": {"frequency": 0.02}}
 FREE = {
@@ -189,7 +188,7 @@ def test_the_least_damping_on_a_plate_is_that_of_the_curve_of_its_run(paper):
     space = spaces.design_space(as_scene_file(scene | {"design": free}))
     shares = np.array([0.5])
     (found,) = score_of(space)(shares[None], quick=False)
-    optimum = spaces.measured_again(space, Optimum(shares, found, 1), PlateCache())
+    optimum = spaces.measured_again(space, Optimum(shares, found, 1))
     point = spindamp.run(study.winner(space, optimum)).speeds[0]
     best = optimum.evaluation
     assert best.works
@@ -198,8 +197,7 @@ def test_the_least_damping_on_a_plate_is_that_of_the_curve_of_its_run(paper):
 
 
 def score_of(space):
-    plates = PlateCache()
-    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), plates, quick=quick)
+    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), quick=quick)
 
 
 def test_limits_and_bound(slow):
@@ -219,7 +217,7 @@ def test_limits_and_bound(slow):
 def test_the_plates_thickness_is_room():
     space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
     shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = spaces.evaluate_designs(space, np.array([shares]), PlateCache(), quick=True)
+    (found,) = spaces.evaluate_designs(space, np.array([shares]), quick=True)
     assert found.value == 0.0
     assert any(what in report.infeasible("", 0.0, found) for what in ("cavity", "thickness"))
 
@@ -243,14 +241,14 @@ def test_the_plates_thickness_is_room():
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa."""
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, **changes)))
-    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), quick=True)
     assert found.impossible
     assert why in report.infeasible("", 0.0, found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), PlateCache(), quick=True)
+    (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), quick=True)
     said = str(study._infeasible(space.source, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
@@ -258,7 +256,7 @@ def test_what_has_no_verdict_is_no_design(changes, why):
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """9.10 mm strain the root of the paper's plate at rest by 0.4 %, h/2 1.8751² A / L², and by more as it turns."""
     space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, design__amplitude=["4 mm", "20 mm"])))
-    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), PlateCache(), quick=True)
+    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), quick=True)
     assert 0.9 < found.endured / (4e-3 * 0.2**2 / (0.005 * 1.8751**2)) < 1.0
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith(f"a blade, at amplitudes that the structure endures (up to {1e3 * found.endured:.3g} mm)")
@@ -267,7 +265,7 @@ def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
 def test_the_cutoff_is_that_of_the_damper():
     space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
     shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Optimum(shares, spaces.evaluate_designs(space, shares[None], PlateCache(), quick=True)[0], 1)
+    found = Optimum(shares, spaces.evaluate_designs(space, shares[None], quick=True)[0], 1)
     for case, curve in report.damping_curves(space, found, space.goal):
         damper = case.verdict_damper
         assert objectives.cutoff_of(damper) == curve.cutoff == damping_curve(damper, sweeps=2, stay=8).cutoff
@@ -282,9 +280,8 @@ def test_a_design_says_what_else_moves_its_ball():
     turned = {"rotor__stagger": "60 deg", "rotor__speeds": ["10000 rpm"], "damper__rolling_friction": "0.005 mm"}
     scene = as_scene_file(changed(SHIPPED_DESIGN, **turned))
     space, shares = spaces.design_space(scene), np.array([0.5, 0.8, 0.5, 0.0])
-    plan, plates = space.plan(shares[None]), PlateCache()
-    (found,) = spaces.evaluate_designs(space, shares[None], plates, quick=True)
-    case = next(evaluate.damper_cases(scene, plan, 0, plates, evaluate.empty(plan.size), []))
+    (found,) = spaces.evaluate_designs(space, shares[None], quick=True)
+    case = next(evaluate.damper_cases(scene, space.plan(shares[None])))
     (point,) = spindamp.run(case.scene).speeds
     assert found.cutoff == pytest.approx(point.damping_curve.cutoff, rel=1e-3)
     assert found.driven_from == pytest.approx(point.damping_curve.driven_from, rel=1e-3)
@@ -380,9 +377,9 @@ def test_designs_stay_known_until_they_are_confirmed(shaken, crossed, here, tmp_
     """
     rows, score, path = [], spaces.evaluate_designs, tmp_path / "designs"
 
-    def counted(space, shares, plates, *, quick):
+    def counted(space, shares, *, quick):
         rows.append(len(shares))
-        return score(space, shares, plates, quick=quick)
+        return score(space, shares, quick=quick)
 
     def found():
         rows.clear()
@@ -523,7 +520,7 @@ def test_a_limit_that_nothing_free_changes_limits_nothing(slow):
         assert dict(evaluation.used)["mass"] == pytest.approx(0.985, rel=1e-9)
 
         def by_formula(space, shares, quick):
-            return spaces.evaluate_designs(space, np.asarray(shares), PlateCache(), quick=quick)
+            return spaces.evaluate_designs(space, np.asarray(shares), quick=quick)
 
         constraints = report.active_constraints(space, Optimum(shares, evaluation, 2), by_formula)
         assert ([each.said for each in constraints] == ["98 % of the mass allowed is used"]) is limited
@@ -554,6 +551,14 @@ def test_a_value_close_to_the_end_of_its_range_is_not_said_to_be_the_end(slow):
     optimum = Optimum(np.array([0.99, 0.5]), Evaluation(1e-3, 1e-3), 1)
     (limit,) = report.active_constraints(space, optimum, lambda *_: [Evaluation(2e-3, 2e-3)])
     assert limit.said == "ball diameter 4.97 mm is close to the greatest allowed, 5 mm"
+
+
+def test_what_a_range_of_amplitudes_without_a_verdict_would_give_is_not_said(slow):
+    """The structure does not endure a least amplitude that is 5 % larger."""
+    space = space_of(slow, ball_material=None, ball_diameter=["2 mm", "5 mm"], clearance=["0.5 mm", "1 mm"])
+    optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3, amplitude=space.goal.low), 2)
+    (limit,) = report.active_constraints(space, optimum, lambda *_: [Evaluation(0.0, -objectives.NONE)])
+    assert (limit.name, limit.gain) == ("amplitude", None)
 
 
 def test_progress_names_the_best_so_far(slow):
@@ -642,7 +647,7 @@ def test_why_none_works(slow, here):
     needed = 1e-4 * 1e-4 / found.optimum.evaluation.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = spaces.evaluate_designs(other, found.optimum.shares[None], PlateCache(), quick=True)
+        (again,) = spaces.evaluate_designs(other, found.optimum.shares[None], quick=True)
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert "best damper" not in report.render(found)
@@ -765,9 +770,7 @@ def at_the_crossing(scene, share=0.0):
 
 
 def placed_of(space, shares):
-    rows = evaluate.empty(len(space.goal.speeds))
-    plan = space.plan(np.array([shares]))
-    return list(evaluate.damper_cases(space.solved_as, plan, 0, PlateCache(), rows, []))
+    return list(evaluate.damper_cases(space.solved_as, space.plan(np.array([shares]))))
 
 
 def test_one_of_amplitudes_and_excitation(shaken):
@@ -818,8 +821,8 @@ def test_the_tuned_absorber(shaken, here, monkeypatch):
     )
     tried, score = {}, spaces.evaluate_designs
 
-    def kept(space, shares, plates, *, quick):
-        found = score(space, shares, plates, quick=quick)
+    def kept(space, shares, *, quick):
+        found = score(space, shares, quick=quick)
         radii = [space.values(row)["damper.floor_radius"] for row in shares]
         tried.update({(radius, quick): each for radius, each in zip(radii, found, strict=True)})
         return found

@@ -20,7 +20,6 @@ from workflows.report import verdict
 from workflows.scene.load import as_scene_file
 from workflows.solve import coupling, damper, limits
 from workflows.solve.results import Reduced, Results, SpeedPoint, leading_mode
-from workflows.studies.sweep.evaluate import damper_curve
 
 QUIET = Stages(visible=False)
 ROUGH = {"accuracy__frequency": 0.05}
@@ -443,7 +442,6 @@ def test_falling_vibration_feeds_the_other_modes() -> None:
     system, _ = built(scene)
     assert len(system.modes) == 3
     found = damping_curve(system)
-    assert damper_curve(system, {}).from_above.peak == found.from_above.peak, "sweeps and designs have what a run has"
     middle, bare = found.from_above.peak_amplitude, undamped(system)
     ratios = []
     for part in (0.97, 0.98, 0.99, 1.01, 1.02, 1.03):

@@ -40,6 +40,12 @@ def test_values_are_read_in_si(text, values):
     assert found == tuple(values) if isinstance(values[0], str | bool) else np.allclose(found, values, rtol=1e-12)
 
 
+def test_a_deviation_is_no_number_of_points():
+    """Of Young's modulus in Pa it is larger than any number of points may be."""
+    found = axis("material.youngs_modulus=normal:182600000000:1826000000")
+    assert (found.spread.mean, found.spread.deviation, found.values) == (182.6e9, 1.826e9, ())
+
+
 @pytest.mark.parametrize(("text", "says"), VARIED["wrong"])
 def test_errors_name_key_and_value(text, says):
     with pytest.raises(BadInput) as found:

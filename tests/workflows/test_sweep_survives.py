@@ -18,7 +18,7 @@ from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.progress import Stages
 from workflows.studies.sweep import evaluate, executor, store, study
-from workflows.studies.sweep.evaluate import Block
+from workflows.studies.sweep.evaluate import Rows
 from workflows.studies.sweep.executor import Workers
 
 VARY = {"damper.friction": [0.1, 0.2, 0.4], "damper.restitution": [0.3, 0.6]}
@@ -31,7 +31,7 @@ COORDINATES, ARRAYS = 4, len(evaluate.QUANTITIES) + 2
 """Writings before the first block, and those of each block."""
 
 
-COMPUTED: dict[tuple[int, int], Block] = {}
+COMPUTED: dict[tuple[int, int], Rows] = {}
 """The rows of each region of the one study here, which are computed once for all tests."""
 
 
@@ -196,7 +196,7 @@ def test_a_plate_is_solved_at_sampled_speeds_of_a_whole_region_whatever_its_part
     """Each part at its own speeds took four times as long, and gave other last digits."""
     in_blocks(monkeypatch, 256, 64)
     asked, seen = study.of_scene("structure", ["rotor.speeds=3000 rpm:9000 rpm"], count=8, quick=True), []
-    monkeypatch.setattr(evaluate, "block", lambda *known, **_: seen.append(known[5]))
+    monkeypatch.setattr(evaluate, "block", lambda *known, **_: seen.append(known[4]))
     (region,) = asked.regions()
     for part in asked.parts(region):
         study.compute(asked, part)

@@ -312,8 +312,7 @@ class StudyResult:
 
     def document(self) -> dict[str, Any]:
         """The machine-readable result."""
-        entries: dict[str, Any] = self.report.document(self)
-        return entries
+        return {"schema_version": 1, **self.report.document(self)}
 
     def __repr__(self) -> str:
         return formatting.plain(self.report.text(self))

@@ -140,7 +140,7 @@ class Quantity:
     """A quantity of records by the name that a data set has for it, beside those of all other records.
 
     Attributes:
-        kind: `number`, `integer` or `string`.
+        kind: `number`, `integer` or `string`; or, of columns of a sweep, a data type.
         path: keys that lead to it in published data; where one leads to a list, the next is that list's dimension.
         end: which number of a pair it is.
         headline: whether sweeps have a column of it.
@@ -149,11 +149,16 @@ class Quantity:
     name: str
     unit: str
     meaning: str
-    kind: str
-    path: tuple[str, ...]
-    dims: tuple[str, ...]
-    end: int | None
-    headline: bool
+    kind: str = "number"
+    path: tuple[str, ...] = ()
+    dims: tuple[str, ...] = ()
+    end: int | None = None
+    headline: bool = False
+
+    @property
+    def dtype(self) -> str:
+        """Its data type."""
+        return {"number": "f8", "integer": "i8"}.get(self.kind, self.kind)
 
     @property
     def attributes(self) -> dict[str, str]:

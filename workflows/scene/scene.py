@@ -720,6 +720,12 @@ class Scene(Table):
         return 1 if self.damper is None else self.damper.count
 
     @property
+    def stop_cycles(self) -> float | None:
+        """Cycles after which a ring-down ends; None: it goes on until the ball is at rest."""
+        cycles = "auto" if self.release is None else self.release.cycles
+        return None if isinstance(cycles, str) else cycles
+
+    @property
     def budget(self) -> Budget:
         """What each cause may add to the errors allowed."""
         return Budget(self.accuracy.frequency, self.accuracy.damping)

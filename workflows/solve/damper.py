@@ -194,10 +194,8 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> results.Damping:
     release = coupling.release_displacement(scene, point, system)
-    cycles = scene.release.cycles if scene.release is not None else "auto"
-    stop_cycles = None if isinstance(cycles, str) else cycles
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
-    motion = damper.ringdown(system, release, stop_cycles, **how, keep_events=keep, progress=_look_up)
+    motion = damper.ringdown(system, release, scene.stop_cycles, **how, keep_events=keep, progress=_look_up)
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity

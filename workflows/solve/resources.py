@@ -151,10 +151,8 @@ def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], 
         most = most_unknowns(source, form, model, large)
         modes, first = scene.rotor.modes, int(_first_unknowns(form, model, scene.rotor.modes, most))
         needed = max(needed, BASE + _beside_the_plate(source) + of_a_plate(model, first, modes, large))
-    release = scene.release
-    rings = 0 if scene.damper is None or release is None else speeds
-    stop_cycles = None if release is None or isinstance(release.cycles, str) else float(release.cycles)
-    return Sizes(speeds, modes, first, rings, None if stop_cycles is None else rings * stop_cycles, needed)
+    rings, stop_cycles = 0 if scene.damper is None or scene.release is None else speeds, scene.stop_cycles
+    return Sizes(speeds, modes, first, rings, None if stop_cycles is None else float(rings * stop_cycles), needed)
 
 
 def most_unknowns(source: SceneFile, form: Planform, model: str, large_deflection: bool) -> int:

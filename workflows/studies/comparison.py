@@ -17,7 +17,7 @@ from workflows.report import plots, remarks, verdict
 from workflows.report.templates import from_template
 from workflows.report.text import COLUMNS, wrapped
 from workflows.report.text import run as solved
-from workflows.scene.load import SceneFile, SceneLike, as_scene_file
+from workflows.scene.load import SceneFile, SceneLike, as_scene_file, keys
 from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.sweep import plan
@@ -40,8 +40,8 @@ class Comparison(StudyResult):
     def differences(self) -> dict[str, tuple[Any, ...]]:
         """Keys of the resolved scenes that are not the same in all, with the value in each, None where it has none."""
         scenes = [_keys(each) for each in self.results]
-        keys = dict.fromkeys(key for scene in scenes for key in scene)
-        values = {key: tuple(scene.get(key) for scene in scenes) for key in keys if key != "title"}
+        every = dict.fromkeys(key for scene in scenes for key in scene)
+        values = {key: tuple(scene.get(key) for scene in scenes) for key in every if key != "title"}
         if len({*values.get(_MATERIAL, ())} - {None}) == 1:  # where it is none, the material is its density
             del values[_MATERIAL]
         return {key: each for key, each in values.items() if any(value != each[0] for value in each[1:])}
@@ -52,10 +52,10 @@ class Comparison(StudyResult):
         return " · ".join(dict.fromkeys(each.scene.title for each in self.results))
 
     @property
-    def points(self) -> list[tuple[float, list[SpeedPoint | None]]]:
-        """Every speed of any run [rpm], with what each run has there."""
-        by_speed = [{point.rpm: point for point in each.speeds} for each in self.results]
-        return [(rpm, [points.get(rpm) for points in by_speed]) for rpm in sorted(set().union(*by_speed))]
+    def points(self) -> list[tuple[str, Results, SpeedPoint]]:
+        """Every speed of each run, after its name and results, in the order of the speeds."""
+        runs = zip(self.names, self.results, strict=True)
+        return sorted(((name, of, point) for name, of in runs for point in of.speeds), key=lambda each: each[2].rpm)
 
 
 def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -> Comparison:
@@ -100,11 +100,11 @@ _MATERIAL, _DENSITY = "damper.ball_material", "damper.ball_density"
 
 def _keys(results: Results) -> dict[str, Any]:
     """The resolved scene by dotted names, the ball's density among them, which follows from a material or a mass."""
-    keys = dict(_flat(provenance.resolved_scene(results.scene, results.effects, results.theory)))
+    values = dict(_flat(provenance.resolved_scene(results.scene, results.effects, results.theory)))
     damper = results.scene.damper
     if damper is None or damper.balls is None:
-        return keys
-    return keys | {_DENSITY: damper.ball_density or float(f"{damper.density(damper.balls):.3g}")}
+        return values
+    return values | {_DENSITY: damper.ball_density or float(f"{damper.density(damper.balls):.3g}")}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -122,19 +122,16 @@ _COLUMNS = [column for column in COLUMNS if column.key not in _LEFT_OUT]
 _ERROR_MEANS = "± %: estimated relative error of the figure to its left."
 _HEADS = ("rpm", "run", *(column.head for column in _COLUMNS), "useful")
 
-_SAID = {"no_verdict": remarks.NO_VERDICT, "beyond_endured": remarks.BEYOND}
-"""What marks of a damping ratio say, in files."""
-
 
 def rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """A row for each speed and each run that has it, in the order of the speeds; None where a run has no figure."""
+    """A row for each speed of each run, with what its marks stand for; None where a run has no figure."""
     table = []
-    for rpm, points in comparison.points:
-        for name, results, point in zip(comparison.names, comparison.results, points, strict=True):
-            if point is not None:
-                row = {"rpm": rpm, "run": name, "verdict": point.verdict and str(point.verdict.grade)}
-                row |= {each.key: each.value(results, point) for each in _COLUMNS}
-                table.append(row | {"marks": {each.key: each.mark(results, point) for each in _COLUMNS}})
+    for name, results, point in comparison.points:
+        row = {"rpm": point.rpm, "run": name, "verdict": point.verdict and str(point.verdict.grade)}
+        row |= {each.key: each.value(results, point) for each in _COLUMNS}
+        mark = remarks.mark(results, point)
+        row |= {"cutoff_at_rest": bool(remarks.cutoff_mark(results, point)), "no_verdict": mark == remarks.NO_VERDICT}
+        table.append(row | {"beyond_endured": mark == remarks.BEYOND})
     return table
 
 
@@ -150,7 +147,7 @@ def text(comparison: Comparison) -> str:
     differences = [(key, *values) for key, values in _differences(comparison)]
     lines += aligned([("scene", *comparison.names), *differences]) if differences else ["The scenes are the same."]
     legend = [part for line in _legend(comparison) for part in wrapped(line)]
-    return "\n".join([*lines, "", *aligned([_HEADS, *map(_cells, rows(comparison))]), *legend])
+    return "\n".join([*lines, "", *aligned([_HEADS, *_cells(comparison)]), *legend])
 
 
 def _legend(comparison: Comparison) -> list[str]:
@@ -162,9 +159,14 @@ def _legend(comparison: Comparison) -> list[str]:
     return list(dict.fromkeys([_ERROR_MEANS, *marks]))
 
 
-def _cells(row: dict[str, Any]) -> tuple[str, ...]:
-    cells = (each.written(row[each.key]) + row["marks"][each.key] for each in _COLUMNS)
-    return (whole(row["rpm"]), row["run"], *cells, row["verdict"] or DASH)
+def _cells(comparison: Comparison) -> list[tuple[str, ...]]:
+    """The same rows as a person reads them."""
+    table = []
+    for name, results, point in comparison.points:
+        cells = (each.cell(results, point) for each in _COLUMNS)
+        grade = DASH if point.verdict is None else str(point.verdict.grade)
+        table.append((whole(point.rpm), name, *cells, grade))
+    return table
 
 
 _ITEMS = 6
@@ -175,8 +177,7 @@ def _differences(comparison: Comparison) -> list[tuple[str, list[str]]]:
     """Keys of the scenes that are not the same in all, with their units, and the value in each."""
     table = []
     for key, values in comparison.differences.items():
-        in_scenes = key in plan.every() or key.startswith("design.")
-        factor, unit = readable(plan.Key(key, key, None).unit if in_scenes else "")
+        factor, unit = readable(plan.Key(key, key).unit if key in keys() else "")
         table.append((f"{key}, {unit}" if unit else key, [_value(value, factor) for value in values]))
     return table
 
@@ -205,18 +206,10 @@ def _runs(comparison: Comparison) -> list[dict[str, str]]:
 def document(comparison: Comparison) -> dict[str, Any]:
     """The machine-readable result."""
     return {
-        "schema_version": 1,
         "runs": _runs(comparison),
         "differences": {key: list(values) for key, values in comparison.differences.items()},
-        "rows": [_record(row) for row in rows(comparison)],
+        "rows": rows(comparison),
     }
-
-
-def _record(row: dict[str, Any]) -> dict[str, Any]:
-    """A row with what its marks stand for."""
-    said = {"cutoff_at_rest": bool(row["marks"]["cutoff_g"])}
-    said |= {name: row["marks"]["damping_ratio_percent"] == each for name, each in _SAID.items()}
-    return {name: value for name, value in row.items() if name != "marks"} | said
 
 
 @plots.style()
@@ -244,20 +237,19 @@ def draw(comparison: Comparison) -> str:
 def files(comparison: Comparison) -> dict[str, str | bytes]:
     """The files beside `compare.json`."""
     figure, table = draw(comparison), rows(comparison)
-    records = [_record(row) for row in table]
     page = from_template(
         "compare.html.j2",
         result=comparison,
         runs=_runs(comparison),
         differences=_differences(comparison),
         heads=_HEADS,
-        rows=[_cells(row) for row in table],
+        rows=_cells(comparison),
         marks=_legend(comparison),
-        hollow=any(row["marks"]["damping_ratio_percent"] for row in table),
+        hollow=any(remarks.mark(results, point) for _, results, point in comparison.points),
         figure=figure,
     )
     return {
-        "compare.csv": as_table(dict.fromkeys(key for record in records for key in record), records),
+        "compare.csv": as_table(dict.fromkeys(key for row in table for key in row), table),
         "compare.svg": plots.standalone(figure),
         "report.html": page,
     }

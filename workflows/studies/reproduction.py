@@ -26,7 +26,7 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
 from workflows.solve.damper import particle_damper, simulate
-from workflows.solve.results import Figures, Floats, SpeedPoint
+from workflows.solve.results import Damping, Figures, Floats, SpeedPoint
 
 FORMULATIONS = ("printed", "consistent")
 SHOWN = 3
@@ -65,6 +65,11 @@ class PaperRun:
     def plate(self) -> tuple[SpeedPoint, ...]:
         """The seven speeds, consistent formulation; the structure is the same in both."""
         return self.points["consistent"]
+
+    @property
+    def dampings(self) -> list[list[Damping]]:
+        """The ring-downs of each formulation at the seven speeds."""
+        return [[point.damper for point in self.points[f] if point.damper is not None] for f in FORMULATIONS]
 
     @property
     def gravity(self) -> float:
@@ -142,10 +147,9 @@ def sweeps(study: PaperRun) -> dict[str, Family]:
     load = {
         formulation: [
             CapacityCurve(f"{p.load_g:.0f} g", d.amplitude_g, d.sdc, d.sdc - d.intrinsic_sdc, d.cutoff_g)
-            for p in points
-            if (d := p.damper) is not None
+            for p, d in zip(study.plate, dampings, strict=True)
         ]
-        for formulation, points in study.points.items()
+        for formulation, dampings in zip(FORMULATIONS, study.dampings, strict=True)
     }
     return {
         "load": load,
@@ -238,11 +242,11 @@ def of_table_two(study: PaperRun) -> Iterator[Claim]:
 
 
 def _cutoffs(study: PaperRun, loads: list[float]) -> Iterator[Claim]:
-    dampings = [[point.damper for point in study.points[f] if point.damper is not None] for f in FORMULATIONS]
-    cutoffs = [[math.nan if d.cutoff_g is None else d.cutoff_g for d in each] for each in dampings]
+    cutoffs = [[math.nan if d.cutoff_g is None else d.cutoff_g for d in each] for each in study.dampings]
     ratios = [[cutoff / load for cutoff, load in zip(each, loads, strict=True)] for each in cutoffs]
     printed, consistent = cutoffs
-    decay = 1 / math.sqrt(1 - dampings[1][0].intrinsic_sdc)
+    ring_downs = study.dampings[1]
+    decay = 1 / math.sqrt(1 - ring_downs[0].intrinsic_sdc)
     # As close to the table's as two cycles resolve.
     resolved = [abs(math.log(c / r.cutoff)) <= 2 * math.log(decay) for c, r in zip(consistent, TABLE_II, strict=True)]
     yield _claim("T2-cutoff-high", (printed[2:], consistent[2:]), judge(all(resolved[2:])), decay=decay, both=decay**2)
@@ -252,7 +256,7 @@ def _cutoffs(study: PaperRun, loads: list[float]) -> Iterator[Claim]:
     rises = judge(sorted(consistent) == consistent and sorted(printed) == printed)
     yield _claim("T2-cutoff-rises", (printed[-1] / printed[0], consistent[-1] / consistent[0]), rises)
     # Most that a cycle of the ring-down loses beyond what the structure's own damping takes.
-    most = [0.0 if d.peak_sdc is None else d.peak_sdc - d.intrinsic_sdc for d in dampings[1]]
+    most = [0.0 if d.peak_sdc is None else d.peak_sdc - d.intrinsic_sdc for d in ring_downs]
     moves = all(map(_near_a_tenth, ratios[1]))
     verdict = judge(moves and min(most) >= SDC_RANGE[0], partly=moves)
     percents = {"most": 100 * max(most), "effective": 100 * SDC_RANGE[0]}
@@ -270,8 +274,8 @@ def _near_a_tenth(ratio: float) -> bool:
 
 def of_equations(study: PaperRun) -> Iterator[Claim]:
     """Sections I and II: rolling and sliding, impacts, sticking, time steps, the measure of damping."""
-    demands = [[p.damper.largest_rolling_demand or 0.0 for p in study.points[f] if p.damper] for f in FORMULATIONS]
-    friction = study.scene.damper.friction if study.scene.damper else 0.0
+    demands = [[damping.largest_rolling_demand or 0.0 for damping in each] for each in study.dampings]
+    friction = study.system("consistent").friction
     rolls = judge(max(demands[1]) <= friction, partly=min(demands[1]) <= friction)
     yield _claim("S1-rolls", (max(demands[0]), max(demands[1])), rolls, friction=friction)
     ratios = [_threshold(study, formulation) for formulation in FORMULATIONS]
@@ -282,8 +286,8 @@ def of_equations(study: PaperRun) -> Iterator[Claim]:
     yield _claim("S2-cap", losses, judge(min(losses) >= 0 and min(caps) > 0), printed=caps[0], capped=caps[1])
     yield _sticking(study)
     yield _steps(study)
-    energies = [damping.energy if (damping := study.points[f][SHOWN].damper) else None for f in FORMULATIONS]
-    shares = [energy.impact / (energy.impact + energy.rolling) if energy else math.nan for energy in energies]
+    energies = [each[SHOWN].energy for each in study.dampings]
+    shares = [energy.impact / (energy.impact + energy.rolling) for energy in energies]
     yield _claim("S2-measure", shares, judge(shares[1] > 0.99, partly=shares[1] > 0.1))
     gains = [100 * gain(study.system(formulation, damping_ratio=0.0)) for formulation in FORMULATIONS]
     yield _claim("S2-energy", gains, judge(max(gains) < 0, partly=gains[1] < 0))
@@ -357,9 +361,9 @@ def _steps(study: PaperRun) -> Claim:
 
 def of_figures(study: PaperRun, sweeps: dict[str, Family]) -> Iterator[Claim]:
     """Section III, figures 2 to 7: the ball over load, mass, cavity, release and radius."""
-    dampings = [study.points[f][SHOWN].damper for f in FORMULATIONS]
-    ends = [100 * damping.energy.ball_share if damping else 0.0 for damping in dampings]
-    peaks = np.zeros(1) if dampings[1] is None else dampings[1].peak_velocity
+    dampings = [each[SHOWN] for each in study.dampings]
+    ends = [100 * damping.energy.ball_share for damping in dampings]
+    peaks = dampings[1].peak_velocity
     decays = bool((peaks[:100] < peaks[0] / math.e).any())
     yield _claim("F2-decay", ends, judge(decays and ends[1] > 50, partly=decays))
 

@@ -23,7 +23,6 @@ def document(reproduction: Reproduction) -> dict[str, Any]:
     """The machine-readable result."""
     parts = {name: getattr(reproduction, name) for name in ("claims", "slips", "closure")}
     return {
-        "schema_version": 1,
         "versions": versions(),
         **json.loads(to_json(parts, inf_nan_mode="null")),
         "assumptions": TEXTS["assumptions"],
@@ -41,16 +40,15 @@ def draw(reproduction: Reproduction) -> list[Picture]:
 
 def _velocity(reproduction: Reproduction) -> str:
     figure, panels = plots.canvas(2.3, 2)
-    for axes, formulation in zip(panels, FORMULATIONS, strict=True):
-        damping = reproduction.study.points[formulation][SHOWN].damper
-        if damping is None or damping.history is None:
-            continue
+    for axes, formulation, dampings in zip(panels, FORMULATIONS, reproduction.study.dampings, strict=True):
+        history, stopped = dampings[SHOWN].history, dampings[SHOWN].stopped
+        assert history is not None
         for axis, name in enumerate("xy"):
             colour = plots.CATEGORIES[axis]
-            axes.plot(1e3 * damping.history.t, damping.history.velocity[:, axis], color=colour, lw=0.8, label=name)
+            axes.plot(1e3 * history.t, history.velocity[:, axis], color=colour, lw=0.8, label=name)
         axes.set(title=formulation, xlabel="time, ms")
-        if damping.stopped is not None:
-            axes.axvline(1e3 * damping.stopped, color=plots.INK, lw=0.8, ls=plots.DASHED)
+        if stopped is not None:
+            axes.axvline(1e3 * stopped, color=plots.INK, lw=0.8, ls=plots.DASHED)
     panels[0].set_ylabel("velocity, m/s")
     panels[0].legend(loc="upper right", ncols=2)
     return plots.svg(figure, "fig2", "Velocity of the structure over time")

@@ -338,7 +338,7 @@ def respond(source: SceneFile, stages: Stages | None = None) -> Response:
 
     reductions = excitation.estimates_at(solver, results, met, forcing)
     levels = forcing.levels
-    followed = with_levels(forcing, best_levels(forcing, reductions))
+    followed = with_levels(forcing, best_levels(reductions))
     response = _response(solver, results, met, followed, reductions if followed.levels == levels else None)
     if above := levels_above(response):
         response = _response(solver, results, met, with_levels(followed, above))
@@ -386,14 +386,19 @@ def best_level(reduction: VibrationReduction) -> float:
     Downwards, since the amplitude may jump beyond the best level, where another motion begins; below it the amplitude
     is no larger, and the ratio hardly so. Upwards only where no such level is in the range of those that help.
     """
-    (low, high), exact = reduction.range, Decimal(repr(reduction.level))
+    low, high = reduction.range
     near = max(low, (1 - _ROUNDED) * reduction.level)
     ways = (*((digits, ROUND_DOWN) for digits in (2, 3, 4)), (4, ROUND_UP))
-    rounded = (float(Context(prec=digits, rounding=way).create_decimal(exact)) for digits, way in ways)
+    rounded = (_rounded(reduction.level, *way) for way in ways)
     return next((level for level in rounded if near <= level <= high), reduction.level)
 
 
-def best_levels(forcing: Excitation, reductions: Sequence[VibrationReduction]) -> set[float]:
+def _rounded(level: float, digits: int, way: str) -> float:
+    """A level in so many digits."""
+    return float(Context(prec=digits, rounding=way).create_decimal(Decimal(repr(level))))
+
+
+def best_levels(reductions: Sequence[VibrationReduction]) -> set[float]:
     """The levels at which the ball does most by free vibration, where those asked for show much less."""
     best = set()
     for each in reductions:
@@ -418,8 +423,7 @@ def levels_above(response: Response) -> set[float]:
         each = passage.reduction
         shown = max((1 - row.ratio for row in rows(response, passage) if not is_beyond(response, row)), default=0.0)
         if math.isfinite(each.range[0]) and shown < _MUCH_LESS * (1 - each.ratio):
-            exact = Decimal(repr(min(_ABOVE * each.level, each.range[1])))
-            level = float(Context(prec=2, rounding=ROUND_DOWN).create_decimal(exact))
+            level = _rounded(min(_ABOVE * each.level, each.range[1]), 2, ROUND_DOWN)
             above |= {level} if level > each.level else set()
     return above - {*response.excitation.levels}
 
@@ -486,15 +490,14 @@ def _followed(
     share = coupling.resting_share(system, at) if axis == 0 else 1.0
     omega = _speeds(solver, met, system)
     cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
-    states = _steady_states(solver, crossing, cases(omega), axis)
+    steady_states = partial(_steady_states, solver, crossing, axis=axis)
+    states = steady_states(cases(omega))
     for _ in range(ROUNDS):
         largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
         more = beside_peaks(omega, largest)
-        others = _steady_states(solver, crossing, cases(more), axis)
-        omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
+        omega, states = _merged(omega, states, more, steady_states(cases(more)))
     if last := _just_at_rest(cases, forcing, omega, states):
-        more, others = np.array(list(last)), _steady_states(solver, crossing, list(last.values()), axis)
-        omega, states = np.sort([*omega, *more]), _merged(omega, states, more, others)
+        omega, states = _merged(omega, states, np.array(list(last)), steady_states(list(last.values())))
     levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
         driven_from = float((levels * states.moves_from).min())
@@ -505,9 +508,10 @@ def _followed(
     return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
 
 
-def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> damper.Forced:
-    """Steady states at some speeds and at others, with ascending speeds."""
-    order = np.argsort([*omega, *more])
+def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> tuple[Floats, damper.Forced]:
+    """Some speeds and others, ascending, and the steady states there."""
+    speeds = np.array([*omega, *more])
+    order = np.argsort(speeds)
 
     def both(name: str) -> Any:
         one, other = getattr(states, name), getattr(others, name)
@@ -515,7 +519,8 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
         every = np.concatenate([one.reshape(len(omega), -1, *shape), other.reshape(len(more), -1, *shape)])
         return every[order].reshape(-1, *shape)
 
-    return replace(states, **{field.name: both(field.name) for field in fields(states) if field.name != "starts"})
+    merged = {field.name: both(field.name) for field in fields(states) if field.name != "starts"}
+    return speeds[order], replace(states, **merged)
 
 
 def _speeds(solver: StructureSolver, met: excitation.Meeting, system: damper.ParticleDamper) -> Floats:

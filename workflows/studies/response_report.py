@@ -297,7 +297,6 @@ def document(result: Response) -> dict[str, Any]:
     """The machine-readable result: numbers are finite, an unknown one is None, SI unless a name says otherwise."""
     results = result.results
     return {
-        "schema_version": 1,
         "title": results.scene.title,
         "scene": provenance.resolved_scene(results.scene, results.effects, results.theory),
         **provenance.hashes(results),

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import DampingCurve, Harmonic, ParticleDamper, Start, forced, work_bound
+from damper import DampingCurve, Harmonic, ParticleDamper, Start, damping_curve, forced, work_bound
 from damper.curve_measurement import SWEEPS, settled
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
@@ -25,7 +25,7 @@ from workflows.solve.engine_orders import Crossing
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.solve.structure import StructureSolver
 from workflows.studies.response import without_pull
-from workflows.studies.sweep.evaluate import DamperCase, damper_curve
+from workflows.studies.sweep.evaluate import DamperCase
 
 BEYOND, NONE = 100.0, 200.0
 """What a design loses that exceeds a limit, and one that makes no sense."""
@@ -177,7 +177,7 @@ class LeastDamping:
 
     def _measured(self, case: DamperCase, how: dict[str, int]) -> tuple[float, float, float]:
         """The least damping ratio at a speed and the amplitude of that [m], and that of falling vibration."""
-        figures = damper_curve(case.verdict_damper, {}, reach=self.high, **how)
+        figures = damping_curve(case.verdict_damper, threads=1, reach=self.high, **how)
         return *least(figures, self.low, self.high), least(figures.descending, self.low, self.high)[0]
 
 
@@ -429,7 +429,7 @@ def amplitude(here: CrossedDamper, resting: float, *, quick: bool) -> float:
     """The greatest amplitude at a crossing, which is `resting` with the ball at rest [m]."""
     system = here.resting_crossing
     own = here.force / (2 * resting * system.stiffness[0])
-    figures = damper_curve(system, {}, reach=2 * resting, **(QUICK if quick else {}))
+    figures = damping_curve(system, threads=1, reach=2 * resting, **(QUICK if quick else {}))
     if resting <= figures.cutoff:
         return resting
     return max(hitting(figures.descending, own, resting), rolling(system, own, resting))

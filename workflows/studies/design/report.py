@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from damper import DampingCurve
+from damper import DampingCurve, damping_curve
 from workflows.formatting import significant, turning
 from workflows.io.files import StudyResult, finite
 from workflows.report import plots, templates
@@ -22,7 +22,7 @@ from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstacle
 from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
 from workflows.studies.response import Response, rows
-from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, damper_curve, empty
+from workflows.studies.sweep.evaluate import DamperCase, damper_cases
 from workflows.studies.sweep.plan import Axis, Spread, Value, as_plain
 from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
 
@@ -65,7 +65,7 @@ def active_constraints(space: Space, optimum: Optimum, score: Score) -> tuple[Ac
         if not _AT_END < optimum.shares[k] < 1 - _AT_END:
             constraints += _range_end(space, optimum, score, k)
     for axis in space.axes:
-        if axis.spread is None or axis.key.whole:
+        if not axis.is_continuous:
             constraints += _list_end(space, optimum, score, axis)
     constraints += _fit_constraint(space, optimum, score)
     return (*constraints, *_amplitude_constraint(space, optimum, score))
@@ -76,7 +76,7 @@ def _varies(space: Space, optimum: Optimum, score: Score, limit: str) -> bool:
     values, used = space.values(optimum.shares), dict(optimum.evaluation.used)[limit]
     for k, axis in enumerate(space.axes):
         near = optimum.shares[k] + (_FURTHER if optimum.shares[k] < 0.5 else -_FURTHER)
-        others = axis.at(np.array([near])) if k in space.continuous else _choices(axis)
+        others = axis.at(np.array([near])) if axis.is_continuous else axis.choices
         for other in others:
             if other != values[axis.name]:
                 share = dict(_with_value(space, optimum, axis, other, score).used).get(limit, used)
@@ -85,20 +85,34 @@ def _varies(space: Space, optimum: Optimum, score: Score, limit: str) -> bool:
     return False
 
 
-def _choices(axis: Axis) -> tuple[Value, ...]:
-    """All values of a list, or of a range of whole numbers."""
-    spread = axis.spread
-    return axis.values if spread is None else tuple(range(math.ceil(spread.low), math.floor(spread.high) + 1))
-
-
 def _with_value(
     space: Space, optimum: Optimum, axis: Axis, value: Value, score: Score, *, quick: bool = True
 ) -> Evaluation:
     """The best design with another value along one of its axes."""
-    values = space.values(optimum.shares) | {axis.name: value}
-    axes = tuple(replace(each, spread=None, values=(values[each.name],)) for each in space.axes)
-    (other,) = score(replace(space, axes=axes), optimum.shares[None], quick)
+    (other,) = _with_values(space, optimum, {axis.name: (value,)}, score, quick=quick)
     return other
+
+
+def _with_values(
+    space: Space, optimum: Optimum, others: dict[str, tuple[Value, ...]], score: Score, *, quick: bool = False
+) -> list[Evaluation]:
+    """The best design with other values of some of its keys, once for each of these values."""
+    best, count = space.values(optimum.shares), max(map(len, others.values()))
+    axes = tuple(replace(each, spread=None, values=others.get(each.name, (best[each.name],))) for each in space.axes)
+    shares = np.repeat((np.arange(count)[:, None] + 0.5) / count, len(axes), axis=1)
+    return score(replace(space, axes=axes), shares, quick)
+
+
+def _is_better(optimum: Optimum, further: Evaluation) -> bool:
+    """Whether a design is possible, and better than the best by more than that scatters."""
+    return not further.impossible and further.score > np.fmax(optimum.evaluation.score, optimum.evaluation.greatest)
+
+
+def _gain(optimum: Optimum, further: Evaluation) -> float | None:
+    """Of the value by a design beyond, relative; None where that is not known."""
+    if further.impossible or not optimum.evaluation.works:
+        return None
+    return further.value / optimum.evaluation.value - 1
 
 
 def _list_end(space: Space, optimum: Optimum, score: Score, axis: Axis) -> list[ActiveConstraint]:
@@ -106,8 +120,8 @@ def _list_end(space: Space, optimum: Optimum, score: Score, axis: Axis) -> list[
 
     Beyond it lies the next whole number, or a length that is 5 % further.
     """
-    numbers = [each for each in _choices(axis) if isinstance(each, int | float) and math.isfinite(each)]
-    value, evaluation = space.values(optimum.shares)[axis.name], optimum.evaluation
+    numbers = [each for each in axis.choices if isinstance(each, int | float) and math.isfinite(each)]
+    value = space.values(optimum.shares)[axis.name]
     if len(numbers) < 2 or not isinstance(value, int | float) or value not in (min(numbers), max(numbers)):
         return []
     least = value == min(numbers)
@@ -115,17 +129,15 @@ def _list_end(space: Space, optimum: Optimum, score: Score, axis: Axis) -> list[
     if axis.key.whole:
         beyond = int(value) + (-1 if least else 1)
     further = _with_value(space, optimum, axis, beyond, score, quick=False) if beyond > 0 else None
-    if further is None or further.impossible or further.score <= np.fmax(evaluation.score, evaluation.greatest):
+    if further is None or not _is_better(optimum, further):
         return []
     end = f"{'least' if least else 'greatest'} {'of the list' if axis.spread is None else 'allowed'}"
-    gain = further.value / evaluation.value - 1 if evaluation.works else None
-    return [ActiveConstraint(NAMES[axis.name], f"{formatted(axis.name, value)} is the {end}", gain)]
+    return [ActiveConstraint(NAMES[axis.name], f"{formatted(axis.name, value)} is the {end}", _gain(optimum, further))]
 
 
 def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[ActiveConstraint]:
     """That the cavity has to lie within a solid blade, where that keeps the best design from being better."""
-    evaluation, better = optimum.evaluation, list[tuple[float, ActiveConstraint]]()
-    most = np.fmax(evaluation.score, evaluation.greatest)
+    better = list[tuple[float, ActiveConstraint]]()
     for axis in space.axes:
         if axis.name not in ("damper.radius", "damper.clearance"):
             continue
@@ -135,8 +147,8 @@ def _fit_constraint(space: Space, optimum: Optimum, score: Score) -> list[Active
             continue
         free = replace(space, has_to_fit=False)
         further = _with_value(free, optimum, axis, length * (1 + _FURTHER), score, quick=False)
-        gain = None if further.impossible or not evaluation.works else further.value / evaluation.value - 1
-        if gain is None or further.score > most:
+        gain = _gain(optimum, further)
+        if gain is None or _is_better(optimum, further):
             said = f"the cavity has to lie within the blade, which limits the {NAMES[axis.name].replace('_', ' ')}"
             better.append((further.score, ActiveConstraint("fit", said, gain)))
     return [max(better, key=lambda each: each[0])[1]] if better else []
@@ -156,12 +168,11 @@ def worst_deviation(space: Space, optimum: Optimum, score: Score) -> Deviation |
         value = best[axis.name]
         if axis.key.whole or isinstance(value, str) or not math.isfinite(value):
             continue
-        off: dict[str, tuple[float, ...]] = {axis.name: (value / (1 + OFF), value * (1 + OFF))}
+        ends = (value / (1 + OFF), value * (1 + OFF))
+        off: dict[str, tuple[Value, ...]] = {axis.name: ends}
         if axis.name == "damper.radius" and "damper.clearance" in best:
-            off["damper.clearance"] = tuple(float(best["damper.clearance"]) + 2 * (value - r) for r in off[axis.name])
-        axes = tuple(replace(each, spread=None, values=off.get(each.name, (best[each.name],))) for each in space.axes)
-        shares = np.repeat([[0.25], [0.75]], len(axes), axis=1)
-        both = score(replace(space, axes=axes), shares, False)
+            off["damper.clearance"] = tuple(float(best["damper.clearance"]) + 2 * (value - radius) for radius in ends)
+        both = _with_values(space, optimum, off, score)
         deviations += [Deviation(NAMES[axis.name], off, each) for off, each in zip((-OFF, OFF), both, strict=True)]
     possible = [each for each in deviations if not each.evaluation.impossible]
     return min(possible, key=lambda each: each.evaluation.score, default=None)
@@ -183,7 +194,7 @@ def _amplitude_constraint(space: Space, optimum: Optimum, score: Score) -> list[
         if abs(evaluation.amplitude / end - 1) < _AT_END and narrower.low < narrower.high:
             said = f"the damping is least at the {name} amplitude required, {significant(1e3 * end)} mm"
             (further,) = score(replace(space, goal=narrower), optimum.shares[None], False)
-            return [ActiveConstraint("amplitude", said, further.value / evaluation.value - 1)]
+            return [ActiveConstraint("amplitude", said, _gain(optimum, further))]
     return []
 
 
@@ -203,9 +214,8 @@ def _range_end(space: Space, optimum: Optimum, score: Score, k: int) -> list[Act
     low, high = (spread.low, spread.high * (1 + _FURTHER)) if shares[k] else (spread.low / (1 + _FURTHER), spread.high)
     axes[k] = replace(axes[k], spread=Spread(low, high, spread.law))
     (further,) = score(replace(space, axes=tuple(axes)), shares[None], False)
-    most = np.fmax(evaluation.score, evaluation.greatest)
-    gain = None if further.impossible else further.value / evaluation.value - 1
-    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or further.score > most else []
+    gain = _gain(optimum, further)
+    return [ActiveConstraint(NAMES[name], end, gain)] if gain is None or _is_better(optimum, further) else []
 
 
 _CONFIRMED, _REDUCTION = 0.01, 0.1
@@ -286,7 +296,6 @@ def document(result: DesignResult) -> dict[str, Any]:
     off = worst and {"name": worst.name, "relative": worst.relative, "value": worst.evaluation.value}
     best: dict[str, Any] = {name.partition(".")[2]: as_plain([value])[0] for name, value in values.items()}
     entries = {
-        "schema_version": 1,
         "title": result.space.source.scene.title,
         "objective": result.space.goal.objective,
         "constraints": design.model_dump(mode="json", exclude_none=True),
@@ -362,10 +371,9 @@ def draw(result: DesignResult) -> list[Picture]:
 
 def damping_curves(space: Space, optimum: Optimum, goal: LeastDamping) -> list[tuple[DamperCase, DampingCurve]]:
     """A curve for each speed at which the best ball moves below the highest amplitude of the goal, up to there."""
-    plan = space.plan(optimum.shares[None])
-    cases = damper_cases(space.source, plan, 0, PlateCache(), empty(plan.size), [])
+    cases = damper_cases(space.source, space.plan(optimum.shares[None]))
     moving = [each for each in cases if objectives.cutoff_of(each.verdict_damper) < goal.high]
-    curves = [(each, damper_curve(each.verdict_damper, {}, reach=goal.high)) for each in moving]
+    curves = [(each, damping_curve(each.verdict_damper, threads=1, reach=goal.high)) for each in moving]
     return [(each, curve) for each, curve in curves if curve.amplitude.size]
 
 

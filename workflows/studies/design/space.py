@@ -16,7 +16,7 @@ from workflows.solve import coupling, excitation, limits
 from workflows.solve.results import Floats, SpeedPoint
 from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastAmplitude, LeastDamping, Obstacle
-from workflows.studies.sweep.evaluate import DamperCase, PlateCache, damper_cases, empty
+from workflows.studies.sweep.evaluate import DamperCase, damper_cases, empty
 from workflows.studies.sweep.plan import SPEEDS, Axis, Plan, Spread, Value, at_shares, find
 
 
@@ -93,7 +93,7 @@ class Space:
     @property
     def continuous(self) -> list[int]:
         """Numbers of the axes that are ranges."""
-        return [k for k, axis in enumerate(self.axes) if axis.spread is not None and not axis.key.whole]
+        return [k for k, axis in enumerate(self.axes) if axis.is_continuous]
 
     @property
     def bounded(self) -> list[str]:
@@ -248,54 +248,52 @@ def _axis(name: str, limits: tuple[Any, ...]) -> Axis:
     return Axis(key, tuple(values))
 
 
-def screened(space: Space, shares: Floats, plates: PlateCache) -> list[Evaluation]:
+def screened(space: Space, shares: Floats) -> list[Evaluation]:
     """The first designs, up to one whose ball has to be simulated: what formulas say they are worth."""
     evaluations = list[Evaluation]()
     for row in shares:
-        (evaluation,) = _evaluations(space, row[None], plates, None)
+        (evaluation,) = _evaluations(space, row[None], None)
         if evaluation is None:
             break
         evaluations.append(evaluation)
     return evaluations
 
 
-def evaluate_designs(space: Space, shares: Floats, plates: PlateCache, *, quick: bool) -> list[Evaluation]:
+def evaluate_designs(space: Space, shares: Floats, *, quick: bool) -> list[Evaluation]:
     """The designs at rows of shares; `quick` where a few percent do not count."""
-    return [each for each in _evaluations(space, shares, plates, quick) if each is not None]
+    return [each for each in _evaluations(space, shares, quick) if each is not None]
 
 
-def measured_again(space: Space, optimum: Optimum, plates: PlateCache) -> Optimum:
+def measured_again(space: Space, optimum: Optimum) -> Optimum:
     """The best design with the scatter of its damping over the starts, where it is of damping and works."""
     goal, found = space.goal, optimum.evaluation
     if not isinstance(goal, LeastDamping) or not found.works:
         return optimum
-    plan = space.plan(optimum.shares[None])
-    cases = damper_cases(space.solved_as, plan, 0, plates, empty(plan.size), [])
+    cases = damper_cases(space.solved_as, space.plan(optimum.shares[None]))
     there = next(each for each in cases if each.point.omega == found.speed)
     return replace(optimum, evaluation=goal.scattered(found, there))
 
 
-def _evaluations(space: Space, shares: Floats, plates: PlateCache, quick: bool | None) -> list[Evaluation | None]:
+def _evaluations(space: Space, shares: Floats, quick: bool | None) -> list[Evaluation | None]:
     """The same; without `quick` by formulas alone, and None where these do not say."""
     plan = space.plan(shares)
     speeds = len(space.goal.speeds)
-    rows, reasons = empty(plan.size), list[str]()
+    rows = empty(plan.size)
     cases: list[list[DamperCase]] = [[] for _ in shares]
-    for each in damper_cases(space.solved_as, plan, 0, plates, rows, reasons):
+    for each in damper_cases(space.solved_as, plan, rows):
         cases[each.number // speeds].append(each)
     scores = list[Evaluation | None]()
     for number, mine in enumerate(cases):
-        missing = rows["reason"][number * speeds : (number + 1) * speeds]
-        if (missing >= 0).any():
-            scores.append(Evaluation(0.0, -objectives.NONE, why=Obstacle("refused", text=reasons[int(missing.max())])))
+        if refused := [text for text in rows["reason"][number * speeds : (number + 1) * speeds] if text]:
+            scores.append(Evaluation(0.0, -objectives.NONE, why=Obstacle("refused", text=refused[-1])))
         else:
             scores.append(_one(space, mine, quick))
     return scores
 
 
 def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluation | None:
-    """A design on its structure at every speed."""
-    scene, fastest = cases[0].scene, max(cases, key=lambda each: each.point.omega)
+    """A design on its structure at every speed, these ascending."""
+    scene, fastest = cases[0].scene, cases[-1]
     known: dict[str, Any] = {"mass": max(each.damper.ball_mass for each in cases)}
     if (why := _no_verdict(space, cases)) is not None:
         return Evaluation(0.0, -objectives.NONE, why=why, **known)
@@ -316,7 +314,7 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
     """Why there is no verdict on a design, whatever its ball does; None where there may be one."""
-    slowest, fastest = (end(cases, key=lambda each: each.point.omega) for end in (min, max))
+    slowest, fastest = cases[0], cases[-1]
     if limits.weight_governs(slowest.point):
         return Obstacle("weight", slowest.point.omega)
     if limits.is_torn(fastest.results, fastest.point):

@@ -30,10 +30,7 @@ from workflows.studies.design.report import DesignResult, Grid
 from workflows.studies.design.space import Optimum, Space
 from workflows.studies.response import respond
 from workflows.studies.sweep import executor, plan
-from workflows.studies.sweep.evaluate import PlateCache
 from workflows.studies.sweep.executor import Workers
-from workflows.studies.sweep.plan import Axis
-from workflows.versions import versions
 
 Score: TypeAlias = "Callable[[Floats, bool], list[Evaluation]]"
 """Scores rows of shares, quickly or with the figures at their full accuracy."""
@@ -76,7 +73,7 @@ class Designs:
     def _read(self, path: Path, seed: int) -> dict[str, Evaluation]:
         """Scores from before, without a last line that was cut off; the file is ready for further ones."""
         source = self._space.source
-        origin = (executor.digest(), versions(), source.scene.model_dump_json(), source.mesh_sha256, seed)
+        origin = (executor.identity(), source.scene.model_dump_json(), source.mesh_sha256, seed)
         digest, scores = hashlib.sha256(repr(origin).encode()).hexdigest(), dict[str, Evaluation]()
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         adapter = TypeAdapter(Evaluation)
@@ -123,17 +120,9 @@ def search(space: Space, designs: Designs, seed: int) -> Optimum:
 
 def _few(space: Space) -> Floats | None:
     """All choices and whole numbers, and values all over the ranges, where that makes few designs; else None."""
-    shares = [_all_shares(axis) for axis in space.axes]
+    counts = [None if axis.is_continuous else len(axis.choices) for axis in space.axes]
+    shares = [np.linspace(0.0, 1.0, MAP) if n is None else (np.arange(n) + 0.5) / n for n in counts]
     return np.array(list(product(*shares))) if math.prod(map(len, shares)) <= _FEW else None
-
-
-def _all_shares(axis: Axis) -> Floats:
-    """Shares of an axis: of each of its values, and all over its range."""
-    if axis.spread is not None and not axis.key.whole:
-        return np.linspace(0.0, 1.0, MAP)
-    spread = axis.spread
-    count = len(axis.values) if spread is None else math.floor(spread.high) - math.ceil(spread.low) + 1
-    return (np.arange(count) + 0.5) / count
 
 
 def _best_of(score: Score, shares: Floats) -> Floats:
@@ -197,9 +186,6 @@ _GOES_ON = "the designs evaluated so far are kept; the same command resumes"
 _PART = 4
 """Designs that a worker takes at a time, at most."""
 
-_plates = PlateCache()
-"""Of this process."""
-
 
 def design(
     scene: SceneLike = DEFAULT,
@@ -235,7 +221,7 @@ def design(
             designs = Designs(space, partial(score, space), step.advance, partial_results, seed)
             optimum = search(space, designs, seed)
             impossible, works = optimum.evaluation.impossible, optimum.evaluation.works
-            optimum = spaces.measured_again(space, optimum, _plates)
+            optimum = spaces.measured_again(space, optimum)
             constraints = () if impossible else report.active_constraints(space, optimum, score)
             optimum = replace(optimum, worst=report.worst_deviation(space, optimum, score))
             grid = None if impossible else _around(space, optimum, designs)
@@ -249,10 +235,10 @@ def design(
         raise _infeasible(source, optimum.evaluation)
     if optimum.is_vague:
         constraints = tuple(replace(each, gain=None) for each in constraints)
-    if not optimum.evaluation.works:
-        return DesignResult(space, optimum, constraints, best, "", grid, response)
-    model = choose_model(best, Stages(visible=False))
-    toml = provenance.as_toml(best.with_full_paths().scene, model.effects, model.theory) + "\n"
+    toml = ""
+    if optimum.evaluation.works:
+        model = choose_model(best, Stages(visible=False))
+        toml = provenance.as_toml(best.with_full_paths().scene, model.effects, model.theory) + "\n"
     return DesignResult(space, optimum, constraints, best, toml, grid, response)
 
 
@@ -284,9 +270,8 @@ def winner(space: Space, optimum: Optimum) -> SceneFile:
 
 def part(space: Space, shares: Floats, quick: bool, digest: str, numbers: tuple[int, int]) -> list[Evaluation]:
     """Score the designs from a number to before another; what a worker does."""
-    executor.require_code(digest)
-    executor.ready()
-    return spaces.evaluate_designs(space, shares[slice(*numbers)], _plates, quick=quick)
+    executor.prepare(digest)
+    return spaces.evaluate_designs(space, shares[slice(*numbers)], quick=quick)
 
 
 _ALONE = 6
@@ -307,19 +292,20 @@ class Scorer:
     def __call__(self, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
         """Scores at rows of shares."""
         first = shares if space.source.scene.given is not None else shares[:_ALONE]
-        scores = spaces.screened(space, first, _plates) if self._workers is None else []
+        scores = spaces.screened(space, first) if self._workers is None else []
         if len(scores) == len(shares):
             return scores
         self._workers = self._workers or self._start()
         rest = shares[len(scores) :]
-        return scores + evaluate_on_workers(self._workers, executor.digest(), space, rest, quick)
+        return scores + evaluate_on_workers(self._workers, space, rest, quick)
 
 
-def evaluate_on_workers(workers: Workers, digest: str, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
+def evaluate_on_workers(workers: Workers, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
     """Score designs, part by part on all workers."""
     size = min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART)
     parts = [(begin, begin + size) for begin in range(0, len(shares), size)]
-    scores = dict(executor.results(workers, partial(part, space, np.asarray(shares), quick, digest), parts))
+    work = partial(part, space, np.asarray(shares), quick, executor.digest())
+    scores = dict(executor.results(workers, work, parts))
     return [each for numbers in parts for each in scores[numbers]]
 
 

@@ -20,6 +20,7 @@ from workflows.effects.selection import OF_THE_DAMPER, OF_THE_PLATE
 from workflows.errors import BadInput, SpindampError, during, one_line
 from workflows.formatting import interval, turning
 from workflows.io import serialise
+from workflows.io.serialise import Quantity
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -33,7 +34,6 @@ from workflows.solve.structure import PlateSolution, StructureSolver, StructureS
 from workflows.studies.sweep.plan import SPEEDS, Plan, base, of_a_point, with_values
 
 Rows = npt.NDArray[np.void]
-Block = tuple[Rows, tuple[str, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +52,6 @@ class DamperCase:
         return self.state.source.scene
 
     @property
-    def cycles(self) -> Any:
-        """How long it rings down: a number of cycles, or "auto"."""
-        return "auto" if self.scene.release is None else self.scene.release.cycles
-
-    @property
     def verdict_damper(self) -> ParticleDamper:
         """The damper that a verdict speaks of."""
         return damper_stage.verdict_damper(self.scene, self.state.effects, self.point)
@@ -68,15 +63,10 @@ class DamperCase:
 
 
 Known = dict[tuple[ParticleDamper, float, float], DampingCurve]
-"""Figures of dampers as they are measured, with the dents in which their balls lie, and from where on they count."""
+"""Figures of dampers as they are measured, with the dents in which their balls lie, and from where on they count.
 
-
-def damper_curve(damper: ParticleDamper, known: Known, least: float = 0.0, **how: Any) -> DampingCurve:
-    """The damper's own figures; those of one that differs in its leading mode's damping alone are known already."""
-    own = undamped(damper), damper.break_away, least
-    if own not in known:
-        known[own] = damping_curve(damper, threads=1, least=least, **how)
-    return known[own]
+Dampers that differ in their leading mode's damping alone have the same.
+"""
 
 
 _PLATES, _CAVITIES = 4, 16
@@ -118,6 +108,10 @@ def _solver_of(plate: Request) -> tuple[StructureSolver, deque[PlateSolution]]:
     return StructureSolver(plate.source, Stages(visible=False)), deque(maxlen=_CAVITIES)
 
 
+PLATES = PlateCache()
+"""Of this process."""
+
+
 def plate_key(scene: Scene) -> str:
     """What a scene's plate without cavities depends on, as text: all but the damper, of which the place counts."""
     data = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "damper", "release", "design"})
@@ -126,103 +120,78 @@ def plate_key(scene: Scene) -> str:
     return json.dumps(data | {"damper": place}, sort_keys=True)
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A column: its name, unit (1: none) and meaning; `kind` is its type in files."""
-
-    name: str
-    unit: str
-    meaning: str
-    kind: str = "f8"
-
-
-_OF_A_RUN = tuple(each for each in serialise.quantities(SpeedPoint) if each.headline)
-"""Columns that a run's data set has too, by the same names."""
-
 _OF_A_RING_DOWN = tuple(each.name for each in serialise.quantities(Damping) if each.headline)
-"""Those of them that a batch of ring-downs fills in, by the names of its fields."""
+"""Columns that a batch of ring-downs fills in, by the names of its fields."""
 
 QUANTITIES = (
-    *(Quantity(each.name, each.unit, each.meaning, "i8" if each.kind == "integer" else "f8") for each in _OF_A_RUN),
+    *(each for each in serialise.quantities(SpeedPoint) if each.headline),
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
     Quantity("best_damping_ratio", "1", "largest damping ratio that the structure endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
-"""Columns in the order of files."""
+"""Columns in the order of files; the first are those that a run's data set has too, by the same names."""
 
 HEADLINE = "best_damping_ratio"
 """What the best point has most of: the damping ratio within what the structure endures."""
 
-ROW = np.dtype([*((quantity.name, quantity.kind) for quantity in QUANTITIES), ("reason", "i4")])
-"""A row; `reason` is the number of the text that says why there is no answer, -1 where there is one."""
+DONE = "done"
+
+ROW = np.dtype([*((quantity.name, quantity.dtype) for quantity in QUANTITIES), ("reason", object), (DONE, bool)])
+"""What is known of a point: its columns, why there is no answer (empty where there is one), whether it is done."""
 
 UNGRADED = -1
 """The grade without a verdict."""
 
 
 def empty(count: int) -> Rows:
-    """Rows without an answer."""
+    """Rows of which nothing is known yet."""
     rows = np.zeros(count, ROW)
     for quantity in QUANTITIES:
-        rows[quantity.name] = np.nan if quantity.kind.startswith("f") else UNGRADED
-    rows["reason"] = -1
+        rows[quantity.name] = np.nan if quantity.dtype == "f8" else UNGRADED
+    rows["reason"] = ""
     return rows
 
 
 def block(
-    source: SceneFile,
-    plan: Plan,
-    begin: int,
-    end: int,
-    plates: PlateCache,
-    speeds: tuple[float, ...],
-    *,
-    quick: bool = False,
-) -> Block:
-    """The headline numbers of the points from `begin` to before `end`, and the texts that their reasons count.
+    source: SceneFile, plan: Plan, begin: int, end: int, speeds: tuple[float, ...], *, quick: bool = False
+) -> Rows:
+    """The headline numbers of the points from `begin` to before `end`.
 
     speeds: at which structures are solved together, those of the points among them.
     """
-    rows, reasons = empty(end - begin), list[str]()
-    cases = list(damper_cases(source, plan, begin, plates, rows, reasons, speeds))
+    rows = empty(end - begin)
+    cases = list(damper_cases(source, plan, rows, begin, speeds))
     known: Known = {}
     for each in cases:
         with during(f"at point {begin + each.number}, {turning(each.point.omega)}"):
             _measure(rows[each.number], each, known, QUICK if quick else {})
     with during(f"at {interval(str(begin), str(end - 1), before='points ', alone='point ')}"):
         _ring_down(rows, cases)
-    return rows, tuple(reasons)
+    rows[DONE] = True
+    return rows
 
 
 def damper_cases(
-    source: SceneFile,
-    plan: Plan,
-    begin: int,
-    plates: PlateCache,
-    rows: Rows,
-    reasons: list[str],
-    speeds: tuple[float, ...] = (),
+    source: SceneFile, plan: Plan, rows: Rows | None = None, begin: int = 0, speeds: tuple[float, ...] = ()
 ) -> Iterator[DamperCase]:
     """The dampers of all points from `begin` on, a row for each, that have one; the others get a reason.
 
     The structure's numbers are filled into the rows. It is solved at `speeds` together, by default those of the points.
     """
+    rows = empty(plan.size) if rows is None else rows
     end = begin + len(rows)
     columns, speeds = plan.columns(begin, end), speeds or plan.speeds(begin, end)
     varied = [axis.key for axis in plan.axes]
     data, others = base(source, varied), [key for key in varied if key.name != SPEEDS]
 
     def refuse(numbers: list[int], error: SpindampError) -> None:
-        text = one_line(str(error).removeprefix(f"{source.name}: "))
-        if text not in reasons:
-            reasons.append(text)
-        rows["reason"][numbers] = reasons.index(text)
+        rows["reason"][numbers] = one_line(str(error).removeprefix(f"{source.name}: "))
 
     for values, group in groupby(range(len(rows)), key=lambda number: [columns[key.name][number] for key in others]):
         numbers = list(group)
         try:
-            state = plates.state(of_a_point(source, with_values(data, dict(zip(others, values, strict=True))), speeds))
+            state = PLATES.state(of_a_point(source, with_values(data, dict(zip(others, values, strict=True))), speeds))
         except SpindampError as error:
             refuse(numbers, error)
             continue
@@ -257,8 +226,10 @@ def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> N
     """Fill in the damper's own figures."""
     damper = each.verdict_damper
     least, first = limits.least_amplitude(each.point), coupling.moves_first_from(damper, each.point)
-    curve = damper_curve(damper, known, least, **how)
-    point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
+    own = undamped(damper), damper.break_away, least
+    if own not in known:
+        known[own] = damping_curve(damper, threads=1, least=least, **how)
+    point = replace(each.point, damping_curve=OwnFigures.of(known[own], each.point.tilt_share, first=first))
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     _fill(row, replace(point, verdict=verdict))
     row["grade"] = verdict.rank
@@ -273,7 +244,7 @@ def _ring_down(rows: Rows, cases: list[DamperCase]) -> None:
     for each in cases:
         damper = each.damper
         alike = damper.formulation, damper.modes, damper.floor_friction is None, damper.floor_radius is None
-        groups.setdefault((*alike, damper_stage.most_cycles(damper), each.cycles), []).append(each)
+        groups.setdefault((*alike, damper_stage.most_cycles(damper), each.scene.stop_cycles), []).append(each)
     for group in groups.values():
         batch, mine = _batch(group), [each.number for each in group]
         gravity, load = np.array([each.scene.rotor.gravity for each in group]), rows["load_g"][mine]
@@ -289,6 +260,5 @@ def _batch(group: list[DamperCase]) -> Any:
     how: dict[str, Any] = {name: rows[name] for name in PARAMETERS.names or () if name not in left_out}
     if first.damper.modes is not None:
         how["amplitudes"] = np.array([coupling.amplitudes(each.damper, each.release) for each in group])
-    cycles = None if first.cycles == "auto" else first.cycles
     how["max_cycles"] = damper_stage.most_cycles(first.damper)
-    return ringdowns(first.damper, [each.release for each in group], cycles, threads=1, **how)
+    return ringdowns(first.damper, [each.release for each in group], first.scene.stop_cycles, threads=1, **how)

@@ -173,14 +173,15 @@ def digest() -> str:
     return sha.hexdigest()
 
 
-def require_code(other: str) -> None:
-    """See that a worker runs the code that the study is of.
+def prepare(code: str) -> None:
+    """See that a worker runs the code that the study is of, and has its kernels compiled.
 
     Raises:
         BadInput: it does not.
     """
-    if digest() != other:
+    if digest() != code:
         raise BadInput("a worker runs other code than the study: install the same version everywhere", key="sweep")
+    ready()
 
 
 def identity() -> dict[str, str]:

@@ -238,20 +238,31 @@ class Spread:
 class Axis:
     """A key and its values in SI, ascending as they were given; `spread` where it is a range.
 
-    A range without a count, which a sample takes, has no values. `bare`: its numbers have no unit; `given`: the text or
-    the list that a user wrote.
+    A range without a count, which a sample takes, has no values. `written`: the values as a user wrote them, of a range
+    its ends: those with a unit are text; `given`: all that was written, a text or a list.
     """
 
     key: Key
     values: tuple[Value, ...]
     spread: Spread | None = None
-    bare: bool = False
+    written: tuple[object, ...] = field(default=(), compare=False)
     given: Any = field(default=None, compare=False)
 
     @property
     def name(self) -> str:
         """Of the dimension or coordinate."""
         return self.key.name
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether it is a range of numbers that need not be whole."""
+        return self.spread is not None and not self.key.whole
+
+    @property
+    def choices(self) -> Sequence[Value]:
+        """All values of a list, or of a range of whole numbers."""
+        spread = self.spread
+        return self.values if spread is None else range(math.ceil(spread.low), math.floor(spread.high) + 1)
 
     def at(self, shares: Floats) -> list[Value]:
         """Its values at shares from 0 to 1: of its spread, or one of its values each."""
@@ -323,10 +334,18 @@ def _count(values: object) -> float:
     """How many values are given, as far as that is plain to see: the COUNT of a range, the length of a list; or 1."""
     if not isinstance(values, str):
         return values.size if isinstance(values, np.ndarray) else len(values) if isinstance(values, Sized) else 1
-    parts = values.strip().removeprefix("log:").split(":")
-    if len(parts) == 1:
-        return values.count(",") + 1
-    return float(parts[2]) if len(parts) == 3 and parts[2].strip().isdecimal() else 1
+    law, parts = _parts(values)
+    if not law:
+        return len(parts)
+    return float(parts[2]) if len(parts) == 3 and parts[2].isdecimal() else 1
+
+
+def _parts(text: str) -> tuple[str, list[str]]:
+    """The law of a range, and what stands between its colons; of a list no law, and its items."""
+    law, *parts = (part.strip() for part in text.split(":"))
+    if not parts:
+        return "", [item.strip() for item in law.split(",")]
+    return (law, parts) if law in ("log", "normal") else ("even", [law, *parts])
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -346,21 +365,19 @@ def _listed(key: Key, values: object, gravity: float) -> Axis:
         raise ValueError("expected every value once")
     if len({isinstance(value, str | bool) for value in numbers}) > 1:
         raise ValueError("expected numbers or words, not both")
-    return Axis(key, numbers, bare=not any(isinstance(item, str) for item in items))
+    return Axis(key, numbers, written=tuple(items))
 
 
 def _ranged(key: Key, text: str, gravity: float) -> Axis:
     """An axis from a range, with or without a count, or from a list."""
-    law, *parts = (part.strip() for part in text.split(":"))
-    if not parts:
-        return _listed(key, [_parsed(item.strip()) for item in text.split(",")], gravity)
-    if law not in ("log", "normal"):
-        law, parts = "even", [law, *parts]
+    law, parts = _parts(text)
+    if not law:
+        return _listed(key, [_parsed(item) for item in parts], gravity)
     if len(parts) not in (2, 3):
         raise ValueError(_FORMS)
-    first, second = (_end(key, part, gravity) for part in parts[:2])
-    bare = [not isinstance(_parsed(part), str) for part in parts[:2]]
-    if bare[0] != bare[1] and key.unit and first and second:
+    written = tuple(_parsed(part) for part in parts[:2])
+    first, second = (_end(key, value, gravity) for value in written)
+    if len({isinstance(value, str) for value in written}) > 1 and key.unit and first and second:
         raise ValueError("a number without a unit is in SI: give both the unit, or none")
     if len(parts) == 3 and not (parts[2].isdecimal() and int(parts[2][:12])):
         raise ValueError(f"expected a whole number of values from 1 on as COUNT, not {shown(parts[2])}")
@@ -368,7 +385,7 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
     if law == "normal":
         if count is not None or second <= 0:
             raise ValueError("expected normal:MEAN:DEVIATION with a deviation above 0")
-        return Axis(key, (), Spread(first - 3 * second, first + 3 * second, law, first, second), all(bare))
+        return Axis(key, (), Spread(first - 3 * second, first + 3 * second, law, first, second), written)
     if second != first and count == 1:
         raise ValueError("a single value has no STOP: expected a COUNT from 2 on, or the value alone")
     if not second > first and not (second == first and count == 1):
@@ -376,11 +393,11 @@ def _ranged(key: Key, text: str, gravity: float) -> Axis:
     if law == "log" and first <= 0:
         raise ValueError("expected a START above 0 on a logarithmic range")
     spread = Spread(first, second, law)
-    return Axis(key, _numbers(key, spread.at(np.linspace(0.0, 1.0, count or 0))), spread, all(bare))
+    return Axis(key, _numbers(key, spread.at(np.linspace(0.0, 1.0, count or 0))), spread, written)
 
 
-def _end(key: Key, text: str, gravity: float) -> float:
-    value = key.read(_parsed(text), gravity)
+def _end(key: Key, written: object, gravity: float) -> float:
+    value = key.read(written, gravity)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError("has no numbers for a range: expected a list a,b,c")
     return float(value)
@@ -414,18 +431,8 @@ def with_speeds_remarked(source: SceneFile, axes: Iterable[Axis]) -> SceneFile:
     """
     for axis in axes:
         if axis.name == SPEEDS:
-            source = replace(source, remarks=speed_remarks(_written(axis.given)))
+            source = replace(source, remarks=speed_remarks(axis.written))
     return source
-
-
-def _written(given: Any) -> list[Any]:
-    """The values of an axis as they are written, of a range its ends: those with a unit are text."""
-    if not isinstance(given, str):
-        return given if isinstance(given, list) else [given]
-    law, *parts = given.split(":")
-    if not parts:
-        return [_parsed(item.strip()) for item in given.split(",")]
-    return [_parsed(part.strip()) for part in (parts if law.strip() in ("log", "normal") else [law, *parts])[:2]]
 
 
 _MILLIMETRES = 30.0
@@ -443,7 +450,8 @@ def check_units(axes: Iterable[Axis], scene: Scene) -> None:
         own = _own_length(axis.key, data)
         numbers = axis.values or ((axis.spread.low,) if axis.spread is not None else ())
         values = [float(value) for value in numbers if not isinstance(value, str)]
-        if axis.bare and own is not None and values and min(values) > _MILLIMETRES * own:
+        bare = not any(isinstance(value, str) for value in axis.written)
+        if bare and own is not None and values and min(values) > _MILLIMETRES * own:
             problem = f"a length without a unit is in m, and the scene has {1e3 * own:g} mm here"
             meant = f"was '{min(values):g} mm' meant? Give the unit, mm or m"
             raise BadInput(f"{problem}: {meant}", key=f"--vary {axis.name}", value=axis.given)

@@ -14,7 +14,7 @@ import os
 import shutil
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,15 +25,18 @@ import numpy as np
 from workflows.errors import BadInput
 from workflows.formatting import listed, rounded_rpm
 from workflows.io import folder
-from workflows.studies.sweep.evaluate import QUANTITIES, Quantity, Rows, empty
+from workflows.io.serialise import Quantity
+from workflows.studies.sweep.evaluate import DONE, QUANTITIES, ROW, Rows, empty
 from workflows.studies.sweep.plan import SPEEDS, Plan
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DATA, DONE, LOCK = "sweep.zarr", "done", ".lock"
+DATA, LOCK = "sweep.zarr", ".lock"
 
 _METADATA = "zarr.json"
+
+GOES_ON = "finished points are kept; the same command resumes"
 
 
 @dataclass(frozen=True)
@@ -64,20 +67,6 @@ class Part:
     def points(self) -> slice:
         """Where they lie in their region."""
         return slice(self.begin - self.region.begin, self.end - self.region.begin)
-
-
-_STORED = np.dtype([*((quantity.name, quantity.kind) for quantity in QUANTITIES), ("reason", object), (DONE, bool)])
-"""What is known of a point: its columns, why there is no answer (empty where there is one), whether it is done."""
-
-
-def _nothing(region: Region) -> Rows:
-    """That nothing is known yet of a region's points."""
-    rows = empty(region.end - region.begin)
-    content = np.zeros(len(rows), _STORED)
-    for quantity in QUANTITIES:
-        content[quantity.name] = rows[quantity.name]
-    content["reason"] = ""
-    return content
 
 
 def regions(plan: Plan, most: int) -> list[Region]:
@@ -126,28 +115,24 @@ class Folder:
 
     def content(self, region: Region) -> Rows:
         """What is done of a region, where every byte of it is as it was written; else nothing of it is."""
-        content = _nothing(region)
+        content = empty(region.end - region.begin)
         try:
             for name, array in self.arrays.items():
                 if not self.path.joinpath(DATA, name, "c", *map(str, region.chunk)).is_file():
-                    return _nothing(region)  # Zarr reads what is missing as empty
+                    return empty(len(content))  # Zarr reads what is missing as empty
                 content[name] = np.asarray(array[region.slices]).ravel()
         except (OSError, ValueError):
-            return _nothing(region)
+            return empty(len(content))
         return content
 
-    def add(self, part: Part, rows: Rows, reasons: Sequence[str]) -> None:
-        """Take the rows of a part, and the texts that their reasons count.
+    def add(self, part: Part, rows: Rows) -> None:
+        """Take the rows of a part.
 
         Raises:
             BadInput: the disk does not take what is written.
         """
         region = part.region
-        points = self.contents.setdefault(region.begin, _nothing(region))[part.points]
-        for quantity in QUANTITIES:
-            points[quantity.name] = rows[quantity.name]
-        points["reason"] = np.array([*reasons, ""], dtype=object)[rows["reason"]]
-        points[DONE] = True
+        self.contents.setdefault(region.begin, empty(region.end - region.begin))[part.points] = rows
         self._changed[region.begin] = region
         if time.monotonic() >= self._next:
             self.write()
@@ -203,8 +188,7 @@ def open_folder(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> 
             _lay_out(target, plan, _chunk_shape(plan, most), identity)
         with zarr.config.set({"array.write_empty_chunks": True}):
             arrays = dict(zarr.open_group(target / DATA, mode="r+", use_consolidated=False).arrays())
-            names = (*(quantity.name for quantity in QUANTITIES), "reason", DONE)
-            yield Folder(target, path, {name: arrays[name] for name in names})
+            yield Folder(target, path, {name: arrays[name] for name in ROW.names or ()})
     finally:
         lock.release()
 
@@ -254,7 +238,7 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
 
 def writing(path: Path) -> AbstractContextManager[None]:
     """What goes wrong with the disk, in one line."""
-    return folder.writing(path, more="; finished points are kept; the same command resumes")
+    return folder.writing(path, more=f"; {GOES_ON}")
 
 
 def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[str, str]) -> None:
@@ -278,10 +262,10 @@ def _lay_out(target: Path, plan: Plan, sides: tuple[int, ...], identity: dict[st
             each.name,
             shape=tuple(plan.dimensions.values()),
             chunks=sides,
-            dtype=each.kind,
-            fill_value=np.nan if each.kind.startswith("f") else None,
+            dtype=each.dtype,
+            fill_value=np.nan if each.dtype == "f8" else None,
             dimension_names=list(plan.dimensions),
-            attributes={"units": each.unit, "long_name": each.meaning} if each.unit else {"long_name": each.meaning},
+            attributes={**each.attributes},
             compressors=[ZstdCodec(), Crc32cCodec()],
         )
     with warnings.catch_warnings():

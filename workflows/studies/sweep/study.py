@@ -18,7 +18,6 @@ from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.solve import resources
 from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
-from workflows.studies.sweep.evaluate import Block, PlateCache
 from workflows.studies.sweep.plan import Plan
 
 if TYPE_CHECKING:
@@ -29,11 +28,6 @@ LEAST, _MOST, _MANY = 256, 4096, 1024
 
 PARTS = 64
 """Parts of a study at least, if it has so many points: all workers have some, and an end loses few points."""
-
-_GOES_ON = "finished points are kept; the same command resumes"
-
-_plates = PlateCache()
-"""Of this process; every task looks here first."""
 
 
 @dataclass(frozen=True)
@@ -128,16 +122,15 @@ def of_scene(
     return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
-def compute(study: Study, part: store.Part) -> Block:
+def compute(study: Study, part: store.Part) -> evaluate.Rows:
     """The rows of a part; what a worker does.
 
     Raises:
         BadInput: the worker has other code.
     """
-    executor.require_code(study.code)
-    executor.ready()
+    executor.prepare(study.code)
     speeds = study.plan.speeds(part.region.begin, part.region.end)
-    return evaluate.block(study.source, study.plan, part.begin, part.end, _plates, speeds, quick=study.quick)
+    return evaluate.block(study.source, study.plan, part.begin, part.end, speeds, quick=study.quick)
 
 
 def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Workers], stages: Stages) -> xr.Dataset:
@@ -147,14 +140,14 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
         BadInput: the folder holds another study or is being written into, or the disk is full.
     """
     with (
-        folder.resumable(_GOES_ON),
+        folder.resumable(store.GOES_ON),
         store.open_folder(out, study.plan, study.size, study.attributes) as place,
     ):
         missing, count = list[store.Part](), 0
         for region in study.regions():
             content, parts = place.content(region), study.parts(region)
-            lacking = [part for part in parts if not content[store.DONE][part.points].all()]
-            if lacking and content[store.DONE].any():
+            lacking = [part for part in parts if not content[evaluate.DONE][part.points].all()]
+            if lacking and content[evaluate.DONE].any():
                 place.contents[region.begin] = content
             missing += lacking
             count += len(parts)
@@ -164,7 +157,7 @@ def complete(study: Study, out: Path, pool: AbstractContextManager[executor.Work
                 with pool as workers:
                     try:
                         for part, rows in executor.results(workers, partial(compute, study), missing):
-                            place.add(part, *rows)
+                            place.add(part, rows)
                             done += part.end - part.begin
                             step.advance(f"{done} of {study.plan.size} points")
                     finally:

@@ -232,7 +232,6 @@ NAME = "effects"
 def document(result: EffectStudy) -> dict[str, Any]:
     """The machine-readable result."""
     return {
-        "schema_version": 1,
         "title": result.title,
         "asked": result.target,
         "machine": machine(),
@@ -286,14 +285,13 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
         changed = changes(own, time.value.points, own_has_it=on, judged=judged)
         extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
-        row = replace(row, changes=changed.relative, rpm=changed.rpm, error=changed.error)
+        measured: dict[str, Any] = {"changes": changed.relative, "rpm": changed.rpm, "error": changed.error}
+        row = replace(row, **measured, one_sided=changed.one_sided, remarks=together + changed.remarks)
         if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
             theirs = scatter_of(time.value.points, partial(run, **switches), judged)
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
             row = replace(row, scatter=both)
-        share, remarks = extra / medians[on], together + changed.remarks
-        one_sided = changed.one_sided
-        return replace(row, remarks=remarks, one_sided=one_sided, time_s=extra, time_spread_s=ends, time_share=share)
+        return replace(row, time_s=extra, time_spread_s=ends, time_share=extra / medians[on])
 
     called = called_for(source.scene, choice.form)
     with stages("effects", len(effects) + 1) as step:

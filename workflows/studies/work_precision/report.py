@@ -20,7 +20,6 @@ NAME = "accuracy"
 def document(result: WorkPrecision) -> dict[str, Any]:
     """The machine-readable result."""
     return {
-        "schema_version": 1,
         "title": result.title,
         "asked": result.targets,
         "machine": machine(),
