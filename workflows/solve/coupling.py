@@ -7,20 +7,19 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import fem
+from damper import Mode, ParticleDamper
+from damper.state import MODES
 from workflows.effects.definition import Effect
 from workflows.errors import BadInput
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve.results import STILL, CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields, leading_mode
-
-if TYPE_CHECKING:
-    import damper
 
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
@@ -83,8 +82,6 @@ def structure(
 
 def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:
     """The structure of several modes; mass and stiffness are those of the mode that yields most along each axis."""
-    from damper import Mode
-
     first, across = leading_mode(modes, 0), leading_mode(modes, 1)
     if first is None:
         raise ValueError("none of the modes moves the cavity along the bending direction")
@@ -107,8 +104,6 @@ def damper_modes(
     Those that yield most along either axis, the one that an order crosses, and with `every` the others that a hit feeds
     enough: by `Budget.scattered`, the heaviest first as far as there is room.
     """
-    from damper.state import MODES
-
     modes = point.cavity_modes
     if point.reduced is None or not modes:
         return ()
@@ -128,7 +123,7 @@ def _on_axis(mode: CavityMode) -> CavityMode:
     return replace(mode, shape=(x, y), slope=(a, b))
 
 
-def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
+def pendulum(damper: ParticleDamper, omega: float) -> Pendulum | None:
     """Frequencies of a ball that swings in a hollow floor, at small amplitudes; None on a flat one.
 
     omega_s² = beta (G / rho - Omega² P), P the axis' share in the plane of rotation.
@@ -160,13 +155,13 @@ def shortening(point: SpeedPoint) -> float:
     return (stiffer + point.outwards**2) / point.radius
 
 
-def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+def resting_share(system: ParticleDamper, point: SpeedPoint) -> float:
     """What moves a ball at rest at all over what moves it along x by the forces that its motion counts."""
     first = moves_first_from(system, point)
     return first / system.amplitude_of(system.break_away_threshold) if first < math.inf else 1.0
 
 
-def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+def moves_first_from(system: ParticleDamper, point: SpeedPoint) -> float:
     """Amplitude along x [m] from which on a resting ball moves before its counted motion begins; inf: it does not.
 
     Coriolis forces grow with the square of the amplitude, and move it in any case where 2 c Omega omega u u' reaches
@@ -191,7 +186,7 @@ def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
     return begin if begin < _NOTABLE * alone else math.inf
 
 
-def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
+def grip_needed(system: ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
     """Force along the floor that a ball at rest needs, over that on the floor, at amplitudes (n,) along x [m]; (n,).
 
     A vibration u along the leading mode's shape s moves the place by s u along the floor and by c u²/2 towards the
@@ -230,7 +225,7 @@ _LET_GO = 1.5
 """A scene that says nothing lets the structure go at so many times the amplitude above which the ball moves."""
 
 
-def release_displacement(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
+def release_displacement(scene: Scene, point: SpeedPoint, system: ParticleDamper) -> tuple[float, float]:
     """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
 
     Where the scene says nothing: by where the ball begins to roll; one that rolls from the start, or never, by where
@@ -259,7 +254,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: damper.Particl
     return start
 
 
-def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
+def amplitudes(system: ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
     """Amplitudes of the modes at a release: the leading ones displace the cavity so, the others rest. None without any.
 
     A ball is judged by what it takes from the vibration let go, not by what a pull at its cavity sets ringing besides.
@@ -291,7 +286,7 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
 
 
-def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
+def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
     damper = source.scene.damper
     assert damper is not None
@@ -322,13 +317,9 @@ def _place_errors(source: SceneFile) -> Iterator[None]:
         raise source.wrong(f"{error}: request more modes", "[rotor] modes", modes) from error
 
 
-def cavity_modes(
-    source: SceneFile, effects: dict[str, Effect], plate: fem.Reduction, reduced: list[Reduced | None]
-) -> list[tuple[CavityMode, ...]]:
-    """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
-    balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
-    if source.scene.damper is None or not effects["structural_modes"].on:
-        return [()] * len(balls)
+def cavity_modes(plate: fem.Reduction, reduced: list[Reduced]) -> list[tuple[CavityMode, ...]]:
+    """The modes at each speed of the diagram as the cavity feels them."""
+    balls = [each.M1 - each.M2 for each in reduced]
     reduction = fem.modes_at(plate.operators, plate.diagram, plate.at, np.array(balls))
     return [modes_of(reduction, n, "pressed") for n in range(len(reduction.stiffness))]
 

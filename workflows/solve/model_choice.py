@@ -91,20 +91,14 @@ CELLS_PER_MODE = 5
 
 def chosen_theory(
     scene: Scene, form: Planform | None = None, large_deflection: bool = False
-) -> tuple[Theory | None, fem.Operators | None]:
-    """The plate theory of a scene, as given or chosen, None without a plate; and the matrices it was chosen by.
+) -> tuple[Theory, fem.Operators | None]:
+    """The plate theory of a scene that has a plate, as given or chosen; and the matrices it was chosen by.
 
     `form`: the plate's planform, needed where that is a mesh.
-
-    Raises:
-        ValueError: the planform is a mesh, and is not given.
     """
-    spec = scene.plate
-    if spec is None:
-        return None, None
-    plate_mesh.sides(spec, form)  # those of a mesh have to be given
-    if spec.theory != "auto":
-        return Theory(spec.theory, "requested by the scene"), None
+    assert scene.plate is not None
+    if scene.plate.theory != "auto":
+        return Theory(scene.plate.theory, "requested by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
     plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
@@ -119,12 +113,15 @@ class ModelChoice:
     """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file.
 
     Attributes:
+        model: what `fem` calls the theory, with the layers of a solid; layers: the error that these leave.
         tried: the plate's matrices by which its theory was chosen.
     """
 
     form: Planform | None
     effects: dict[str, Effect]
     theory: Theory | None = None
+    model: str = ""
+    layers: float = 0.0
     mesh_sha256: str | None = None
     tried: fem.Operators | None = None
 
@@ -159,18 +156,10 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
     with stages("prestress"), translated_errors(source):
         effects = selection.resolve(scene, source.name, form)
         theory, tried = chosen_theory(scene, form, effects["large_deflection"].on)
-    return ModelChoice(form, effects, theory, sha256, tried)
-
-
-def model(source: SceneFile, choice: ModelChoice) -> str:
-    """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    return with_layers(source, *choice.plate)[0]
-
-
-def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
-    """The theory's name with the layers of a solid, and the error that these leave."""
-    scene = source.scene
-    if theory.name != "solid" or scene.plate is None:  # Mindlin's plates are clamped as solids are
-        clamped = scene.plate is not None and scene.plate.root is None
-        return "mindlin/held" if theory.name == "mindlin" and clamped else theory.name, 0.0
-    return solid_theory(form.sides, plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)
+        model, layers = theory.name, 0.0
+        if model == "solid":
+            thickest = plate_mesh.thickness_range(scene.plate, form)[2]
+            model, layers = solid_theory(form.sides, thickest, scene.budget.layers)
+        elif model == "mindlin" and scene.plate.root is None:
+            model = "mindlin/held"  # clamped as solids are
+    return ModelChoice(form, effects, theory, model, layers, sha256, tried)

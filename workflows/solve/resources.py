@@ -138,15 +138,15 @@ def check(source: SceneFile) -> None:
         _require(source, memory(source), worst[0])
 
 
-def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
-    """How large a run of a scene is; `form`, `model`: of its plate, with its theory in `fem`; None without one.
+def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str) -> Sizes:
+    """How large a run of a scene is; `form`, None without one, and `model`: of its plate, with its theory in `fem`.
 
     Raises:
         BadInput: its first meshes need more memory than there is.
     """
     scene, needed = source.scene, memory(source)
     speeds, modes, first = len(scene.rotor.speeds), None, None
-    if form is not None and model is not None:
+    if form is not None:
         large = effects["large_deflection"].on
         most = most_unknowns(source, form, model, large)
         modes, first = scene.rotor.modes, int(_first_unknowns(form, model, scene.rotor.modes, most))

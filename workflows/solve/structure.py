@@ -21,7 +21,7 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
-from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
+from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors
 from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory, copy_fields
 
 if TYPE_CHECKING:
@@ -81,9 +81,9 @@ class PlateSolution:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
             reduced, bends = coupling.with_ball(source, self.reduction), map(self.reduction.bending, self.numbers)
-            at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
+            modes = coupling.cavity_modes(self.reduction, reduced) if modal else [()] * len(reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain, tip_motion=motion)
+                replace(point, reduced=reduced[k], cavity_modes=modes[k], root_strain=strain, tip_motion=motion)
                 for point, k, (strain, motion) in zip(self.points, self.numbers, bends, strict=True)
             )
         return self._coupled[key]
@@ -295,8 +295,7 @@ def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, siz
     scene, effects = source.scene, model_choice.effects
     form, theory = model_choice.plate
     plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
-    rotor = plate_mesh.rotor(scene)
-    model, layers = with_layers(source, form, theory)
+    rotor, model, layers = plate_mesh.rotor(scene), model_choice.model, model_choice.layers
 
     def build(size: int) -> fem.Operators:
         with stages("mesh"):
