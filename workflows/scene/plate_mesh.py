@@ -1,6 +1,7 @@
 """From the scene's [plate] to a meshed plate: grids of our own, or the file it names."""
 
 import functools
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from fem.meshes.mesh_sequence import Planform
 from fem.meshes.planform import PlaceError, clamped_length, locate
 from fem.meshes.thickness import Nodal, Profile, spread
 from fem.meshes.thickness import of as thickness_of
-from workflows.errors import BadInput
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
 from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
@@ -209,11 +209,10 @@ def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, fl
     return 0.0, given_place(source.scene) or (end, 0.0)
 
 
-def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
-    """The error of a damper that is not where the plate is, or not where it moves."""
-    place = given_place(source.scene)
+def placed(source: SceneFile) -> AbstractContextManager[None]:
+    """A damper, or else a tip mass, that is not where the plate is, or not where it moves, is at fault."""
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
-    return source.wrong(str(error), key, None if place is None else list(place))
+    return source.blaming(key, given_place(source.scene), fem.PlaceError)
 
 
 def _from_file(source: SceneFile) -> fem.Given:
@@ -240,10 +239,8 @@ def _from_file(source: SceneFile) -> fem.Given:
 
 
 def _check_proportions(source: SceneFile, plate: Plate, form: fem.Given) -> None:
-    try:
+    with source.blaming("[plate] thickness", None, ValueError):
         least, _, greatest = thickness_range(plate, form)
-    except ValueError as error:
-        raise source.wrong(str(error), "[plate] thickness") from error
     odd = disproportion(least, greatest, *form.sides)
     if odd is not None:
         key, problem = odd
@@ -262,20 +259,17 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)
     reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
-    try:
+    with placed(source):
         locate(mesh, at)
         if reach <= 1e-9 * length:
             raise PlaceError(f"expected a place that moves: ({at[0]:g}, {at[1]:g}) m is on the clamped root")
-    except PlaceError as error:
-        raise off_the_plate(source, error) from error
     if plate is None or damper is None:
         return
     thickness = plate_thickness(plate, at, form)
     odd = misfit(damper, thickness, float(width), float(reach), room_across(mesh, at))
     if odd is not None:
-        value = getattr(damper, odd[0])
-        value = list(value) if isinstance(value, tuple) else value
-        raise source.wrong(odd[1], f"[damper] {odd[0]}", value)
+        key, problem = odd
+        raise source.wrong(problem, f"[damper] {key}", getattr(damper, key))
 
 
 def room_across(mesh: Any, at: tuple[float, float]) -> float:

@@ -159,7 +159,7 @@ def _key(source: SceneFile, *others: str) -> str:
     """What a blade's structure depends on, but for some keys of its rotor, and its effects."""
     scene = source.scene
     rotor = scene.rotor.model_dump_json(exclude={"gravity", *others})
-    return f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
+    return f"{source.mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
 
 
 def _matrices(source: SceneFile) -> SolidOperators:
@@ -244,7 +244,7 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.meshes.volume import SizeError, read_volume
     from fem.solid.blade import Blade, root_at
 
-    scene, path = source.scene, source.blade_mesh
+    scene, path = source.scene, source.mesh
     spec, material = scene.blade, scene.material
     if spec is None or material is None or path is None:
         raise ValueError("the scene has no [blade]")
@@ -258,14 +258,12 @@ def blade_of(source: SceneFile) -> Blade:
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
     stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    try:
+    with source.blaming("[blade] root", spec.root, fem.MeshError):
         if spec.root is not None and spec.root_radius is None:
             root = known_modes.named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         blade = Blade(mesh, stuff, root, about.axis, about.origin)
-    except fem.MeshError as error:
-        raise source.wrong(str(error), "[blade] root", spec.root) from error
     _check_sides(source, blade)
     return blade
 

@@ -309,9 +309,8 @@ def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell
 def _place_errors(source: SceneFile) -> Iterator[None]:
     """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
     try:
-        yield
-    except fem.PlaceError as error:
-        raise plate_mesh.off_the_plate(source, error) from error
+        with plate_mesh.placed(source):
+            yield
     except fem.NoFlapMode as error:
         modes = source.scene.rotor.modes
         raise source.wrong(f"{error}: request more modes", "[rotor] modes", modes) from error

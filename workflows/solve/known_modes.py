@@ -111,14 +111,12 @@ class SpaceStructure:
         damper = scene.damper
         if damper is None or self.seat is None:
             return point
-        try:
+        with source.blaming("[damper] direction", None, NoMotion):
             floor = self.floor(modes)
             pull, load = self.seat.pull, self.seat.load(modes)
             reduced, every = reduced_modes(
                 modes, floor, pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio, load=load
             )
-        except NoMotion as error:
-            raise source.wrong(str(error), "[damper] direction") from error
         if (balls := float(reduced.M1 - reduced.M2)) >= self.mass:
             weights = f"would weigh {significant(balls)} kg, and the blade weighs {significant(self.mass)} kg"
             problem = f"balls of this ratio {weights}: expected less"
@@ -324,10 +322,8 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str],
         if (remark := _density_remark(name, model)) is not None:
             remarks.append(remark)
         remarks += _copies(source, name, model)
-    try:
+    with source.blaming("[structure] modes", None, ModesFileError):
         model = joined(models)
-    except ModesFileError as error:
-        raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
     return about_spin_axis(source, model, turns=turns), remarks, whole
@@ -642,7 +638,7 @@ def seat_of(
         raise source.wrong(str(error), f"[damper] {key}", given[key]) from error
     if max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
-        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
+        raise source.wrong(problem, "[damper] cavity", damper.cavity)
     remarks = []
     if at.distance > _OFF * model.size:
         there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
@@ -722,7 +718,7 @@ def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[
             f"the {box} {sticks_out}, and only {significant(100 * filled, 2)} % of it is in metal: expected a smaller"
             " cavity, a place (at) further inside, or a mesh that includes the cavity and its housing"
         )
-        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
+        raise source.wrong(problem, "[damper] cavity", damper.cavity)
     remark = f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."
     return metal(cut=hollow), far, [remark]
 
@@ -758,11 +754,8 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
     Raises:
         BadInput: there is none.
     """
-    try:
+    with source.blaming(key, at, modal_model.OffTheStructure):
         return _placed(model, tuple(_point(source, model, at, key).tolist()))
-    except modal_model.OffTheStructure as error:
-        value = list(at) if isinstance(at, tuple) else at
-        raise source.wrong(str(error), key, value) from error
 
 
 @lru_cache(maxsize=4)

@@ -315,16 +315,12 @@ def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, siz
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = fem.Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, left_out)
-    try:
+    with source.blaming("[plate]", None, fem.MeshError), plate_mesh.placed(source):
         most = sum(effect.largest for effect in left_out.values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), most)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
         choice = fem.choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
-    except fem.MeshError as error:
-        raise source.wrong(str(error), "[plate]") from error
-    except fem.PlaceError as error:
-        raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.describe_mesh(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
@@ -352,13 +348,10 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
     Raises:
         BadInput: the plate has no room for them.
     """
-    choice = discrete.choice
+    choice, damper = discrete.choice, source.scene.damper
     if cavity is not None and cavity.counted:
-        try:
+        with source.blaming("[damper] cavity", damper and damper.cavity, fem.PlaceError):
             operators = fem.with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
-        except fem.PlaceError as error:
-            sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
-            raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
 
