@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from fem.rotor import in_rpm
 from workflows.scene.damper import Damper
 from workflows.solve.limits import endured, lever, rim_slope, room
 from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class Remedy(NamedTuple):
