@@ -16,6 +16,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import date, time
 from itertools import islice
+from typing import TypeVar
+
+T = TypeVar("T")
 
 _LONGEST_KEY, _LONGEST_VALUE = 80, 60
 
@@ -75,6 +78,13 @@ class NoAnswer(SpindampError):
 
 class ImpossibleResult(SpindampError):
     """A figure violates a law of physics: law, figure, bound, place and versions, in one line."""
+
+
+def present(part: T | None) -> T:
+    """A part of a scene or of a result that is there, as was seen before."""
+    if part is None:
+        raise ValueError("a part is missing that was seen before")
+    return part
 
 
 @contextmanager

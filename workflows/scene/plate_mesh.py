@@ -14,6 +14,7 @@ from fem.meshes.mesh_sequence import Planform
 from fem.meshes.planform import PlaceError, clamped_length, locate
 from fem.meshes.thickness import Nodal, Profile, spread
 from fem.meshes.thickness import of as thickness_of
+from workflows.errors import present
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
 from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
@@ -89,11 +90,10 @@ def volume(plate: Plate) -> tuple[float, float]:
 
 def _across(plate: Plate, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Areas (n,) [m²] of a rectangle's sections at places along x (n,) [m]."""
-    assert plate.width is not None
-    t, weights = _gauss()
-    points = np.stack(np.meshgrid(x, 0.5 * plate.width * t, indexing="ij"))
+    half, (t, weights) = 0.5 * present(plate.width), _gauss()
+    points = np.stack(np.meshgrid(x, half * t, indexing="ij"))
     heights = np.broadcast_to(thickness_of(profile(plate), points), points.shape[1:])
-    return np.asarray(0.5 * plate.width * heights @ weights)
+    return np.asarray(half * heights @ weights)
 
 
 def planform(source: SceneFile) -> Planform:
@@ -102,8 +102,7 @@ def planform(source: SceneFile) -> Planform:
     Raises:
         BadInput: the mesh file is no good.
     """
-    plate = source.scene.plate
-    assert plate is not None
+    plate = present(source.scene.plate)
     if source.mesh is not None:
         return _from_file(source)
     form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)
@@ -116,9 +115,7 @@ def planform(source: SceneFile) -> Planform:
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
-    spec, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
-    assert spec is not None
-    assert material is not None
+    spec, material, mass = present(source.scene.plate), present(source.scene.material), source.scene.point_mass
     laden = place(source, mesh) if mass else None
     substance = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     springs = None if spec.root is None else fem.ElasticRoot(spec.root.stiffness, spec.root.rotational_stiffness)
@@ -219,12 +216,10 @@ def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem.meshes.read import FieldError, read_field
 
-    plate = source.scene.plate
-    if source.mesh is None or plate is None:
-        raise ValueError("the scene names no mesh")
+    plate = present(source.scene.plate)
     field = None if isinstance(plate.thickness, float) else plate.thickness.field
     try:
-        mesh, values = read_field(source.mesh, field)
+        mesh, values = read_field(present(source.mesh), field)
     except FieldError as error:
         raise source.wrong(str(error), "[plate] thickness.field", field) from error
     except fem.MeshError as error:

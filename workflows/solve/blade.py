@@ -14,6 +14,7 @@ import fem
 from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
+from workflows.errors import present
 from workflows.formatting import beside, percent, share, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
@@ -87,10 +88,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     _check_balls(source, solved.operators)
-    seated = None
-    if scene.damper is not None:
-        seated = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
-    seat, remarks = seated or (None, ())
+    seat, remarks = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
     stress = root_stress(solved.operators)
     return SpaceStructure(
         model=model,
@@ -244,10 +242,7 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.meshes.volume import SizeError, read_volume
     from fem.solid.blade import Blade, root_at
 
-    scene, path = source.scene, source.mesh
-    spec, material = scene.blade, scene.material
-    if spec is None or material is None or path is None:
-        raise ValueError("the scene has no [blade]")
+    path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
     try:
         mesh = read_volume(path, spec.scale, spec.size)
     except fem.MeshError as error:
@@ -284,19 +279,19 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     """The mesh of a blade: what it is made of, its extents, what of it is held; who solves it, where not SuperLU."""
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
     unknowns = 3 * (len(blade.mesh.points) - blade.held.size)
-    name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
+    name = present(source.scene.blade).mesh
     by = ", solved by PARDISO" if has_pardiso() else ""
     x, y, z = (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
     radii = 1e3 * np.linalg.norm(blade.arms, axis=1)
     whole, root = (span(float(each.min()), float(each.max()), 3) for each in (radii, radii[blade.root]))
     extents = f"{x} × {y} × {z} mm along x, y and z, at radii of {whole} mm, its root at {root} mm"
-    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
+    return f"{cells} cells of {name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
 
 
 def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None) -> tuple[str, ...]:
     """Remarks on a blade's mesh, root and spin axis; `stress`: see `root_stress`."""
-    spec, blade = source.scene.blade, operators.blade
-    if spec is not None and spec.size is not None:
+    spec, blade = present(source.scene.blade), operators.blade
+    if spec.size is not None:
         made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
     elif blade.mesh.first_order:
         made = [

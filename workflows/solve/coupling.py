@@ -15,7 +15,7 @@ import fem
 from damper import Mode, ParticleDamper
 from damper.state import MODES
 from workflows.effects.definition import Effect
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
@@ -24,15 +24,13 @@ from workflows.solve.results import STILL, CavityMode, Pendulum, Reduced, SpeedP
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
-    structure, rotor = scene.given, scene.rotor
-    if structure is None or rotor.radius is None:
-        raise ValueError("the scene has no [structure]")
+    structure, rotor = present(scene.given), scene.rotor
     m2, f1 = structure.mass, structure.frequency[0]
     m1 = m2 + ball_mass(scene, m2)
     stiffness = m1 * (2 * math.pi * f1) ** 2
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
-    return SpeedPoint.at(omega, rotor.radius, rotor.gravity, reduced=reduced)
+    return SpeedPoint.at(omega, present(rotor.radius), rotor.gravity, reduced=reduced)
 
 
 def with_forced_effects(source: SceneFile) -> SceneFile:
@@ -47,9 +45,7 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
 
 def ball_mass(scene: Scene, m2: float) -> float:
     """Mass of all balls together [kg] at an effective mass M2."""
-    spec = scene.damper
-    if spec is None:
-        return 0.0
+    spec = present(scene.damper)
     return spec.balls if spec.balls is not None else (spec.mass_ratio or 0.0) * m2
 
 
@@ -63,8 +59,7 @@ def structure(
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
     """
-    reduced, tilted = point.reduced, effects["floor_tilt"].on
-    assert reduced is not None
+    reduced, tilted = present(point.reduced), effects["floor_tilt"].on
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
     if scene.given is None and (tilted or hollow):
@@ -234,10 +229,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: ParticleDamper
     Raises:
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
     """
-    release, reduced = scene.release, point.reduced
-    assert release is not None
-    assert reduced is not None
-    squares = _squares(scene, point)
+    release, squares = present(scene.release), _squares(scene, point)
     if release.displacement is not None:
         start = release.displacement
     elif release.acceleration is not None:
@@ -275,8 +267,7 @@ def amplitudes(system: ParticleDamper, release: tuple[float, float]) -> tuple[fl
 
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
-    reduced = point.reduced
-    assert reduced is not None
+    reduced = present(point.reduced)
     first = (2 * math.pi * reduced.f1_hz) ** 2
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
@@ -288,8 +279,7 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
 
 def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
-    damper = source.scene.damper
-    assert damper is not None
+    damper = present(source.scene.damper)
     with _place_errors(source):
         reduced = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     return list(map(reduced_of, reduced))

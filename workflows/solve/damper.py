@@ -16,7 +16,7 @@ from damper.curve_measurement import falling
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
-from workflows.errors import BadInput, during
+from workflows.errors import BadInput, during, present
 from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.scene import Scene
@@ -69,7 +69,7 @@ _SAMPLES_AT_MOST = 4000
 
 
 def simulate(
-    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int | None = None
+    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int
 ) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
     with stages("damper", len(points)) as step:
@@ -148,9 +148,7 @@ def particle_damper(
         BadInput: a value without physical sense.
         LawViolation: with the ball at rest the structure has another frequency than the point.
     """
-    spec, reduced = scene.damper, point.reduced
-    assert spec is not None
-    assert reduced is not None
+    spec, reduced = present(scene.damper), present(point.reduced)
     terms = (kind.arguments(spec, point.omega, effects[name].on).items() for name, kind in EFFECTS.items())
     try:
         system = copy_fields(
@@ -180,9 +178,7 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     Raises:
         BadInput: their materials are not known.
     """
-    spec, reduced, made_of = scene.damper, point.reduced, limits.solids(scene)
-    assert spec is not None
-    assert reduced is not None
+    spec, reduced, made_of = present(scene.damper), present(point.reduced), limits.solids(scene)
     hits = spec.hits((reduced.M1 - reduced.M2) / spec.count, made_of)
     if spec.rolling_friction == "auto":
         if made_of is None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.rotor import from_rpm
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.formatting import interval, turning, whole
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction, copy_fields
@@ -191,8 +191,4 @@ def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[Sp
 
 def frequency_of(point: SpeedPoint, k: int) -> float:
     """Of a point's mode k, from 0, without the ball; of a structure that is given its own [Hz]."""
-    if point.modes:
-        return point.modes[k].frequency_hz
-    if point.reduced is None:
-        raise ValueError("the structure is not known")
-    return point.reduced.f2_hz
+    return point.modes[k].frequency_hz if point.modes else present(point.reduced).f2_hz

@@ -11,7 +11,7 @@ import fem
 from fem.theory.registry import solid_theory
 from workflows.effects import selection
 from workflows.effects.definition import Effect
-from workflows.errors import NoAnswer
+from workflows.errors import NoAnswer, present
 from workflows.formatting import significant, turning
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
@@ -49,7 +49,9 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
             better = "expected a root that constrains it, thicker cells, and more than a single row of cells"
             row = "hexahedra of 20 nodes in a row deform without stress"
             raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}: {row}") from error
-        keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
+        keys = "[plate] theory, thickness"
+        if (root := error.loose) is not None:
+            keys = f"[plate.root] stiffness = {root.stiffness:g}, rotational_stiffness = {root.rotational:g}"
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (fem.SingularMatrix, fem.NotConverged) as error:
         why = _overloaded(source) or str(error)
@@ -77,14 +79,6 @@ def _overloaded(source: SceneFile) -> str:
     )
 
 
-def _soft(source: SceneFile) -> str:
-    """The keys of a root's springs, and their values."""
-    root = source.scene.plate.root if source.scene.plate is not None else None
-    if root is None:
-        return "[plate.root]"
-    return f"[plate.root] stiffness = {root.stiffness:g}, rotational_stiffness = {root.rotational_stiffness:g}"
-
-
 CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
 
@@ -96,9 +90,9 @@ def chosen_theory(
 
     `form`: the plate's planform, needed where that is a mesh.
     """
-    assert scene.plate is not None
-    if scene.plate.theory != "auto":
-        return Theory(scene.plate.theory, "requested by the scene"), None
+    requested = present(scene.plate).theory
+    if requested != "auto":
+        return Theory(requested, "requested by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
     plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
@@ -127,14 +121,9 @@ class ModelChoice:
 
     @property
     def plate(self) -> tuple[Planform, Theory]:
-        """The planform and the theory of a scene that has a plate.
-
-        Raises:
-            ValueError: it has none.
-        """
-        if self.form is None or self.theory is None:
-            raise ValueError("the scene has no plate")
-        return self.form, self.theory
+        """The planform and the theory of a scene that has a plate."""
+        assert self.form is not None
+        return self.form, present(self.theory)
 
 
 def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:

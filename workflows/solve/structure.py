@@ -15,6 +15,7 @@ import numpy as np
 import fem
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE
+from workflows.errors import present
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -133,12 +134,11 @@ class StructureState:
         """The points by their speed [rad/s]."""
         return {point.omega: point for point in self.points}
 
-    def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
-        """A run's results at these points, or at all of them."""
-        speeds = self.points if points is None else points
+    def results(self, stages: Stages | None = None) -> Results:
+        """A run's results."""
         timings = {} if stages is None else stages.timings()
         scene, notes = self.source.scene, self.source.remarks
-        return copy_fields(Results, self, scene=scene, speeds=speeds, notes=notes, timings=timings)
+        return copy_fields(Results, self, scene=scene, speeds=self.points, notes=notes, timings=timings)
 
     def with_pictures(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
@@ -214,19 +214,17 @@ class StructureSolver:
             like: solutions at these speeds, of which one with the same metal in it serves.
 
         Raises:
-            ValueError: the scene has no plate.
             BadInput, NoAnswer: see :meth:`at`.
         """
-        if self._uncut is None:
-            raise ValueError("the scene has no plate")
-        cavity = cavity_of(source, self._uncut, self.choice.effects | effects)
+        uncut = present(self._uncut)
+        cavity = cavity_of(source, uncut, self.choice.effects | effects)
         solutions = {solution.discrete.cavity: solution for solution in like}
         if cavity in solutions:
             return solutions[cavity]
         for solution in solutions.values():
             if _metal(solution.discrete.cavity) == _metal(cavity):
                 return solution.beside(source, cavity)
-        return self._plate(source, with_cavities(source, self._uncut, cavity))
+        return self._plate(source, with_cavities(source, uncut, cavity))
 
     @property
     def solves_each_speed(self) -> bool:
@@ -263,12 +261,9 @@ class StructureSolver:
         """The plate at the speeds of its scene, for other dampers too.
 
         Raises:
-            ValueError: it has none.
             BadInput, NoAnswer: see :meth:`at`.
         """
-        if self.discrete is None:
-            raise ValueError("the scene has no plate")
-        return self._plate(self.source, self.discrete)
+        return self._plate(self.source, present(self.discrete))
 
     def _plate(self, source: SceneFile, discrete: Discrete, *, followed: bool = True) -> PlateSolution:
         operators = discrete.choice.operators

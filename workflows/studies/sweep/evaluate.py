@@ -64,7 +64,7 @@ class DamperCase:
     @property
     def results(self) -> Results:
         """A run at this point alone, without the damper's own figures."""
-        return self.state.results((self.point,))
+        return replace(self.state, points=(self.point,)).results()
 
 
 Known = dict[tuple[ParticleDamper, float, float], DampingCurve]
