@@ -438,26 +438,22 @@ def slug(title: str) -> str:
 
 
 class _Described(GenerateJsonSchema):
-    """Docstrings say what each key means."""
+    """Docstrings say what each key means, and its unit what a number alone is in."""
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
         table = super().model_schema(schema)
         for name, text in docstrings.of_fields(schema["cls"]).items():
-            table["properties"][name]["description"] = text
+            key = table["properties"][name]
+            si = unit(key)
+            key["description"] = text if si is None else f"{text}; a number without a unit is in {si}"
         return table
 
 
 def schema() -> dict[str, Any]:
     """The schema, from the same model that validates scenes."""
-    document = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Scene.model_json_schema(schema_generator=_Described),
-    }
-    for table in (document, *document["$defs"].values()):
-        for key in table["properties"].values():
-            if si := unit(key):
-                key["description"] += f"; a number without a unit is in {si}"
-    return dict(_tidied(document)) | {"title": "spindamp scene"}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    tables: dict[str, Any] = _tidied(Scene.model_json_schema(schema_generator=_Described))
+    return head | tables | {"title": "spindamp scene"}
 
 
 def unit(node: Any) -> str | None:

@@ -146,7 +146,7 @@ def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
         return f"{along} × {across} quadrilaterals, finer towards the edges"
     mesh = form.mesh(size)
     kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
-    name = source.scene.plate.mesh if source.scene.plate else source.mesh
+    name = present(source.scene.plate).mesh
     parts = "" if size == 1 else f", each edge split in {size}"
     length, width = 1e3 * np.ptp(mesh.p, axis=1)
     size_in_words = f"{length:.4g} × {width:.4g} mm, root of {1e3 * clamped_length(mesh):.6g} mm"
@@ -199,11 +199,10 @@ def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, fl
 
     `mesh` is one of the planform's, None where the scene names none.
     """
-    plate = source.scene.plate
     if mesh is not None:
         return float(mesh.p[0].min()), place(source, mesh)
-    end = 0.0 if plate is None or plate.length is None else plate.length
-    return 0.0, given_place(source.scene) or (end, 0.0)
+    plate = present(source.scene.plate)
+    return 0.0, given_place(source.scene) or (present(plate.length), 0.0)
 
 
 def placed(source: SceneFile) -> AbstractContextManager[None]:

@@ -81,7 +81,7 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
     if first is None:
         raise ValueError("none of the modes moves the cavity along the bending direction")
     mass = first.shape[0] ** -2
-    ball = ball_mass(scene, mass if point.reduced is None else point.reduced.M2)
+    ball = ball_mass(scene, present(point.reduced).M2)
     square = across.stiffness / (1 + ball * across.shape[1] ** 2) if across is not None else math.inf
     own = first.stiffness * mass
     return {

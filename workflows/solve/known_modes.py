@@ -251,11 +251,7 @@ _SPEEDS = 64
 
 
 _largest_strain = lru_cache(_SPEEDS)(modal_model.largest_strain)
-
-
-@lru_cache(_SPEEDS)
-def _families(model: ModalModel, modes: ModesAtSpeed) -> tuple[str, ...]:
-    return tuple(modal_model.families(model, modes))
+_families = lru_cache(_SPEEDS)(modal_model.families)
 
 
 @dataclass(frozen=True)

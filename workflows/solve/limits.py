@@ -385,8 +385,8 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
     if omega is not None:
         squares, values = zip(*((speed**2, value) for speed, value in known), strict=True)
         return float(np.interp(omega**2, squares, values))
-    held = {speed for speed, _ in strains_held(results)}
-    return float(max([value for speed, value in known if speed in held] or [value for _, value in known]))
+    most = torn_above(results)
+    return float(max([value for speed, value in known if speed <= most] or [value for _, value in known]))
 
 
 def strains_held(results: Results) -> list[tuple[float, float]]:
