@@ -716,7 +716,7 @@ def modes_left_out(results: Results) -> Values:
         (reduced.M1 - reduced.M2) * math.hypot(*mode.shape) ** 2
         for point, reduced, damping in ring_downs(results)
         for mode in point.cavity_modes
-        if mode.number not in damping.modal_energies
+        if all(mode.number != each.mode for each in damping.modal_energies)
     )
     worst = max(left_out, default=0.0)
     notable = worst > target and results.effects["structural_modes"].on

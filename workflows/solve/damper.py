@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, starmap
 from typing import Any
 
 import numpy as np
@@ -197,8 +197,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
-    left = None if system.modes is None else motion.modal_energies
-    numbers = [] if left is None else [mode.number for mode in coupling.damper_modes(scene, point)]
+    left = () if motion.modal_energies is None else motion.modal_energies.tolist()
+    numbers = (mode.number for mode in coupling.damper_modes(scene, point)) if left else ()
     return copy_fields(
         results.Damping,
         motion,
@@ -215,7 +215,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
         energy=copy_fields(results.Energy, motion.energy),
-        modal_energies={} if left is None else dict(zip(numbers, left.tolist(), strict=True)),
+        modal_energies=tuple(starmap(results.ModalEnergy, zip(numbers, left, strict=True))),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
     )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, computed_field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, computed_field, model_validator
 from pydantic_core import core_schema
 
 import fem
@@ -473,9 +473,8 @@ class Damping:
 
     What is not published serves pictures and remarks: `stopped` is when the ball came to rest
     for good [s], None where it did not (yet); `ball_mass` that of all balls [kg]; `release` the displacement at the
-    release along the damper's axes [m]. `modal_energies` [J] are those left at the end in the plate's modes, by number,
-    where they are simulated. `history` and `path` are kept at the speed that the pictures show; there is no path of a
-    ball that never moves.
+    release along the damper's axes [m]. `history` and `path` are kept at the speed that the pictures show; there is no
+    path of a ball that never moves.
     """
 
     outcome: Annotated[str, KEPT]
@@ -505,14 +504,9 @@ class Damping:
     peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
     energy: Annotated[Energy, part(prefix="energy_")]
     """joules; residual: not explained by the energy balance"""
-    modal_energies: Annotated[
-        dict[int, float],
-        PlainSerializer(
-            lambda known: tuple(ModalEnergy(*each) for each in known.items()), return_type=tuple[ModalEnergy, ...]
-        ),
-        BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
-        part(prefix="modal_", along="modal"),
-    ] = field(default_factory=dict)
+    modal_energies: Annotated[tuple[ModalEnergy, ...], part(prefix="modal_", along="modal")] = field(
+        default_factory=tuple
+    )
     """remaining in the structure's modes at the end, joules"""
     history: Annotated[History | None, KEPT] = None
     path: Annotated[BallPath | None, KEPT] = None
