@@ -96,7 +96,6 @@ class Definition:
             are in `templates/assumptions.toml`.
         arguments: its terms: of `damper.ParticleDamper`, from [damper], the speed [rad/s] and whether it is on. The
             terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
-        on_the_mesh: whether the mesh is chosen with it.
         spins: whether only a plate that spins is asked.
     """
 
@@ -108,7 +107,6 @@ class Definition:
     after: tuple[str, ...] = ()
     assumed: Callable[[Scene, bool, str], str] = lambda scene, on, theory: "on" if on else "off"
     arguments: Callable[[Damper, float, bool], dict[str, Any]] = lambda damper, omega, on: {}
-    on_the_mesh: bool = True
     spins: bool = False
 
 

@@ -186,14 +186,7 @@ def _rotary_inertia(case: Case) -> Called:
 EFFECTS = {
     "stress_stiffening": Definition("plate", _stress_stiffening, "stress stiffening"),
     "spin_softening": Definition("plate", _spin_softening, "spin softening", spins=True),
-    "coriolis": Definition(
-        "plate",
-        _coriolis,
-        "Coriolis forces",
-        after=("large_deflection",),
-        spins=True,
-        on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
-    ),
+    "coriolis": Definition("plate", _coriolis, "Coriolis forces", after=("large_deflection",), spins=True),
     "large_deflection": Definition(
         "plate",
         _large_deflection,

@@ -14,7 +14,7 @@ import numpy as np
 
 import fem
 from workflows.effects.definition import Effect
-from workflows.effects.selection import EFFECTS, OF_THE_PLATE
+from workflows.effects.selection import OF_THE_PLATE
 from workflows.errors import present
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
@@ -289,7 +289,8 @@ def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, siz
     """
     scene, effects = source.scene, model_choice.effects
     form, theory = model_choice.plate
-    plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
+    # The errors of a mesh hardly depend on Coriolis forces, which make its choice many times dearer.
+    plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if name != "coriolis"})
     rotor, model, layers = plate_mesh.rotor(scene), model_choice.model, model_choice.layers
 
     def build(size: int) -> fem.Operators:
