@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modal_model import ModalModel
 from workflows.errors import read_from
 from workflows.formatting import significant
 from workflows.progress import Stages
@@ -16,9 +16,6 @@ from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle_speed
 from workflows.solve.structure import StructureSolver, StructureState
-
-if TYPE_CHECKING:
-    from fem.modal_model import ModalModel
 
 
 def structure(

@@ -96,9 +96,8 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
         level = None if judged is system else copy_fields(results.Figures, falling(system))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
-    more["first"] = coupling.moves_first_from(judged, point)
-    curve = damping_curve(judged, least=limits.least_amplitude(point))
-    return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, **more))
+    curve, first = damping_curve(judged, least=limits.least_amplitude(point)), coupling.moves_first_from(judged, point)
+    return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, first, **more))
 
 
 def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:

@@ -17,17 +17,7 @@ from workflows.errors import present
 from workflows.scene import plate_mesh
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
-from workflows.solve.results import (
-    ContactFigures,
-    Grade,
-    Pair,
-    Reason,
-    Reduced,
-    Results,
-    SpeedPoint,
-    Verdict,
-    copy_fields,
-)
+from workflows.solve.results import ContactFigures, Grade, Pair, Reason, Results, SpeedPoint, Verdict, copy_fields
 
 STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
@@ -412,17 +402,17 @@ class TableCutOff(NamedTuple):
     at_rest: bool
 
 
-def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
-    """Acceleration over g of a vibration of that amplitude [m]."""
-    return (2 * math.pi * reduced.f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
+def in_g(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """Acceleration over g of a vibration of that amplitude [m], with the ball stuck."""
+    return (2 * math.pi * present(point.reduced).f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
 
 
 def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
-    damping, own, reduced = point.damper, point.level or point.damping_curve, point.reduced
+    damping, own = point.damper, point.level or point.damping_curve
     if damping is not None and damping.cutoff_g is not None:
         return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
-    if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
+    if own is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
         return TableCutOff(None, None, at_rest=False)
-    g = in_g(results, reduced, own.cutoff)
+    g = in_g(results, point, own.cutoff)
     return TableCutOff(g, g / point.load_g, at_rest=True)

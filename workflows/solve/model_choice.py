@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import fem
+from fem.meshes.mesh_sequence import Planform
 from fem.theory.registry import solid_theory
 from workflows.effects import selection
 from workflows.effects.definition import Effect
@@ -19,10 +19,6 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import blade
 from workflows.solve.results import Theory
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-
 
 _BORNE = 0.1
 """Average strain of the root beyond anything that small strains describe; metals yield at a tenth of it."""

@@ -228,14 +228,7 @@ class OwnFigures(Figures):
         return self.folds[0] < self.folds[1]
 
     @classmethod
-    def of(
-        cls,
-        measured: damper.DampingCurve,
-        tilt_share: float = 0.0,
-        level: Figures | None = None,
-        first: float = math.inf,
-        **more: Any,
-    ) -> OwnFigures:
+    def of(cls, measured: damper.DampingCurve, tilt_share: float, first: float, **more: Any) -> OwnFigures:
         """Those that were measured, with what else is known of the floor.
 
         `first`: amplitude above which forces that are not simulated move a ball at rest [m].
@@ -244,7 +237,7 @@ class OwnFigures(Figures):
         more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, first)) for way, each in ways.items()}
         if first < measured.cutoff:
             more |= {"driven_from": measured.cutoff, "cutoff": first}
-        return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
+        return copy_fields(cls, measured, tilt_share=tilt_share, **{"level": None} | more)
 
     @property
     def drives_from(self) -> float:

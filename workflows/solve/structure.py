@@ -180,17 +180,16 @@ class StructureSolver:
         for name, effect in self.choice.effects.items():
             LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
         self.discrete: Discrete | None = None
+        self._uncut: Discrete | None = None
+        self._bases: WeakKeyDictionary[fem.Operators, tuple[ReducedBasis, ...]] = WeakKeyDictionary()
         with translated_errors(source), stages("modes"):
             self.space = space_of(source)
-        if self.space is not None:
-            self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
-        self._bases: WeakKeyDictionary[fem.Operators, tuple[ReducedBasis, ...]] = WeakKeyDictionary()
-        self._uncut: Discrete | None = None
-        if self.choice.form is not None:
-            with translated_errors(source), stages("modes"):
+            if self.choice.form is not None:
                 self._uncut = discretise(source, self.choice, stages, size)
                 cavity = cavity_of(source, self._uncut, self.choice.effects)
                 self.discrete = with_cavities(source, self._uncut, cavity)
+        if self.space is not None:
+            self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
 
     def with_switches(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in what it insists on of the ball alone."""
@@ -353,12 +352,7 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
 
 
 def sweep(
-    source: SceneFile,
-    discrete: Discrete,
-    step: Step | None = None,
-    bases: Iterable[ReducedBasis] = (),
-    *,
-    followed: bool = True,
+    source: SceneFile, discrete: Discrete, step: Step, bases: Iterable[ReducedBasis], *, followed: bool
 ) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed.
 
@@ -366,8 +360,7 @@ def sweep(
     """
 
     def progress(number: int) -> None:
-        if step is not None:
-            step.advance(f"{number} of {speeds.size} speeds")
+        step.advance(f"{number} of {speeds.size} speeds")
 
     self_check.plates()
     scene, operators = source.scene, discrete.choice.operators

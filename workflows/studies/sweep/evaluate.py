@@ -258,7 +258,7 @@ def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> N
     damper = each.verdict_damper
     least, first = limits.least_amplitude(each.point), coupling.moves_first_from(damper, each.point)
     curve = damper_curve(damper, known, least, **how)
-    point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first=first))
+    point = replace(each.point, damping_curve=OwnFigures.of(curve, each.point.tilt_share, first))
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     _fill(row, replace(point, verdict=verdict))
     row["grade"] = verdict.rank
