@@ -264,13 +264,12 @@ def root_stress(results: Results, omega: float) -> float | None:
     fastest = max(results.speeds, key=lambda point: point.omega, default=None)
     if fastest is not None and fastest.root_stress is not None and fastest.omega > 0:
         return fastest.root_stress * (omega / fastest.omega) ** 2
-    plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
-    hung = _hung(results)
-    if plate is None or material is None or hung is None:
+    if (hung := _hung(results)) is None:
         return None
     (volume, moment), section = hung
+    density, rotor = present(results.scene.material).density, results.scene.rotor
     level = math.cos(rotor.precone)
-    stress = material.density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
+    stress = density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
     hangs = level * max((point.radius for point in results.speeds), default=0.0)
     return stress + results.scene.point_mass * omega**2 * hangs / section
 

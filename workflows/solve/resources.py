@@ -16,6 +16,7 @@ import psutil
 from fem.meshes.mesh_sequence import CELLS_PER_MODE, Planform, Rectangle, begun_with
 from fem.theory.registry import THEORIES, theory_of
 from workflows.effects.definition import Effect
+from workflows.errors import present
 from workflows.scene.load import SceneFile
 from workflows.solve.results import SHAPES_AT_MOST
 
@@ -186,9 +187,8 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    name = None if source.scene.blade is None else source.scene.blade.mesh
-    advice = f"coarsen the mesh, which has {unknowns} unknowns"
-    _require(source, BASE + of_a_blade(unknowns), Part(of_a_blade(unknowns), "[blade] mesh", name, advice))
+    needed, advice = of_a_blade(unknowns), f"coarsen the mesh, which has {unknowns} unknowns"
+    _require(source, BASE + needed, Part(needed, "[blade] mesh", present(source.scene.blade).mesh, advice))
 
 
 def _require(source: SceneFile, needed: float, worst: Part) -> None:
