@@ -18,6 +18,7 @@ from workflows.errors import present
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
 from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
+from workflows.scene.quantities import LENGTH, unit_in_si
 from workflows.scene.scene import Scene
 
 GAUSS = 24
@@ -224,9 +225,10 @@ def _from_file(source: SceneFile) -> fem.Given:
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{source.mesh}: ")
         raise source.wrong(text, "[plate] mesh", plate.mesh) from error
-    if plate.mesh_scale != 1.0:
-        mesh = mesh.scaled(plate.mesh_scale)
-    form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
+    scale = unit_in_si(plate.mesh_unit, LENGTH)
+    if scale != 1.0:
+        mesh = mesh.scaled(scale)
+    form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, scale * values))
     _check_proportions(source, plate, form)
     _check_place(source, form)
     return form

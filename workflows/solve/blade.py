@@ -18,6 +18,7 @@ from workflows.errors import present
 from workflows.formatting import beside, percent, share, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
+from workflows.scene.quantities import LENGTH, unit_in_si
 from workflows.scene.scene import Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
@@ -244,7 +245,7 @@ def blade_of(source: SceneFile) -> Blade:
 
     path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
     try:
-        mesh = read_volume(path, spec.scale, spec.size)
+        mesh = read_volume(path, unit_in_si(spec.unit, LENGTH), spec.size)
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)

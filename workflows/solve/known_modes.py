@@ -22,6 +22,7 @@ from workflows.errors import did_you_mean, present
 from workflows.formatting import interval, percent, share, significant, turning
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
+from workflows.scene.quantities import LENGTH, MASS, unit_in_si
 from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve import results
 from workflows.solve.coupling import modes_of, reduced_of
@@ -474,7 +475,7 @@ def _units(name: str, raw: Raw, size: float, density: float) -> str:
     own = modal_model.densities(plain, plain.speeds[0])
     fitting = []
     for unit, mass_unit in _SYSTEMS:
-        length, mass = KnownModes(modes=name, unit=unit, mass_unit=mass_unit).scale(None, None)
+        length, mass = unit_in_si(unit, LENGTH), unit_in_si(mass_unit, MASS)
         there = 0.0 if own is None else float(np.median(own)) * mass / length**3
         if _USUAL[0] <= there <= _USUAL[1] and plain.size * length <= _LARGE:
             fitting.append(f"unit = '{unit}', mass_unit = '{mass_unit}' ({significant(there)} kg/m^3)")
