@@ -82,11 +82,10 @@ def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, t
         raise ValueError("none of the modes moves the cavity along the bending direction")
     mass = first.shape[0] ** -2
     ball = ball_mass(scene, present(point.reduced).M2)
-    square = across.stiffness / (1 + ball * across.shape[1] ** 2) if across is not None else math.inf
     own = first.stiffness * mass
     return {
         "modal_mass": mass,
-        "stiffness": (own, (mass + ball) * square if math.isfinite(square) else own),
+        "stiffness": (own, own if across is None else (mass + ball) * across.square(ball, 1)),
         "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0), drawn=m.drawn) for m in modes),
     }
 
@@ -272,9 +271,7 @@ def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
     across = leading_mode(point.cavity_modes, 1)
-    if across is None:
-        return first, first
-    return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
+    return first, first if across is None else across.square(reduced.M1 - reduced.M2, 1)
 
 
 def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced]:

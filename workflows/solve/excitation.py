@@ -271,8 +271,7 @@ def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
     leader, reduced = leading_mode(point.cavity_modes, 0), present(point.reduced)
     if leader is None:
         return reduced.f1_hz
-    ball = coupling.ball_mass(scene, reduced.M2)
-    return math.sqrt(leader.stiffness / (1 + ball * leader.shape[0] ** 2)) / (2 * math.pi)
+    return math.sqrt(leader.square(coupling.ball_mass(scene, reduced.M2), 0)) / (2 * math.pi)
 
 
 def resting_shift(scene: Scene, at: SpeedPoint, crossing: Crossing, ball_mass: float) -> float:

@@ -619,6 +619,10 @@ class CavityMode:
     pressed: Annotated[float, KEPT] = 0.0
     pushed: Annotated[float, KEPT] = 0.0
 
+    def square(self, ball: float, axis: int) -> float:
+        """Squared circular frequency with a ball at rest [kg] that follows along an axis alone [1/s²]."""
+        return self.stiffness / (1 + ball * self.shape[axis] ** 2)
+
 
 def leading_mode(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:
     """The mode that yields most to a force at the cavity along an axis; None where none moves it that way."""
