@@ -16,8 +16,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import date, time
 from itertools import islice
+from typing import TypeVar
 
-_LONGEST_KEY = 80
+T = TypeVar("T")
+
+_LONGEST_KEY, _LONGEST_VALUE = 80, 60
 
 
 class SpindampError(Exception):
@@ -77,6 +80,13 @@ class ImpossibleResult(SpindampError):
     """A figure violates a law of physics: law, figure, bound, place and versions, in one line."""
 
 
+def present(part: T | None) -> T:
+    """A part of a scene or of a result that is there, as was seen before."""
+    if part is None:
+        raise ValueError("a part is missing that was seen before")
+    return part
+
+
 @contextmanager
 def during(place: str) -> Iterator[None]:
     """Note on an error where it came up, such as a speed."""
@@ -87,13 +97,13 @@ def during(place: str) -> Iterator[None]:
         raise
 
 
-def shown(value: object, limit: int = 60) -> str:
+def shown(value: object) -> str:
     """A value as it stands in a scene, shortened."""
-    text = _written(value, limit, 3)
-    return text if len(text) <= limit else text[: limit - 1] + "…"
+    text = _written(value)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
 
 
-def _written(value: object, limit: int, depth: int) -> str:
+def _written(value: object, depth: int = 3) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and value.bit_length() > 64:
@@ -102,12 +112,12 @@ def _written(value: object, limit: int, depth: int) -> str:
     if isinstance(value, date | time):
         return value.isoformat()
     if isinstance(value, str):
-        return repr(value[: limit + 1])
+        return repr(value[: _LONGEST_VALUE + 1])
     if isinstance(value, Mapping):
-        inner = (f"{k} = {_written(v, limit, depth - 1)}" for k, v in islice(value.items(), limit if depth else 0))
+        inner = (f"{k} = {_written(v, depth - 1)}" for k, v in islice(value.items(), _LONGEST_VALUE if depth else 0))
         return "{" + ", ".join(inner) + "}" if depth else "{…}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(_written(v, limit, depth - 1) for v in value[:limit]) + "]" if depth else "[…]"
+        return "[" + ", ".join(_written(v, depth - 1) for v in value[:_LONGEST_VALUE]) + "]" if depth else "[…]"
     return repr(value)
 
 

@@ -88,8 +88,7 @@ def fixed(value: float | None, places: int = 0) -> str:
     """A number for a column: so many decimals, a thin space between thousands, a dash where there is none."""
     if value is None or not math.isfinite(value):
         return DASH
-    text = f"{value:,.{places}f}"
-    text = text if text.strip("-0.") else text.removeprefix("-")
+    text = f"{value:z,.{places}f}"  # z: no -0
     return text.replace(",", "\u2009").replace("-", "\u2212")
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.modal_model import ModalModel
 from workflows.errors import read_from
 from workflows.formatting import significant
 from workflows.progress import Stages
@@ -16,9 +16,6 @@ from workflows.solve import damper, excitation, limits, resources
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle_speed
 from workflows.solve.structure import StructureSolver, StructureState
-
-if TYPE_CHECKING:
-    from fem.modal_model import ModalModel
 
 
 def structure(
@@ -89,20 +86,18 @@ def modes(source: SceneFile, stages: Stages) -> ModalModel:
     if source.scene.given is not None:
         problem = "the table is missing: modes requires [plate], [blade] or [structure] modes"
         raise source.wrong(problem, "[plate]")
-    real = source.changed(effects={"coriolis": False})
-    solver = StructureSolver(real, stages)
+    speeds = tuple(sorted(source.scene.rotor.speeds))
+    solver = StructureSolver(source.changed(effects={"coriolis": False}, rotor={"speeds": speeds}), stages)
     if solver.space is not None:
-        model, speeds = solver.space.model, sorted(set(source.scene.rotor.speeds))
+        model = solver.space.model
         return model if source.scene.blade is None else replace(model, speeds=tuple(map(solver.space.modes, speeds)))
-    plate = solver.plate()
-    order = sorted(range(len(plate.numbers)), key=lambda k: plate.points[k].omega)
-    errors = []
-    for k in order:
-        own = [mode.error_estimate for mode in plate.points[k].modes]
+    plate, errors = solver.plate(), []
+    for point in plate.points:
+        own = [mode.error_estimate for mode in point.modes]
         errors.append(None if None in own else np.array(own, dtype=np.float64))
     operators = plate.discrete.choice.operators
     at = None if source.scene.damper is None else place(source, operators.plate.mesh)
-    return modal_model(operators, plate.diagram, [plate.numbers[k] for k in order], errors, at)
+    return modal_model(operators, plate.diagram, plate.numbers, errors, at)
 
 
 def plate_only(source: SceneFile) -> SceneFile:

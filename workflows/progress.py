@@ -120,10 +120,9 @@ class Step:
         self._done = done
         self._first: tuple[int, float] | None = None
 
-    def advance(self, detail: str = "", steps: int = 1) -> None:
+    def advance(self, detail: str, steps: int = 1) -> None:
         """Some steps are done."""
-        if detail:
-            LOG.debug("%s", detail)
+        LOG.debug("%s", detail)
         self._done += steps
         now, line = time.perf_counter(), detail
         if self._steps is not None:
@@ -132,6 +131,6 @@ class Step:
                 first, then = self._first
                 each = (now - then) / (self._done - first)
                 left += f", {math.ceil(each * (self._steps - self._done))} s remaining"
-            line = f"{detail}; {left}" if detail else left
+            line = f"{detail}; {left}"
         self._first = self._first or (self._done, now)
         self._stages.report(self._name, line, self._task, detail, steps)

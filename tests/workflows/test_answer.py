@@ -650,7 +650,7 @@ def test_a_thin_plate_bends_little_before_it_is_strained() -> None:
         omega=0.0, radius=0.5, root_stress=None, root_strain=0.5e-3 * 3.516 / 0.5**2, tip_motion=1.0
     )
     found = SimpleNamespace(scene=ruler.scene, surface=None, speeds=(at_rest,))
-    assert limits.ENDURED / limits.largest_strain(found, 1.0) > 0.5
+    assert limits.ENDURED / limits.largest_strain(found) > 0.5
     assert limits.endured(found) == pytest.approx(0.125)
     beyond = remarks.phrase("phrases/beyond", found, by_deflection=limits.deflection_governs(found))
     assert beyond.startswith("bend the plate by over 25 % of its length")

@@ -57,7 +57,7 @@ def test_a_staggered_plate_that_hardly_bends_does_not(paper: Scene) -> None:
 def test_with_it_thin_plates_are_mindlins(paper: Scene) -> None:
     alone = {"damper": None, "release": None, "rotor__speeds": ["100 rpm"]}
     thin = parse(changed(paper, plate__theory="auto", plate__thickness="0.1 mm", **alone))
-    assert [model_choice.chosen_theory(thin, None, on)[0].name for on in (False, True)] == ["kirchhoff", "mindlin"]  # type: ignore[union-attr]
+    assert [model_choice.chosen_theory(thin, None, on)[0].name for on in (False, True)] == ["kirchhoff", "mindlin"]
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])

@@ -16,7 +16,7 @@ from workflows.errors import BadInput
 from workflows.progress import Stages
 from workflows.scene.load import load, shipped
 from workflows.solve import resources
-from workflows.solve.model_choice import choose_model, model
+from workflows.solve.model_choice import choose_model
 from workflows.solve.structure import discretise
 
 GB = 1e9
@@ -131,7 +131,7 @@ def test_the_same_scene_passes_where_there_is_room(
     scene = write(changed(paper, rotor__speeds=["5000 rpm"], **BARE), tmp_path / "scene.toml")
     source = load(scene)
     decided = choose_model(source, Stages(visible=False))
-    needed = resources.sizes(source, decided.form, decided.effects, model(source, decided)).memory
+    needed = resources.sizes(source, decided.form, decided.effects, decided.model).memory
     monkeypatch.setattr(resources, "available", lambda: needed)
     assert spindamp("check", scene).status == 0
     monkeypatch.setattr(resources, "available", lambda: 0.99 * needed - resources.BASE)
@@ -146,7 +146,7 @@ def test_a_plate_grows_no_further_than_the_memory(
     source = load(write(fine, tmp_path / "scene.toml"))
     quiet = Stages(visible=False)
     decided = choose_model(source, quiet)
-    name = model(source, decided)
+    name = decided.model
     others = sum(part.memory for part in resources.parts(source) if part.key == "[rotor] speeds")
     most = 3000
     monkeypatch.setattr(
@@ -258,7 +258,7 @@ def test_check_says_sizes(changes: dict[str, Any], paper: Scene, spindamp: Comma
     decided = choose_model(source, Stages(visible=False))
     tried = discretise(source, decided, Stages(visible=False)).choice.tried
     form = decided.plate[0]
-    counted = [resources.unknowns(model(source, decided), form.mesh(size)) for size, _ in tried]
+    counted = [resources.unknowns(decided.model, form.mesh(size)) for size, _ in tried]
     assert found["unknowns"] in counted
     said = spindamp("check", "scene.toml").out.splitlines()[-1]
     assert said.startswith(f"# Sizes: 2 speeds, {found['modes']} modes, at least {found['unknowns']} unknowns, ")

@@ -329,7 +329,9 @@ def _full() -> Any:
     ring: dict[str, Any] = dict.fromkeys((each.name for each in fields(results.Damping)), 1)
     ring |= {"outcome": "", "stopped": None, "release": (1.0, 0.0), "history": None, "path": None}
     ring |= {"amplitude_g": one, "sdc": one, "peak_velocity": one}
-    damping = results.Damping(**ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": {1: 1.0}})
+    damping = results.Damping(
+        **ring | {"energy": results.Energy(*(1.0,) * 7), "modal_energies": (results.ModalEnergy(1, 1.0),)}
+    )
     own: dict[str, Any] = figures | dict.fromkeys((*OTHER_WAYS, "level"), results.Figures(**figures))
     own |= {"error": 0.0, "half_error": 0.0, "folds": (1.0, 2.0), "jump": (1.0, 2.0)}
     own |= dict.fromkeys(("tilt_share", "tilted_cutoff_g", "tilted_cutoff_ratio"), 1.0)

@@ -358,13 +358,13 @@ def check(
     from workflows.io import files, provenance
     from workflows.solve import resources
     from workflows.solve.blade import space_of
-    from workflows.solve.model_choice import choose_model, model, translated_errors
+    from workflows.solve.model_choice import choose_model, translated_errors
 
     source = _load(scene)
     resources.check(source)
     choice = choose_model(source, Stages(visible=False))
     planform = None if source.mesh is None else choice.form
-    sizes = resources.sizes(source, choice.form, choice.effects, None if choice.form is None else model(source, choice))
+    sizes = resources.sizes(source, choice.form, choice.effects, choice.model)
     with translated_errors(source):
         space = space_of(source, slowest=True)
     if json:

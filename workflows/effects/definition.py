@@ -9,6 +9,7 @@ import numpy.typing as npt
 from pydantic import InstanceOf
 
 from fem.meshes.mesh_sequence import Planform
+from workflows.errors import present
 from workflows.scene.damper import Damper
 from workflows.scene.plate import Material, Plate
 from workflows.scene.scene import Scene
@@ -45,11 +46,6 @@ class Called(NamedTuple):
     moves: LeftOut | None = None
 
 
-def everywhere(omega: float, shift: float, count: int) -> LeftOut:
-    """The same shift of all modes at a speed in rad/s."""
-    return LeftOut(np.array([omega]), np.full((1, count), shift))
-
-
 @dataclass(frozen=True, eq=False)
 class Case:
     """A scene that may call for an effect.
@@ -69,15 +65,12 @@ class Case:
     @property
     def plate(self) -> tuple[Plate, Material]:
         """The scene's with what it is made of; effects of spinning are asked where there is one."""
-        assert self.scene.plate is not None
-        assert self.scene.material is not None
-        return self.scene.plate, self.scene.material
+        return present(self.scene.plate), present(self.scene.material)
 
     @property
     def damper(self) -> Damper:
         """The scene's; effects of a damper are asked where there is one."""
-        assert self.scene.damper is not None
-        return self.scene.damper
+        return present(self.scene.damper)
 
 
 class Refusal(NamedTuple):
@@ -103,7 +96,6 @@ class Definition:
             are in `templates/assumptions.toml`.
         arguments: its terms: of `damper.ParticleDamper`, from [damper], the speed [rad/s] and whether it is on. The
             terms of an effect of the plate are those of the switch of its name in `fem.Effects`.
-        on_the_mesh: whether the mesh is chosen with it.
         spins: whether only a plate that spins is asked.
     """
 
@@ -115,7 +107,6 @@ class Definition:
     after: tuple[str, ...] = ()
     assumed: Callable[[Scene, bool, str], str] = lambda scene, on, theory: "on" if on else "off"
     arguments: Callable[[Damper, float, bool], dict[str, Any]] = lambda damper, omega, on: {}
-    on_the_mesh: bool = True
     spins: bool = False
 
 

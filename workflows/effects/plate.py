@@ -9,7 +9,7 @@ import numpy as np
 
 import fem
 from fem.meshes.mesh_sequence import Planform
-from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, Refusal, everywhere
+from workflows.effects.definition import AT_REST, GIVEN, Called, Case, Definition, LeftOut, Refusal
 from workflows.formatting import beside, share, significant, turning
 from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
@@ -36,10 +36,9 @@ def _stress_stiffening(case: Case) -> Called:
 def _spin_softening(case: Case) -> Called:
     """Wherever a plate spins."""
     rotor = case.scene.rotor
-    if abs(math.sin(rotor.stagger)) > 1e-9:
-        return Called(True, "the plate is staggered: its bending has a component perpendicular to the spin axis")
-    if abs(math.sin(rotor.precone)) > 1e-9:
-        return Called(True, "the plate is coned: its bending has a component perpendicular to the spin axis")
+    for angle, tilted in ((rotor.stagger, "staggered"), (rotor.precone, "coned")):
+        if abs(math.sin(angle)) > 1e-9:
+            return Called(True, f"the plate is {tilted}: its bending has a component perpendicular to the spin axis")
     return Called(
         True, "in-plane modes and, slightly, the rotating cross-sections in bending move perpendicular to the spin axis"
     )
@@ -115,7 +114,8 @@ def _large_deflection(case: Case) -> Called:
             f"the load lies in the plate's own plane and strains it by {share(strain, 2)} %, which moves frequencies by"
             f" {beside(100 * moved, 100 * target)} % at most, less than the {significant(100 * target)} % requested"
         )
-        return Called(False, reason, everywhere(max(scene.rotor.speeds), moved, scene.rotor.modes))
+        every = LeftOut(np.array([max(scene.rotor.speeds)]), np.full((1, scene.rotor.modes), moved))
+        return Called(False, reason, every)
     try:
         bent = _solved_with_deflection(scene, case.form)
     except (ArithmeticError, ValueError, RuntimeError) as error:  # it then also ends the run, with its key
@@ -186,14 +186,7 @@ def _rotary_inertia(case: Case) -> Called:
 EFFECTS = {
     "stress_stiffening": Definition("plate", _stress_stiffening, "stress stiffening"),
     "spin_softening": Definition("plate", _spin_softening, "spin softening", spins=True),
-    "coriolis": Definition(
-        "plate",
-        _coriolis,
-        "Coriolis forces",
-        after=("large_deflection",),
-        spins=True,
-        on_the_mesh=False,  # whose errors hardly depend on them, and which they make many times dearer
-    ),
+    "coriolis": Definition("plate", _coriolis, "Coriolis forces", after=("large_deflection",), spins=True),
     "large_deflection": Definition(
         "plate",
         _large_deflection,

@@ -577,7 +577,7 @@ def root_stress(results: Results) -> Values:
 def unknown_strain(results: Results) -> Values:
     """That amplitudes of known modes have no limit, as their strain is not known."""
     scene = results.scene
-    judged = scene.known is None or scene.damper is None or limits.largest_strain(results, 1.0) is not None
+    judged = scene.known is None or scene.damper is None or limits.largest_strain(results) is not None
     return None if judged else {}
 
 
@@ -648,7 +648,7 @@ def release_stress(results: Results) -> Values:
         return None
     point, _, damping = max(rung, key=lambda each: (abs(each[2].release[0]), templates.at_load(each[0])))
     lift = abs(damping.release[0])
-    stress = material.youngs_modulus * (limits.largest_strain(results, lift, point.omega) or 0.0)
+    stress = material.youngs_modulus * (limits.largest_strain(results, point.omega) or 0.0) * lift
     return {"lift": lift, "point": point, "stress": stress} if stress >= 1e8 else None
 
 
@@ -716,7 +716,7 @@ def modes_left_out(results: Results) -> Values:
         (reduced.M1 - reduced.M2) * math.hypot(*mode.shape) ** 2
         for point, reduced, damping in ring_downs(results)
         for mode in point.cavity_modes
-        if mode.number not in damping.modal_energies
+        if all(mode.number != each.mode for each in damping.modal_energies)
     )
     worst = max(left_out, default=0.0)
     notable = worst > target and results.effects["structural_modes"].on

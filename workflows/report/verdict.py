@@ -37,7 +37,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         around = low / (1 + error), high * (1 + error)  # within the error of this range
         apart = [each for each in humps(figures) if each[1] < around[0] or around[1] < each[0] < limit]
         others = [(begin, min(end, limit)) for begin, end in apart]
-        g = limits.in_g(results, point.reduced, 1.0) if point.reduced and point.load_g else None
+        g = limits.in_g(results, point, 1.0) if point.reduced and point.load_g else None
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": limited, "error": error}
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
@@ -64,7 +64,7 @@ def goes_on(results: Results, point: SpeedPoint, cutoff: float) -> float | None:
     """
     if point.level is not None or point.damper is None or not point.damper.cutoff_g or point.reduced is None:
         return None
-    last = point.damper.cutoff_g / limits.in_g(results, point.reduced, 1.0)
+    last = point.damper.cutoff_g / limits.in_g(results, point, 1.0)
     kept = math.sqrt(1 - point.damper.intrinsic_sdc)  # of the amplitude, from cycle to cycle, by the structure alone
     return last if last < min(_BELOW, kept) * cutoff else None
 

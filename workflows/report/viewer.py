@@ -121,7 +121,7 @@ def data_of_mesh(path: Path, unit: str | None = None) -> ViewData:
         BadInput: it is no mesh of a plate's mid-surface, nor of a volume; the message says what is wrong.
     """
     try:
-        scale = 1.0 if unit is None else quantities.to_si(f"1 {unit}", quantities.LENGTH)
+        scale = quantities.unit_in_si(unit, quantities.LENGTH)
     except quantities.UnitError as error:
         raise BadInput("expected a unit of length such as 'mm'", key="--unit", value=unit) from error
     try:

@@ -10,6 +10,7 @@ import stat
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -43,22 +44,16 @@ class SceneFile:
 
     @property
     def mesh(self) -> Path | None:
-        """The mesh file the plate names, relative to the scene's folder."""
-        plate = self.scene.plate
-        return None if plate is None or plate.mesh is None else self.folder / plate.mesh
-
-    @property
-    def blade_mesh(self) -> Path | None:
-        """The mesh file the blade names, relative to the scene's folder."""
-        return None if self.scene.blade is None else self.folder / self.scene.blade.mesh
+        """The mesh file that plate or blade name, relative to the scene's folder."""
+        meshed = self.scene.plate or self.scene.blade
+        return None if meshed is None or meshed.mesh is None else self.folder / meshed.mesh
 
     @cached_property
     def mesh_sha256(self) -> str | None:
-        """SHA-256 of the mesh file's bytes, where plate or blade name one; read once."""
-        mesh = self.blade_mesh or self.mesh
-        if mesh is None:
+        """SHA-256 of that file's bytes; read once."""
+        if self.mesh is None:
             return None
-        with mesh.open("rb") as file:
+        with self.mesh.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
 
     def plate_alone(self) -> SceneFile:
@@ -85,6 +80,14 @@ class SceneFile:
     def wrong(self, problem: str, key: str, value: object = None) -> BadInput:
         """The error of one of its keys."""
         return BadInput(problem, file=self.name, key=key, value=value)
+
+    @contextmanager
+    def blaming(self, key: str, value: object, *errors: type[Exception]) -> Iterator[None]:
+        """What fails inside with one of these errors is the fault of one of its keys."""
+        try:
+            yield
+        except errors as error:
+            raise self.wrong(str(error), key, value) from error
 
     def changed(self, **tables: Table | Mapping[str, Any] | None) -> SceneFile:
         """The same with another scene; see :meth:`Scene.changed`."""
@@ -264,9 +267,9 @@ def speed_remarks(speeds: Iterable[Any]) -> tuple[str, ...]:
 
 def _with_its_mesh(scene: SceneFile) -> SceneFile:
     """The same, once the mesh file that it may name is seen to be there."""
-    for table, mesh in (("plate", scene.mesh), ("blade", scene.blade_mesh)):
-        if mesh is not None and (problem := file_problem(mesh, "mesh file")):
-            raise scene.wrong(problem, f"[{table}] mesh", getattr(scene.scene, table).mesh)
+    if scene.mesh is not None and (problem := file_problem(scene.mesh, "mesh file")):
+        table = "plate" if scene.scene.blade is None else "blade"
+        raise scene.wrong(problem, f"[{table}] mesh", getattr(scene.scene, table).mesh)
     return scene
 
 
@@ -435,26 +438,22 @@ def slug(title: str) -> str:
 
 
 class _Described(GenerateJsonSchema):
-    """Docstrings say what each key means."""
+    """Docstrings say what each key means, and its unit what a number alone is in."""
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
         table = super().model_schema(schema)
         for name, text in docstrings.of_fields(schema["cls"]).items():
-            table["properties"][name]["description"] = text
+            key = table["properties"][name]
+            si = unit(key)
+            key["description"] = text if si is None else f"{text}; a number without a unit is in {si}"
         return table
 
 
 def schema() -> dict[str, Any]:
     """The schema, from the same model that validates scenes."""
-    document = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Scene.model_json_schema(schema_generator=_Described),
-    }
-    for table in (document, *document["$defs"].values()):
-        for key in table["properties"].values():
-            if si := unit(key):
-                key["description"] += f"; a number without a unit is in {si}"
-    return dict(_tidied(document)) | {"title": "spindamp scene"}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    tables: dict[str, Any] = _tidied(Scene.model_json_schema(schema_generator=_Described))
+    return head | tables | {"title": "spindamp scene"}
 
 
 def unit(node: Any) -> str | None:

@@ -241,11 +241,6 @@ class Plate(Table):
                 key, problem = odd
                 raise fault(key, problem + in_millimetres(least, greatest, self.length, self.width))
 
-    @property
-    def mesh_scale(self) -> float:
-        """Metres to the unit of the mesh file."""
-        return 1.0 if self.mesh_unit is None else q.to_si(f"1 {self.mesh_unit}", q.LENGTH)
-
 
 def _either(schema: dict[str, Any]) -> None:
     """Of a material: its name, or the three numbers."""

@@ -1,6 +1,7 @@
 """From the scene's [plate] to a meshed plate: grids of our own, or the file it names."""
 
 import functools
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,11 @@ from fem.meshes.mesh_sequence import Planform
 from fem.meshes.planform import PlaceError, clamped_length, locate
 from fem.meshes.thickness import Nodal, Profile, spread
 from fem.meshes.thickness import of as thickness_of
-from workflows.errors import BadInput
+from workflows.errors import present
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
 from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
+from workflows.scene.quantities import LENGTH, unit_in_si
 from workflows.scene.scene import Scene
 
 GAUSS = 24
@@ -89,11 +91,10 @@ def volume(plate: Plate) -> tuple[float, float]:
 
 def _across(plate: Plate, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Areas (n,) [m²] of a rectangle's sections at places along x (n,) [m]."""
-    assert plate.width is not None
-    t, weights = _gauss()
-    points = np.stack(np.meshgrid(x, 0.5 * plate.width * t, indexing="ij"))
+    half, (t, weights) = 0.5 * present(plate.width), _gauss()
+    points = np.stack(np.meshgrid(x, half * t, indexing="ij"))
     heights = np.broadcast_to(thickness_of(profile(plate), points), points.shape[1:])
-    return np.asarray(0.5 * plate.width * heights @ weights)
+    return np.asarray(half * heights @ weights)
 
 
 def planform(source: SceneFile) -> Planform:
@@ -102,8 +103,7 @@ def planform(source: SceneFile) -> Planform:
     Raises:
         BadInput: the mesh file is no good.
     """
-    plate = source.scene.plate
-    assert plate is not None
+    plate = present(source.scene.plate)
     if source.mesh is not None:
         return _from_file(source)
     form = fem.Rectangle(plate.length or 0.0, plate.width or 0.0)
@@ -116,9 +116,7 @@ def planform(source: SceneFile) -> Planform:
 
 def plate(source: SceneFile, mesh: Any, form: Planform) -> fem.Plate:
     """The scene's plate on a mesh of its planform."""
-    spec, material, mass = source.scene.plate, source.scene.material, source.scene.point_mass
-    assert spec is not None
-    assert material is not None
+    spec, material, mass = present(source.scene.plate), present(source.scene.material), source.scene.point_mass
     laden = place(source, mesh) if mass else None
     substance = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
     springs = None if spec.root is None else fem.ElasticRoot(spec.root.stiffness, spec.root.rotational_stiffness)
@@ -149,7 +147,7 @@ def describe_mesh(source: SceneFile, form: Planform, size: int) -> str:
         return f"{along} × {across} quadrilaterals, finer towards the edges"
     mesh = form.mesh(size)
     kind = "quadrilaterals" if mesh.t.shape[0] == 4 else "triangles"
-    name = source.scene.plate.mesh if source.scene.plate else source.mesh
+    name = present(source.scene.plate).mesh
     parts = "" if size == 1 else f", each edge split in {size}"
     length, width = 1e3 * np.ptp(mesh.p, axis=1)
     size_in_words = f"{length:.4g} × {width:.4g} mm, root of {1e3 * clamped_length(mesh):.6g} mm"
@@ -202,48 +200,43 @@ def root_and_place(source: SceneFile, mesh: Any) -> tuple[float, tuple[float, fl
 
     `mesh` is one of the planform's, None where the scene names none.
     """
-    plate = source.scene.plate
     if mesh is not None:
         return float(mesh.p[0].min()), place(source, mesh)
-    end = 0.0 if plate is None or plate.length is None else plate.length
-    return 0.0, given_place(source.scene) or (end, 0.0)
+    plate = present(source.scene.plate)
+    return 0.0, given_place(source.scene) or (present(plate.length), 0.0)
 
 
-def off_the_plate(source: SceneFile, error: fem.PlaceError) -> BadInput:
-    """The error of a damper that is not where the plate is, or not where it moves."""
-    place = given_place(source.scene)
+def placed(source: SceneFile) -> AbstractContextManager[None]:
+    """A damper, or else a tip mass, that is not where the plate is, or not where it moves, is at fault."""
     key = "[damper] at" if source.scene.damper is not None else "[plate] tip_mass_at"
-    return source.wrong(str(error), key, None if place is None else list(place))
+    return source.blaming(key, given_place(source.scene), fem.PlaceError)
 
 
 def _from_file(source: SceneFile) -> fem.Given:
     """The mesh that a scene names, in m, once it is seen to be a plate with the damper on it."""
     from fem.meshes.read import FieldError, read_field
 
-    plate = source.scene.plate
-    if source.mesh is None or plate is None:
-        raise ValueError("the scene names no mesh")
+    plate = present(source.scene.plate)
     field = None if isinstance(plate.thickness, float) else plate.thickness.field
     try:
-        mesh, values = read_field(source.mesh, field)
+        mesh, values = read_field(present(source.mesh), field)
     except FieldError as error:
         raise source.wrong(str(error), "[plate] thickness.field", field) from error
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{source.mesh}: ")
         raise source.wrong(text, "[plate] mesh", plate.mesh) from error
-    if plate.mesh_scale != 1.0:
-        mesh = mesh.scaled(plate.mesh_scale)
-    form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, plate.mesh_scale * values))
+    scale = unit_in_si(plate.mesh_unit, LENGTH)
+    if scale != 1.0:
+        mesh = mesh.scaled(scale)
+    form = fem.Given(mesh, thickness=None if values is None else Nodal(mesh, scale * values))
     _check_proportions(source, plate, form)
     _check_place(source, form)
     return form
 
 
 def _check_proportions(source: SceneFile, plate: Plate, form: fem.Given) -> None:
-    try:
+    with source.blaming("[plate] thickness", None, ValueError):
         least, _, greatest = thickness_range(plate, form)
-    except ValueError as error:
-        raise source.wrong(str(error), "[plate] thickness") from error
     odd = disproportion(least, greatest, *form.sides)
     if odd is not None:
         key, problem = odd
@@ -262,20 +255,17 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
     plate, damper, mesh = source.scene.plate, source.scene.damper, form.given
     at = place(source, mesh)
     reach, (length, width) = at[0] - float(mesh.p[0].min()), np.ptp(mesh.p, axis=1)
-    try:
+    with placed(source):
         locate(mesh, at)
         if reach <= 1e-9 * length:
             raise PlaceError(f"expected a place that moves: ({at[0]:g}, {at[1]:g}) m is on the clamped root")
-    except PlaceError as error:
-        raise off_the_plate(source, error) from error
     if plate is None or damper is None:
         return
     thickness = plate_thickness(plate, at, form)
     odd = misfit(damper, thickness, float(width), float(reach), room_across(mesh, at))
     if odd is not None:
-        value = getattr(damper, odd[0])
-        value = list(value) if isinstance(value, tuple) else value
-        raise source.wrong(odd[1], f"[damper] {odd[0]}", value)
+        key, problem = odd
+        raise source.wrong(problem, f"[damper] {key}", getattr(damper, key))
 
 
 def room_across(mesh: Any, at: tuple[float, float]) -> float:

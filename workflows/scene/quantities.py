@@ -172,6 +172,15 @@ def to_si(value: object, kind: Kind, gravity: float | None = None) -> float:
     return _in_range(value, kind)
 
 
+def unit_in_si(unit: str | None, kind: Kind) -> float:
+    """What a unit of a kind is in SI; that of SI itself where none is named.
+
+    Raises:
+        UnitError: it is no such unit.
+    """
+    return 1.0 if unit is None else to_si(f"1 {unit}", kind)
+
+
 def _from_text(text: str, kind: Kind, gravity: float | None) -> float:
     match = _TEXT.fullmatch(text)
     if match is None:

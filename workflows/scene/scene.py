@@ -179,8 +179,7 @@ class KnownModes(Table):
 
     def scale(self, unit: str | None, mass_unit: str | None) -> tuple[float, float]:
         """Metres and kilograms to the units of a file that says these of itself."""
-        length, mass = self.unit or unit or "m", self.mass_unit or mass_unit or "kg"
-        return q.to_si(f"1 {length}", q.LENGTH), q.to_si(f"1 {mass}", q.MASS)
+        return q.unit_in_si(self.unit or unit, q.LENGTH), q.unit_in_si(self.mass_unit or mass_unit, q.MASS)
 
 
 class Blade(Table):
@@ -195,11 +194,6 @@ class Blade(Table):
     default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
     """cell size for meshing geometry (.step, .iges, .brep); needs gmsh (spindamp[step])"""
-
-    @property
-    def scale(self) -> float:
-        """Metres to the unit of the mesh file."""
-        return 1.0 if self.unit is None else q.to_si(f"1 {self.unit}", q.LENGTH)
 
     @property
     def root_radius(self) -> float | None:

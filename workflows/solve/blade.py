@@ -14,9 +14,11 @@ import fem
 from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
+from workflows.errors import present
 from workflows.formatting import beside, percent, share, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
+from workflows.scene.quantities import LENGTH, unit_in_si
 from workflows.scene.scene import Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
@@ -87,10 +89,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
     solved = _solved(Request(f"{key} {scene.effects.large_deflection}", source))
     model = solved.model
     _check_balls(source, solved.operators)
-    seated = None
-    if scene.damper is not None:
-        seated = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
-    seat, remarks = seated or (None, ())
+    seat, remarks = seat_of(source, model, solved.at(min(scene.rotor.speeds)), solved.pull)
     stress = root_stress(solved.operators)
     return SpaceStructure(
         model=model,
@@ -159,7 +158,7 @@ def _key(source: SceneFile, *others: str) -> str:
     """What a blade's structure depends on, but for some keys of its rotor, and its effects."""
     scene = source.scene
     rotor = scene.rotor.model_dump_json(exclude={"gravity", *others})
-    return f"{source.blade_mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
+    return f"{source.mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
 
 
 def _matrices(source: SceneFile) -> SolidOperators:
@@ -244,12 +243,9 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.meshes.volume import SizeError, read_volume
     from fem.solid.blade import Blade, root_at
 
-    scene, path = source.scene, source.blade_mesh
-    spec, material = scene.blade, scene.material
-    if spec is None or material is None or path is None:
-        raise ValueError("the scene has no [blade]")
+    path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
     try:
-        mesh = read_volume(path, spec.scale, spec.size)
+        mesh = read_volume(path, unit_in_si(spec.unit, LENGTH), spec.size)
     except fem.MeshError as error:
         text = str(error).removeprefix(f"{path}: ")
         key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
@@ -258,14 +254,12 @@ def blade_of(source: SceneFile) -> Blade:
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
     stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    try:
+    with source.blaming("[blade] root", spec.root, fem.MeshError):
         if spec.root is not None and spec.root_radius is None:
             root = known_modes.named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
         blade = Blade(mesh, stuff, root, about.axis, about.origin)
-    except fem.MeshError as error:
-        raise source.wrong(str(error), "[blade] root", spec.root) from error
     _check_sides(source, blade)
     return blade
 
@@ -286,19 +280,19 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     """The mesh of a blade: what it is made of, its extents, what of it is held; who solves it, where not SuperLU."""
     cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in blade.mesh.cells)
     unknowns = 3 * (len(blade.mesh.points) - blade.held.size)
-    name = "" if source.scene.blade is None else f" of {source.scene.blade.mesh}"
+    name = present(source.scene.blade).mesh
     by = ", solved by PARDISO" if has_pardiso() else ""
     x, y, z = (significant(1e3 * side) for side in np.ptp(blade.mesh.points, axis=0))
     radii = 1e3 * np.linalg.norm(blade.arms, axis=1)
     whole, root = (span(float(each.min()), float(each.max()), 3) for each in (radii, radii[blade.root]))
     extents = f"{x} × {y} × {z} mm along x, y and z, at radii of {whole} mm, its root at {root} mm"
-    return f"{cells} cells{name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
+    return f"{cells} cells of {name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
 
 
 def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None) -> tuple[str, ...]:
     """Remarks on a blade's mesh, root and spin axis; `stress`: see `root_stress`."""
-    spec, blade = source.scene.blade, operators.blade
-    if spec is not None and spec.size is not None:
+    spec, blade = present(source.scene.blade), operators.blade
+    if spec.size is not None:
         made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
     elif blade.mesh.first_order:
         made = [

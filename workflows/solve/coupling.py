@@ -7,33 +7,30 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import fem
+from damper import Mode, ParticleDamper
+from damper.state import MODES
 from workflows.effects.definition import Effect
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve.results import STILL, CavityMode, Pendulum, Reduced, SpeedPoint, copy_fields, leading_mode
 
-if TYPE_CHECKING:
-    import damper
-
 
 def known_structure(scene: Scene, omega: float) -> SpeedPoint:
     """The speed point of a scene without a plate: its frequency and mass are given (K1 = K2 = M1 ω1²)."""
-    structure, rotor = scene.given, scene.rotor
-    if structure is None or rotor.radius is None:
-        raise ValueError("the scene has no [structure]")
+    structure, rotor = present(scene.given), scene.rotor
     m2, f1 = structure.mass, structure.frequency[0]
     m1 = m2 + ball_mass(scene, m2)
     stiffness = m1 * (2 * math.pi * f1) ** 2
     f2 = math.sqrt(stiffness / m2) / (2 * math.pi)
     reduced = Reduced(f1, m1, stiffness, f2, m2, stiffness, structure.floor_tilt[0])
-    return SpeedPoint.at(omega, rotor.radius, rotor.gravity, reduced=reduced)
+    return SpeedPoint.at(omega, present(rotor.radius), rotor.gravity, reduced=reduced)
 
 
 def with_forced_effects(source: SceneFile) -> SceneFile:
@@ -48,9 +45,7 @@ def with_forced_effects(source: SceneFile) -> SceneFile:
 
 def ball_mass(scene: Scene, m2: float) -> float:
     """Mass of all balls together [kg] at an effective mass M2."""
-    spec = scene.damper
-    if spec is None:
-        return 0.0
+    spec = present(scene.damper)
     return spec.balls if spec.balls is not None else (spec.mass_ratio or 0.0) * m2
 
 
@@ -64,8 +59,7 @@ def structure(
     Without modes of its own the stiffness is K1: the ball, rolling or not, presses on the cavity's floor and stiffens
     the plate.
     """
-    reduced, tilted = point.reduced, effects["floor_tilt"].on
-    assert reduced is not None
+    reduced, tilted = present(point.reduced), effects["floor_tilt"].on
     hollow = scene.damper is not None and scene.damper.floor_radius is not None
     turning: dict[str, Any] = {}
     if scene.given is None and (tilted or hollow):
@@ -83,18 +77,15 @@ def structure(
 
 def _of_modes(scene: Scene, point: SpeedPoint, modes: Sequence[CavityMode], *, tilts: bool) -> dict[str, Any]:
     """The structure of several modes; mass and stiffness are those of the mode that yields most along each axis."""
-    from damper import Mode
-
     first, across = leading_mode(modes, 0), leading_mode(modes, 1)
     if first is None:
         raise ValueError("none of the modes moves the cavity along the bending direction")
     mass = first.shape[0] ** -2
-    ball = ball_mass(scene, mass if point.reduced is None else point.reduced.M2)
-    square = across.stiffness / (1 + ball * across.shape[1] ** 2) if across is not None else math.inf
+    ball = ball_mass(scene, present(point.reduced).M2)
     own = first.stiffness * mass
     return {
         "modal_mass": mass,
-        "stiffness": (own, (mass + ball) * square if math.isfinite(square) else own),
+        "stiffness": (own, own if across is None else (mass + ball) * across.square(ball, 1)),
         "modes": tuple(Mode(1.0, m.stiffness, m.shape, m.slope if tilts else (0.0, 0.0), drawn=m.drawn) for m in modes),
     }
 
@@ -107,8 +98,6 @@ def damper_modes(
     Those that yield most along either axis, the one that an order crosses, and with `every` the others that a hit feeds
     enough: by `Budget.scattered`, the heaviest first as far as there is room.
     """
-    from damper.state import MODES
-
     modes = point.cavity_modes
     if point.reduced is None or not modes:
         return ()
@@ -128,7 +117,7 @@ def _on_axis(mode: CavityMode) -> CavityMode:
     return replace(mode, shape=(x, y), slope=(a, b))
 
 
-def pendulum(damper: damper.ParticleDamper, omega: float) -> Pendulum | None:
+def pendulum(damper: ParticleDamper, omega: float) -> Pendulum | None:
     """Frequencies of a ball that swings in a hollow floor, at small amplitudes; None on a flat one.
 
     omega_s² = beta (G / rho - Omega² P), P the axis' share in the plane of rotation.
@@ -160,13 +149,13 @@ def shortening(point: SpeedPoint) -> float:
     return (stiffer + point.outwards**2) / point.radius
 
 
-def resting_share(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+def resting_share(system: ParticleDamper, point: SpeedPoint) -> float:
     """What moves a ball at rest at all over what moves it along x by the forces that its motion counts."""
     first = moves_first_from(system, point)
     return first / system.amplitude_of(system.break_away_threshold) if first < math.inf else 1.0
 
 
-def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
+def moves_first_from(system: ParticleDamper, point: SpeedPoint) -> float:
     """Amplitude along x [m] from which on a resting ball moves before its counted motion begins; inf: it does not.
 
     Coriolis forces grow with the square of the amplitude, and move it in any case where 2 c Omega omega u u' reaches
@@ -191,7 +180,7 @@ def moves_first_from(system: damper.ParticleDamper, point: SpeedPoint) -> float:
     return begin if begin < _NOTABLE * alone else math.inf
 
 
-def grip_needed(system: damper.ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
+def grip_needed(system: ParticleDamper, point: SpeedPoint, amplitude: np.ndarray) -> np.ndarray:
     """Force along the floor that a ball at rest needs, over that on the floor, at amplitudes (n,) along x [m]; (n,).
 
     A vibration u along the leading mode's shape s moves the place by s u along the floor and by c u²/2 towards the
@@ -230,7 +219,7 @@ _LET_GO = 1.5
 """A scene that says nothing lets the structure go at so many times the amplitude above which the ball moves."""
 
 
-def release_displacement(scene: Scene, point: SpeedPoint, system: damper.ParticleDamper) -> tuple[float, float]:
+def release_displacement(scene: Scene, point: SpeedPoint, system: ParticleDamper) -> tuple[float, float]:
     """Displacements [m] at which the structure is let go; accelerations are turned by ω1 with the ball stuck.
 
     Where the scene says nothing: by where the ball begins to roll; one that rolls from the start, or never, by where
@@ -239,10 +228,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: damper.Particl
     Raises:
         BadInput: a release across, where no mode of the plate that was looked for moves the cavity so.
     """
-    release, reduced = scene.release, point.reduced
-    assert release is not None
-    assert reduced is not None
-    squares = _squares(scene, point)
+    release, squares = present(scene.release), _squares(scene, point)
     if release.displacement is not None:
         start = release.displacement
     elif release.acceleration is not None:
@@ -259,7 +245,7 @@ def release_displacement(scene: Scene, point: SpeedPoint, system: damper.Particl
     return start
 
 
-def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
+def amplitudes(system: ParticleDamper, release: tuple[float, float]) -> tuple[float, ...] | None:
     """Amplitudes of the modes at a release: the leading ones displace the cavity so, the others rest. None without any.
 
     A ball is judged by what it takes from the vibration let go, not by what a pull at its cavity sets ringing besides.
@@ -280,21 +266,17 @@ def amplitudes(system: damper.ParticleDamper, release: tuple[float, float]) -> t
 
 def _squares(scene: Scene, point: SpeedPoint) -> tuple[float, float]:
     """Squared circular frequencies along the damper's axes with the ball stuck [1/s²]."""
-    reduced = point.reduced
-    assert reduced is not None
+    reduced = present(point.reduced)
     first = (2 * math.pi * reduced.f1_hz) ** 2
     if scene.given is not None:
         return first, (2 * math.pi * scene.given.frequency[1]) ** 2
     across = leading_mode(point.cavity_modes, 1)
-    if across is None:
-        return first, first
-    return first, across.stiffness / (1 + (reduced.M1 - reduced.M2) * across.shape[1] ** 2)
+    return first, first if across is None else across.square(reduced.M1 - reduced.M2, 1)
 
 
-def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced | None]:
+def with_ball(source: SceneFile, plate: fem.Reduction) -> list[Reduced]:
     """The structure that the damper of a scene meets at each speed, on a plate that may carry others."""
-    damper = source.scene.damper
-    assert damper is not None
+    damper = present(source.scene.damper)
     with _place_errors(source):
         reduced = plate.with_ball(ball_mass=damper.balls, mass_ratio=damper.mass_ratio)
     return list(map(reduced_of, reduced))
@@ -314,21 +296,16 @@ def reduction(source: SceneFile, operators: fem.Operators, diagram: fem.Campbell
 def _place_errors(source: SceneFile) -> Iterator[None]:
     """What is wrong with a damper's place, or with the modes it is reduced to, in the scene's words."""
     try:
-        yield
-    except fem.PlaceError as error:
-        raise plate_mesh.off_the_plate(source, error) from error
+        with plate_mesh.placed(source):
+            yield
     except fem.NoFlapMode as error:
         modes = source.scene.rotor.modes
         raise source.wrong(f"{error}: request more modes", "[rotor] modes", modes) from error
 
 
-def cavity_modes(
-    source: SceneFile, effects: dict[str, Effect], plate: fem.Reduction, reduced: list[Reduced | None]
-) -> list[tuple[CavityMode, ...]]:
-    """The modes at each speed of the diagram as the cavity feels them; none where the scene does not call for them."""
-    balls = [0.0 if reduction is None else reduction.M1 - reduction.M2 for reduction in reduced]
-    if source.scene.damper is None or not effects["structural_modes"].on:
-        return [()] * len(balls)
+def cavity_modes(plate: fem.Reduction, reduced: list[Reduced]) -> list[tuple[CavityMode, ...]]:
+    """The modes at each speed of the diagram as the cavity feels them."""
+    balls = [each.M1 - each.M2 for each in reduced]
     reduction = fem.modes_at(plate.operators, plate.diagram, plate.at, np.array(balls))
     return [modes_of(reduction, n, "pressed") for n in range(len(reduction.stiffness))]
 

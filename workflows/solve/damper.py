@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, starmap
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from damper.curve_measurement import falling
 from damper.laws import EXACT, require
 from workflows.effects.definition import Effect
 from workflows.effects.selection import EFFECTS
-from workflows.errors import BadInput, during
+from workflows.errors import BadInput, during, present
 from workflows.formatting import turning
 from workflows.progress import Stages
 from workflows.scene.scene import Scene
@@ -69,7 +69,7 @@ _SAMPLES_AT_MOST = 4000
 
 
 def simulate(
-    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int | None = None
+    scene: Scene, effects: dict[str, Effect], points: tuple[SpeedPoint, ...], stages: Stages, shown: int
 ) -> tuple[SpeedPoint, ...]:
     """Ring down and measure the damper at every speed; the point number `shown` keeps its time history."""
     with stages("damper", len(points)) as step:
@@ -96,9 +96,8 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
         level = None if judged is system else copy_fields(results.Figures, falling(system))
         g, ratio = _cutoff(tilting, point)
         more |= {"level": level, "tilted_cutoff_g": g, "tilted_cutoff_ratio": ratio}
-    more["first"] = coupling.moves_first_from(judged, point)
-    curve = damping_curve(judged, least=limits.least_amplitude(point))
-    return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, **more))
+    curve, first = damping_curve(judged, least=limits.least_amplitude(point)), coupling.moves_first_from(judged, point)
+    return replace(point, damper=damping, damping_curve=OwnFigures.of(curve, point.tilt_share, first, **more))
 
 
 def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
@@ -148,9 +147,7 @@ def particle_damper(
         BadInput: a value without physical sense.
         LawViolation: with the ball at rest the structure has another frequency than the point.
     """
-    spec, reduced = scene.damper, point.reduced
-    assert spec is not None
-    assert reduced is not None
+    spec, reduced = present(scene.damper), present(point.reduced)
     terms = (kind.arguments(spec, point.omega, effects[name].on).items() for name, kind in EFFECTS.items())
     try:
         system = copy_fields(
@@ -180,9 +177,7 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
     Raises:
         BadInput: their materials are not known.
     """
-    spec, reduced, made_of = scene.damper, point.reduced, limits.solids(scene)
-    assert spec is not None
-    assert reduced is not None
+    spec, reduced, made_of = present(scene.damper), present(point.reduced), limits.solids(scene)
     hits = spec.hits((reduced.M1 - reduced.M2) / spec.count, made_of)
     if spec.rolling_friction == "auto":
         if made_of is None:
@@ -199,8 +194,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
-    left = None if system.modes is None else motion.modal_energies
-    numbers = [] if left is None else [mode.number for mode in coupling.damper_modes(scene, point)]
+    left = () if motion.modal_energies is None else motion.modal_energies.tolist()
+    numbers = (mode.number for mode in coupling.damper_modes(scene, point)) if left else ()
     return copy_fields(
         results.Damping,
         motion,
@@ -217,7 +212,7 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         sdc=energy.sdc,
         peak_velocity=energy.peak_velocity,
         energy=copy_fields(results.Energy, motion.energy),
-        modal_energies={} if left is None else dict(zip(numbers, left.tolist(), strict=True)),
+        modal_energies=tuple(starmap(results.ModalEnergy, zip(numbers, left, strict=True))),
         history=_history(motion) if keep else None,
         path=ball_path(motion) if keep else None,
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.rotor import from_rpm
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.formatting import interval, turning, whole
 from workflows.scene.scene import Scene
 from workflows.solve.results import Mode, Results, SpeedPoint, VibrationReduction, copy_fields
@@ -117,23 +117,21 @@ def of_points(points: Sequence[SpeedPoint], orders: Iterable[int]) -> list[Cross
     an order is a line through the origin there, so that they meet at most once. A structure that is given has one mode,
     whose frequency does not depend on the speed.
     """
-    by_speed = sorted(points, key=lambda point: point.omega)
-    names = labels(by_speed) or {0: "flap 1"}
+    names = labels(points) or {0: "flap 1"}
     met = []
     for branch in sorted(names):
-        track = _track(by_speed, branch)
+        track = _track(points, branch)
         rpm, hertz = (np.array(values) for values in zip(*((p.rpm, frequency_of(p, k)) for p, k in track), strict=True))
         for order in orders:
             apart = hertz**2 - (order * rpm / 60) ** 2
-            pairs = ((track[k], track[k + 1]) for k in np.flatnonzero(apart[:-1] * apart[1:] <= 0))
-            found = (_between(order, names[branch], low, high) for low, high in pairs)
-            met += [crossing for crossing in found if crossing is not None]
+            meets = np.flatnonzero((apart[:-1] * apart[1:] <= 0) & (apart[1:] != 0))
+            met += [_between(order, names[branch], track[k], track[k + 1]) for k in meets]
     return sorted(met, key=lambda crossing: crossing.order)
 
 
 def ends(points: Sequence[SpeedPoint], crossing: Crossing) -> tuple[tuple[SpeedPoint, int], tuple[SpeedPoint, int]]:
     """The points that a crossing lies between, each with the number of its mode there, from 0."""
-    track = _track(sorted(points, key=lambda point: point.omega), crossing.branch)
+    track = _track(points, crossing.branch)
     above = next(k for k in range(1, len(track)) if track[k][0].rpm >= crossing.rpm or k == len(track) - 1)
     return track[above - 1], track[above]
 
@@ -157,7 +155,7 @@ def crossing_beyond(points: Sequence[SpeedPoint], order: int) -> float | None:
 
     f² goes with Ω² as between the lowest and the highest of them.
     """
-    track = _track(sorted(points, key=lambda point: point.omega), 0)
+    track = _track(points, 0)
     (a, f), (b, g) = ((point.rpm, frequency_of(point, k)) for point, k in (track[0], track[-1]))
     growth = 0.0 if a == b else 3600 * (g**2 - f**2) / (b**2 - a**2)
     square = (3600 * f**2 - growth * a**2) / (order**2 - growth) if order**2 > growth else -1.0
@@ -172,17 +170,16 @@ def reached_within_error(points: Sequence[SpeedPoint], rpm: float) -> float:
 
 
 def _track(points: Sequence[SpeedPoint], branch: int) -> list[tuple[SpeedPoint, int]]:
-    """Points that have a branch, each with which of its modes that is, from 0; of a structure that is given all."""
-    every = [(point, k) for point in points for k, mode in enumerate(point.modes) if mode.branch == branch]
-    return every or [(point, 0) for point in points]
+    """Points that have a branch, by speed, each with which of its modes that is, from 0; of a given structure all."""
+    by_speed = sorted(points, key=lambda point: point.omega)
+    every = [(point, k) for point in by_speed for k, mode in enumerate(point.modes) if mode.branch == branch]
+    return every or [(point, 0) for point in by_speed]
 
 
-def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[SpeedPoint, int]) -> Crossing | None:
-    """The crossing of an order with a mode between two points; None where they do not meet."""
+def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[SpeedPoint, int]) -> Crossing:
+    """The crossing of an order with a mode between two points on either side of it."""
     (a, f), (b, g) = ((point.rpm, frequency_of(point, k)) for point, k in (low, high))
     below, above = f**2 - (order * a / 60) ** 2, g**2 - (order * b / 60) ** 2
-    if below == above or below * above > 0 or above == 0:
-        return None
     rpm = math.sqrt(a**2 + below / (below - above) * (b**2 - a**2))
     point, k = low if rpm - a < b - rpm else high
     mode = point.modes[k] if point.modes else Mode(f, "flap")
@@ -194,8 +191,4 @@ def _between(order: int, label: str, low: tuple[SpeedPoint, int], high: tuple[Sp
 
 def frequency_of(point: SpeedPoint, k: int) -> float:
     """Of a point's mode k, from 0, without the ball; of a structure that is given its own [Hz]."""
-    if point.modes:
-        return point.modes[k].frequency_hz
-    if point.reduced is None:
-        raise ValueError("the structure is not known")
-    return point.reduced.f2_hz
+    return point.modes[k].frequency_hz if point.modes else present(point.reduced).f2_hz

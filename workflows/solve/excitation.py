@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 import damper
-from workflows.errors import during, read_from
+from workflows.errors import during, present, read_from
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Excitation, Scene
@@ -172,7 +172,7 @@ def largest_stress(results: Results, crossing: Crossing) -> float | None:
 
     Of a plate by bending, of a structure in space wherever its strain is largest.
     """
-    material, strain = results.scene.material, limits.largest_strain(results, 1.0, crossing.omega)
+    material, strain = results.scene.material, limits.largest_strain(results, crossing.omega)
     if material is None or strain is None or not _is_followed(results, crossing):
         return None
     return material.youngs_modulus * strain
@@ -268,12 +268,10 @@ def _nearest(order: int, ends: Sequence[tuple[SpeedPoint, int]], point: SpeedPoi
 
 def _resting_hertz(scene: Scene, point: SpeedPoint) -> float:
     """Frequency with the ball at rest of the mode that moves the cavity most along x [Hz]."""
-    leader = leading_mode(point.cavity_modes, 0)
-    assert point.reduced is not None
+    leader, reduced = leading_mode(point.cavity_modes, 0), present(point.reduced)
     if leader is None:
-        return point.reduced.f1_hz
-    ball = coupling.ball_mass(scene, point.reduced.M2)
-    return math.sqrt(leader.stiffness / (1 + ball * leader.shape[0] ** 2)) / (2 * math.pi)
+        return reduced.f1_hz
+    return math.sqrt(leader.square(coupling.ball_mass(scene, reduced.M2), 0)) / (2 * math.pi)
 
 
 def resting_shift(scene: Scene, at: SpeedPoint, crossing: Crossing, ball_mass: float) -> float:

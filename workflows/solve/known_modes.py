@@ -18,10 +18,11 @@ from fem.modal_files import ModesFileError, Raw, in_si, joined, read
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.rotor import Rotor, in_rpm
 from workflows.effects.definition import Effect
-from workflows.errors import did_you_mean
+from workflows.errors import did_you_mean, present
 from workflows.formatting import interval, percent, share, significant, turning
 from workflows.scene.load import SceneFile, file_problem
 from workflows.scene.materials import OSMIUM
+from workflows.scene.quantities import LENGTH, MASS, unit_in_si
 from workflows.scene.scene import NO_ORIGIN, KnownModes
 from workflows.solve import results
 from workflows.solve.coupling import modes_of, reduced_of
@@ -111,14 +112,12 @@ class SpaceStructure:
         damper = scene.damper
         if damper is None or self.seat is None:
             return point
-        try:
+        with source.blaming("[damper] direction", None, NoMotion):
             floor = self.floor(modes)
             pull, load = self.seat.pull, self.seat.load(modes)
             reduced, every = reduced_modes(
                 modes, floor, pull, ball_mass=damper.balls, mass_ratio=damper.mass_ratio, load=load
             )
-        except NoMotion as error:
-            raise source.wrong(str(error), "[damper] direction") from error
         if (balls := float(reduced.M1 - reduced.M2)) >= self.mass:
             weights = f"would weigh {significant(balls)} kg, and the blade weighs {significant(self.mass)} kg"
             problem = f"balls of this ratio {weights}: expected less"
@@ -164,14 +163,12 @@ class SpaceStructure:
         """The cavity's floor at a speed.
 
         Raises:
-            ValueError: there is no damper.
             NoMotion: the load there gives it no axes.
         """
         from fem.reduction.known_modes import floor
 
-        if self.seat is None:
-            raise ValueError("the scene has no [damper]")
-        return floor(self.model, self.seat.place, modes, self.seat.direction, self.seat.normal)
+        seat = present(self.seat)
+        return floor(self.model, seat.place, modes, seat.direction, seat.normal)
 
     def surface(self, speeds: Sequence[float], count: int) -> results.Surface:
         """Its surface, or where it has no cells a mark at each node, with mode shapes of some of the speeds."""
@@ -238,18 +235,16 @@ def space_structure(source: SceneFile) -> SpaceStructure:
     Raises:
         BadInput: a file, its units, its speeds or the damper's place is no good; the message says what would be right.
     """
-    known = source.scene.known
-    assert known is not None
+    known = present(source.scene.known)
     stamps = [_stamp(source, name) for name in known.files.values()]
     speeds = source.scene.rotor.speeds if None in known.files else ()
     rotor = source.scene.rotor.model_copy(update={"speeds": speeds}).model_dump_json(exclude_unset=True)
     structure = _structure(Request(f"{source.folder} {source.name} {known!r} {rotor} {stamps}", source))
     for omega in source.scene.rotor.speeds:
         structure.modes(omega)
-    if source.scene.damper is not None:
-        seat, seated = seat_of(source, structure.model, structure.modes(min(source.scene.rotor.speeds)))
-        structure = replace(structure, seat=seat, remarks=(*structure.remarks, *seated))
-    return replace(structure, remarks=(*structure.remarks, *_interpolation_remarks(source, structure)))
+    seat, seated = seat_of(source, structure.model, structure.modes(min(source.scene.rotor.speeds)))
+    between = _interpolation_remarks(source, structure.model, seat)
+    return replace(structure, seat=seat, remarks=(*structure.remarks, *seated, *between))
 
 
 _SPEEDS = 64
@@ -257,11 +252,7 @@ _SPEEDS = 64
 
 
 _largest_strain = lru_cache(_SPEEDS)(modal_model.largest_strain)
-
-
-@lru_cache(_SPEEDS)
-def _families(model: ModalModel, modes: ModesAtSpeed) -> tuple[str, ...]:
-    return tuple(modal_model.families(model, modes))
+_families = lru_cache(_SPEEDS)(modal_model.families)
 
 
 @dataclass(frozen=True)
@@ -276,8 +267,7 @@ class Request:
 def _structure(request: Request) -> SpaceStructure:
     """The structure of a scene without its damper, kept for other dampers."""
     source = request.source
-    known = source.scene.known
-    assert known is not None
+    known = present(source.scene.known)
     model, remarks, sha256 = _model(source, known)
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
@@ -321,13 +311,10 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str],
         if omega is not None:
             model = replace(model, speeds=(replace(model.speeds[0], omega=omega),))
         models.append(model)
-        if (remark := _density_remark(name, model)) is not None:
-            remarks.append(remark)
+        remarks += _uneven_density(name, model)
         remarks += _copies(source, name, model)
-    try:
+    with source.blaming("[structure] modes", None, ModesFileError):
         model = joined(models)
-    except ModesFileError as error:
-        raise source.wrong(str(error), "[structure] modes") from error
     remarks += _contradictions(known, models)
     whole = digests[0] if len(digests) == 1 else hashlib.sha256("".join(digests).encode()).hexdigest()
     return about_spin_axis(source, model, turns=turns), remarks, whole
@@ -488,7 +475,7 @@ def _units(name: str, raw: Raw, size: float, density: float) -> str:
     own = modal_model.densities(plain, plain.speeds[0])
     fitting = []
     for unit, mass_unit in _SYSTEMS:
-        length, mass = KnownModes(modes=name, unit=unit, mass_unit=mass_unit).scale(None, None)
+        length, mass = unit_in_si(unit, LENGTH), unit_in_si(mass_unit, MASS)
         there = 0.0 if own is None else float(np.median(own)) * mass / length**3
         if _USUAL[0] <= there <= _USUAL[1] and plain.size * length <= _LARGE:
             fitting.append(f"unit = '{unit}', mass_unit = '{mass_unit}' ({significant(there)} kg/m^3)")
@@ -525,16 +512,16 @@ _UNEVEN = 1.05
 """Ratio of densities from which on it is said."""
 
 
-def _density_remark(name: str, model: ModalModel) -> str | None:
-    """What mass the shapes say that the structure has, where it is not that of one density."""
+def _uneven_density(name: str, model: ModalModel) -> list[str]:
+    """A remark where the mass that the shapes say the structure has is not that of one density."""
     fits = modal_model.densities(model, model.speeds[0])
     if fits is None or fits.max() <= _UNEVEN * fits.min():
-        return None
-    return (
+        return []
+    return [
         f"By its shapes {name} has densities from {significant(float(fits.min()))} to"
         f" {significant(float(fits.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
         " normalised to mass."
-    )
+    ]
 
 
 def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
@@ -588,9 +575,8 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
         raise source.wrong(problem, key)
 
 
-def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list[str]:
+def _interpolation_remarks(source: SceneFile, model: ModalModel, seat: Seat | None) -> list[str]:
     """What is said of speeds between those of the files."""
-    model, seat = structure.model, structure.seat
     known = np.array([modes.omega for modes in model.speeds])
     between = [omega for omega in source.scene.rotor.speeds if np.abs(known - omega).min() > 1e-9 * known.max()]
     if not between:
@@ -614,8 +600,8 @@ def _interpolation_remarks(source: SceneFile, structure: SpaceStructure) -> list
 
 def seat_of(
     source: SceneFile, model: ModalModel, modes: ModesAtSpeed, pull_at: Callable[[Place], Pull] | None = None
-) -> tuple[Seat, tuple[str, ...]]:
-    """Where the damper of a scene sits on a structure in space, with remarks.
+) -> tuple[Seat | None, tuple[str, ...]]:
+    """Where the damper of a scene, if there is one, sits on a structure in space, with remarks.
 
     modes: at the scene's lowest speed; the first gives axis 1 of a cavity that has no direction. pull_at: gives the
     ball's pull at a place; None: it follows from the modes alone.
@@ -627,7 +613,8 @@ def seat_of(
     from fem.reduction.known_modes import NoMotion, bending_direction, floor
 
     damper = source.scene.damper
-    assert damper is not None
+    if damper is None:
+        return None, ()
     at = _place(source, model, damper.at, "[damper] at")
     if np.abs(at.displacement(modes.shapes)).max() <= _STILL * np.abs(modes.shapes).max():
         raise source.wrong("this place is clamped: no mode moves it", "[damper] at", damper.at)
@@ -642,7 +629,7 @@ def seat_of(
         raise source.wrong(str(error), f"[damper] {key}", given[key]) from error
     if max(damper.cavity) >= model.size:
         problem = f"larger than the structure, whose nodes span {1e3 * model.size:.6g} mm: was another unit meant?"
-        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
+        raise source.wrong(problem, "[damper] cavity", damper.cavity)
     remarks = []
     if at.distance > _OFF * model.size:
         there = ", ".join(f"{1e3 * each:.6g}" for each in at.point)
@@ -688,8 +675,7 @@ def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[
     Raises:
         BadInput: it lies for the most part outside a blade.
     """
-    damper = source.scene.damper
-    assert damper is not None
+    damper = present(source.scene.damper)
     sides = np.array([*damper.cavity, 2 * damper.radius])
 
     def in_space(grid: Floats) -> Floats:
@@ -722,7 +708,7 @@ def _fit(source: SceneFile, model: ModalModel, at: Place, seen: Floor) -> tuple[
             f"the {box} {sticks_out}, and only {significant(100 * filled, 2)} % of it is in metal: expected a smaller"
             " cavity, a place (at) further inside, or a mesh that includes the cavity and its housing"
         )
-        raise source.wrong(problem, "[damper] cavity", list(damper.cavity))
+        raise source.wrong(problem, "[damper] cavity", damper.cavity)
     remark = f"Unless the mesh has the cavity cut or housed, it does not fit: its {box} {sticks_out}."
     return metal(cut=hollow), far, [remark]
 
@@ -758,11 +744,8 @@ def _place(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
     Raises:
         BadInput: there is none.
     """
-    try:
+    with source.blaming(key, at, modal_model.OffTheStructure):
         return _placed(model, tuple(_point(source, model, at, key).tolist()))
-    except modal_model.OffTheStructure as error:
-        value = list(at) if isinstance(at, tuple) else at
-        raise source.wrong(str(error), key, value) from error
 
 
 @lru_cache(maxsize=4)

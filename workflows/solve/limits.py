@@ -13,20 +13,11 @@ import numpy as np
 
 from damper import contact as contacts
 from damper.contact import Contact, Solid
+from workflows.errors import present
 from workflows.scene import plate_mesh
 from workflows.scene.materials import KNOWN, is_too_dense
 from workflows.scene.scene import Scene
-from workflows.solve.results import (
-    ContactFigures,
-    Grade,
-    Pair,
-    Reason,
-    Reduced,
-    Results,
-    SpeedPoint,
-    Verdict,
-    copy_fields,
-)
+from workflows.solve.results import ContactFigures, Grade, Pair, Reason, Results, SpeedPoint, Verdict, copy_fields
 
 STRONGEST = 2.4e9
 """Mean stress [Pa] that no blade metal bears: the nominal 0.2 % proof stress of 18Ni2400, the strongest of the maraging
@@ -106,10 +97,10 @@ def solids(scene: Scene) -> tuple[Solid, Solid] | None:
 
 def lever(scene: Scene, point: SpeedPoint) -> float:
     """Rolling friction at a speed, μ_r [m]: as given, or by elastic hysteresis."""
-    damper, pressed = scene.damper, contact(scene, point)
-    rolling_friction = 0.0 if damper is None else damper.rolling_friction
+    rolling_friction = present(scene.damper).rolling_friction
     if isinstance(rolling_friction, float):
         return rolling_friction
+    pressed = contact(scene, point)
     return 0.0 if pressed is None else contacts.rolling_lever(pressed)
 
 
@@ -189,18 +180,17 @@ def is_printed(results: Results) -> bool:
 
 def _idle(results: Results, point: SpeedPoint) -> Reason:
     """Why the damper does nothing at a speed."""
-    damper, figures = results.scene.damper, point.damping_curve
-    if damper is not None and damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+    damper, figures = present(results.scene.damper), present(point.damping_curve)
+    if damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
         return Reason.FILLED
     limit = endured(results, point.omega)
-    if figures is not None and figures.cutoff < limit <= figures.drives_from:
+    if figures.cutoff < limit <= figures.drives_from:
         return Reason.SIDEWAYS
-    if figures is None or math.isinf(figures.drives_from):
+    if math.isinf(figures.drives_from):
         return Reason.TILT
     if figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
-    lossless = damper is not None and damper.lossless and figures.cutoff == 0
-    return Reason.LOSSLESS if lossless else Reason.NOT_FOUND
+    return Reason.LOSSLESS if damper.lossless and figures.cutoff == 0 else Reason.NOT_FOUND
 
 
 def best(results: Results, point: SpeedPoint) -> Best | None:
@@ -265,8 +255,8 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
 
 def slides(results: Results, point: SpeedPoint, amplitude: float) -> bool:
     """Whether rolling needs more friction than any dry floor has; any at all where the scene has none."""
-    damper = results.scene.damper
-    return friction_demand(results, point, amplitude) > (DRY if damper is None or damper.friction > 0 else 0.0)
+    most = DRY if present(results.scene.damper).friction > 0 else 0.0
+    return friction_demand(results, point, amplitude) > most
 
 
 def root_stress(results: Results, omega: float) -> float | None:
@@ -274,13 +264,12 @@ def root_stress(results: Results, omega: float) -> float | None:
     fastest = max(results.speeds, key=lambda point: point.omega, default=None)
     if fastest is not None and fastest.root_stress is not None and fastest.omega > 0:
         return fastest.root_stress * (omega / fastest.omega) ** 2
-    plate, material, rotor = results.scene.plate, results.scene.material, results.scene.rotor
-    hung = _hung(results)
-    if plate is None or material is None or hung is None:
+    if (hung := _hung(results)) is None:
         return None
     (volume, moment), section = hung
+    density, rotor = present(results.scene.material).density, results.scene.rotor
     level = math.cos(rotor.precone)
-    stress = material.density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
+    stress = density * omega**2 * level * (rotor.hub_radius * volume + level * moment) / section
     hangs = level * max((point.radius for point in results.speeds), default=0.0)
     return stress + results.scene.point_mass * omega**2 * hangs / section
 
@@ -315,7 +304,7 @@ def endured(results: Results, omega: float | None = None) -> float:
     Of a plate so thin that it would bend beyond small deflections first, the amplitude at which it does. `omega`: speed
     [rad/s]; None: the least over those of `largest_strain`.
     """
-    strain, length = largest_strain(results, 1.0, omega), span(results)
+    strain, length = largest_strain(results, omega), span(results)
     if strain is None:
         return math.inf
     if length is None:
@@ -353,7 +342,7 @@ def deflection_governs(results: Results, omega: float | None = None) -> bool:
 
     `omega`: as of `endured`.
     """
-    strain = largest_strain(results, 1.0, omega)
+    strain = largest_strain(results, omega)
     return strain is not None and endured(results, omega) * strain < ENDURED * (1 - 1e-9)
 
 
@@ -363,20 +352,18 @@ def is_beyond(results: Results, point: SpeedPoint) -> bool:
     return own is not None and own.peak > 0 and own.peak_amplitude > endured(results, point.omega)
 
 
-def largest_strain(results: Results, amplitude: float, omega: float | None = None) -> float | None:
-    """Largest strain for an amplitude at the cavity [-]; None where it is not known.
+def largest_strain(results: Results, omega: float | None = None) -> float | None:
+    """Largest strain over the amplitude at the cavity [1/m]; None where it is not known.
 
     That of a plate is by bending, that of a structure in space the largest in its mesh. Between two speeds it is
     interpolated over the square of the speed, with which the centrifugal load grows.
 
     Args:
         results: with the strains at their speeds.
-        amplitude: at the cavity [m].
         omega: speed [rad/s]; None: the largest over the speeds whose load does not tear the root, or over all where
             each does.
     """
-    strain = _largest(results, "root_strain", omega)
-    return None if strain is None else strain * amplitude
+    return _largest(results, "root_strain", omega)
 
 
 def _largest(results: Results, name: str, omega: float | None) -> float | None:
@@ -387,8 +374,8 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
     if omega is not None:
         squares, values = zip(*((speed**2, value) for speed, value in known), strict=True)
         return float(np.interp(omega**2, squares, values))
-    held = {speed for speed, _ in strains_held(results)}
-    return float(max([value for speed, value in known if speed in held] or [value for _, value in known]))
+    most = torn_above(results)
+    return float(max([value for speed, value in known if speed <= most] or [value for _, value in known]))
 
 
 def strains_held(results: Results) -> list[tuple[float, float]]:
@@ -414,17 +401,17 @@ class TableCutOff(NamedTuple):
     at_rest: bool
 
 
-def in_g(results: Results, reduced: Reduced, amplitude: float) -> float:
-    """Acceleration over g of a vibration of that amplitude [m]."""
-    return (2 * math.pi * reduced.f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
+def in_g(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """Acceleration over g of a vibration of that amplitude [m], with the ball stuck."""
+    return (2 * math.pi * present(point.reduced).f1_hz) ** 2 * amplitude / results.scene.rotor.gravity
 
 
 def cutoff(results: Results, point: SpeedPoint) -> TableCutOff:
     """The cut-off at a speed, on the floor of the scene's ring-down."""
-    damping, own, reduced = point.damper, point.level or point.damping_curve, point.reduced
+    damping, own = point.damper, point.level or point.damping_curve
     if damping is not None and damping.cutoff_g is not None:
         return TableCutOff(damping.cutoff_g, damping.cutoff_ratio, at_rest=False)
-    if own is None or reduced is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
+    if own is None or not 0 < own.cutoff < math.inf or point.load_g == 0:
         return TableCutOff(None, None, at_rest=False)
-    g = in_g(results, reduced, own.cutoff)
+    g = in_g(results, point, own.cutoff)
     return TableCutOff(g, g / point.load_g, at_rest=True)

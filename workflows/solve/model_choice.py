@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import fem
+from fem.meshes.mesh_sequence import Planform
 from fem.theory.registry import solid_theory
 from workflows.effects import selection
 from workflows.effects.definition import Effect
-from workflows.errors import NoAnswer
+from workflows.errors import NoAnswer, present
 from workflows.formatting import significant, turning
 from workflows.progress import Stages
 from workflows.scene import plate_mesh
@@ -19,10 +19,6 @@ from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import blade
 from workflows.solve.results import Theory
-
-if TYPE_CHECKING:
-    from fem.meshes.mesh_sequence import Planform
-
 
 _BORNE = 0.1
 """Average strain of the root beyond anything that small strains describe; metals yield at a tenth of it."""
@@ -49,7 +45,9 @@ def translated_errors(source: SceneFile) -> Iterator[None]:
             better = "expected a root that constrains it, thicker cells, and more than a single row of cells"
             row = "hexahedra of 20 nodes in a row deform without stress"
             raise NoAnswer(f"{source.name}: [blade] root: {loose} at rest; {better}: {row}") from error
-        keys = "[plate] theory, thickness" if error.loose is None else _soft(source)
+        keys = "[plate] theory, thickness"
+        if (root := error.loose) is not None:
+            keys = f"[plate.root] stiffness = {root.stiffness:g}, rotational_stiffness = {root.rotational:g}"
         raise NoAnswer(f"{source.name}: {keys}: {error}") from error
     except (fem.SingularMatrix, fem.NotConverged) as error:
         why = _overloaded(source) or str(error)
@@ -77,34 +75,20 @@ def _overloaded(source: SceneFile) -> str:
     )
 
 
-def _soft(source: SceneFile) -> str:
-    """The keys of a root's springs, and their values."""
-    root = source.scene.plate.root if source.scene.plate is not None else None
-    if root is None:
-        return "[plate.root]"
-    return f"[plate.root] stiffness = {root.stiffness:g}, rotational_stiffness = {root.rotational_stiffness:g}"
-
-
 CELLS_PER_MODE = 5
 """Cells for each mode of a mesh on which the error of a theory is good to some ten percent of itself."""
 
 
 def chosen_theory(
     scene: Scene, form: Planform | None = None, large_deflection: bool = False
-) -> tuple[Theory | None, fem.Operators | None]:
-    """The plate theory of a scene, as given or chosen, None without a plate; and the matrices it was chosen by.
+) -> tuple[Theory, fem.Operators | None]:
+    """The plate theory of a scene that has a plate, as given or chosen; and the matrices it was chosen by.
 
     `form`: the plate's planform, needed where that is a mesh.
-
-    Raises:
-        ValueError: the planform is a mesh, and is not given.
     """
-    spec = scene.plate
-    if spec is None:
-        return None, None
-    plate_mesh.sides(spec, form)  # those of a mesh have to be given
-    if spec.theory != "auto":
-        return Theory(spec.theory, "requested by the scene"), None
+    requested = present(scene.plate).theory
+    if requested != "auto":
+        return Theory(requested, "requested by the scene"), None
     from fem.accuracy.theory_selection import choose_theory
 
     plate, rotor = plate_mesh.coarse_plate(scene, form, CELLS_PER_MODE)
@@ -119,25 +103,23 @@ class ModelChoice:
     """A scene's planform and the theory of its plate, None without one; its effects; the digest of its mesh file.
 
     Attributes:
+        model: what `fem` calls the theory, with the layers of a solid; layers: the error that these leave.
         tried: the plate's matrices by which its theory was chosen.
     """
 
     form: Planform | None
     effects: dict[str, Effect]
     theory: Theory | None = None
+    model: str = ""
+    layers: float = 0.0
     mesh_sha256: str | None = None
     tried: fem.Operators | None = None
 
     @property
     def plate(self) -> tuple[Planform, Theory]:
-        """The planform and the theory of a scene that has a plate.
-
-        Raises:
-            ValueError: it has none.
-        """
-        if self.form is None or self.theory is None:
-            raise ValueError("the scene has no plate")
-        return self.form, self.theory
+        """The planform and the theory of a scene that has a plate."""
+        assert self.form is not None
+        return self.form, present(self.theory)
 
 
 def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
@@ -159,18 +141,10 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
     with stages("prestress"), translated_errors(source):
         effects = selection.resolve(scene, source.name, form)
         theory, tried = chosen_theory(scene, form, effects["large_deflection"].on)
-    return ModelChoice(form, effects, theory, sha256, tried)
-
-
-def model(source: SceneFile, choice: ModelChoice) -> str:
-    """Name of the theory that the scene's plate is solved in, with the layers of a solid."""
-    return with_layers(source, *choice.plate)[0]
-
-
-def with_layers(source: SceneFile, form: Planform, theory: Theory) -> tuple[str, float]:
-    """The theory's name with the layers of a solid, and the error that these leave."""
-    scene = source.scene
-    if theory.name != "solid" or scene.plate is None:  # Mindlin's plates are clamped as solids are
-        clamped = scene.plate is not None and scene.plate.root is None
-        return "mindlin/held" if theory.name == "mindlin" and clamped else theory.name, 0.0
-    return solid_theory(form.sides, plate_mesh.thickness_range(scene.plate, form)[2], scene.budget.layers)
+        model, layers = theory.name, 0.0
+        if model == "solid":
+            thickest = plate_mesh.thickness_range(scene.plate, form)[2]
+            model, layers = solid_theory(form.sides, thickest, scene.budget.layers)
+        elif model == "mindlin" and scene.plate.root is None:
+            model = "mindlin/held"  # clamped as solids are
+    return ModelChoice(form, effects, theory, model, layers, sha256, tried)

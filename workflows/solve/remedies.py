@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from fem.rotor import in_rpm
+from workflows.errors import present
 from workflows.scene.damper import Damper
 from workflows.solve.limits import endured, lever, rim_slope, room
 from workflows.solve.results import Reduced, Results, SpeedPoint, VibrationReduction
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class Remedy(NamedTuple):
@@ -86,9 +85,7 @@ def _lean(damper: Damper, point: SpeedPoint) -> float:
 
 def _eased(results: Results, point: SpeedPoint, ease: float) -> float:
     """Rolling friction with which so much of the force that moves a resting ball would do [m]; nan: not even none."""
-    damper = results.scene.damper
-    if damper is None:
-        return math.nan
+    damper = present(results.scene.damper)
     rolls, slope = lever(results.scene, point) / damper.radius, _dent(results, point) + _lean(damper, point)
     left = ease * (rolls + slope) - slope
     return damper.radius * left if left > 0 or slope == 0 else math.nan

@@ -16,6 +16,7 @@ import psutil
 from fem.meshes.mesh_sequence import CELLS_PER_MODE, Planform, Rectangle, begun_with
 from fem.theory.registry import THEORIES, theory_of
 from workflows.effects.definition import Effect
+from workflows.errors import present
 from workflows.scene.load import SceneFile
 from workflows.solve.results import SHAPES_AT_MOST
 
@@ -138,15 +139,15 @@ def check(source: SceneFile) -> None:
         _require(source, memory(source), worst[0])
 
 
-def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str | None) -> Sizes:
-    """How large a run of a scene is; `form`, `model`: of its plate, with its theory in `fem`; None without one.
+def sizes(source: SceneFile, form: Planform | None, effects: dict[str, Effect], model: str) -> Sizes:
+    """How large a run of a scene is; `form`, None without one, and `model`: of its plate, with its theory in `fem`.
 
     Raises:
         BadInput: its first meshes need more memory than there is.
     """
     scene, needed = source.scene, memory(source)
     speeds, modes, first = len(scene.rotor.speeds), None, None
-    if form is not None and model is not None:
+    if form is not None:
         large = effects["large_deflection"].on
         most = most_unknowns(source, form, model, large)
         modes, first = scene.rotor.modes, int(_first_unknowns(form, model, scene.rotor.modes, most))
@@ -184,9 +185,8 @@ def check_blade(source: SceneFile, unknowns: int) -> None:
     Raises:
         BadInput: it needs more memory than there is.
     """
-    name = None if source.scene.blade is None else source.scene.blade.mesh
-    advice = f"coarsen the mesh, which has {unknowns} unknowns"
-    _require(source, BASE + of_a_blade(unknowns), Part(of_a_blade(unknowns), "[blade] mesh", name, advice))
+    needed, advice = of_a_blade(unknowns), f"coarsen the mesh, which has {unknowns} unknowns"
+    _require(source, BASE + needed, Part(needed, "[blade] mesh", present(source.scene.blade).mesh, advice))
 
 
 def _require(source: SceneFile, needed: float, worst: Part) -> None:

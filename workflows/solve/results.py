@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, computed_field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, computed_field, model_validator
 from pydantic_core import core_schema
 
 import fem
@@ -228,14 +228,7 @@ class OwnFigures(Figures):
         return self.folds[0] < self.folds[1]
 
     @classmethod
-    def of(
-        cls,
-        measured: damper.DampingCurve,
-        tilt_share: float = 0.0,
-        level: Figures | None = None,
-        first: float = math.inf,
-        **more: Any,
-    ) -> OwnFigures:
+    def of(cls, measured: damper.DampingCurve, tilt_share: float, first: float, **more: Any) -> OwnFigures:
         """Those that were measured, with what else is known of the floor.
 
         `first`: amplitude above which forces that are not simulated move a ball at rest [m].
@@ -244,7 +237,7 @@ class OwnFigures(Figures):
         more |= {way: copy_fields(Figures, each, cutoff=min(each.cutoff, first)) for way, each in ways.items()}
         if first < measured.cutoff:
             more |= {"driven_from": measured.cutoff, "cutoff": first}
-        return copy_fields(cls, measured, tilt_share=tilt_share, level=level, **more)
+        return copy_fields(cls, measured, tilt_share=tilt_share, **{"level": None} | more)
 
     @property
     def drives_from(self) -> float:
@@ -473,9 +466,8 @@ class Damping:
 
     What is not published serves pictures and remarks: `stopped` is when the ball came to rest
     for good [s], None where it did not (yet); `ball_mass` that of all balls [kg]; `release` the displacement at the
-    release along the damper's axes [m]. `modal_energies` [J] are those left at the end in the plate's modes, by number,
-    where they are simulated. `history` and `path` are kept at the speed that the pictures show; there is no path of a
-    ball that never moves.
+    release along the damper's axes [m]. `history` and `path` are kept at the speed that the pictures show; there is no
+    path of a ball that never moves.
     """
 
     outcome: Annotated[str, KEPT]
@@ -505,14 +497,9 @@ class Damping:
     peak_velocity: Annotated[Floats, COLUMN] = field(repr=False)
     energy: Annotated[Energy, part(prefix="energy_")]
     """joules; residual: not explained by the energy balance"""
-    modal_energies: Annotated[
-        dict[int, float],
-        PlainSerializer(
-            lambda known: tuple(ModalEnergy(*each) for each in known.items()), return_type=tuple[ModalEnergy, ...]
-        ),
-        BeforeValidator(lambda rows: rows if isinstance(rows, dict) else {row["mode"]: row["energy"] for row in rows}),
-        part(prefix="modal_", along="modal"),
-    ] = field(default_factory=dict)
+    modal_energies: Annotated[tuple[ModalEnergy, ...], part(prefix="modal_", along="modal")] = field(
+        default_factory=tuple
+    )
     """remaining in the structure's modes at the end, joules"""
     history: Annotated[History | None, KEPT] = None
     path: Annotated[BallPath | None, KEPT] = None
@@ -631,6 +618,10 @@ class CavityMode:
     drawn: Annotated[Pair, KEPT] = (0.0, 0.0)
     pressed: Annotated[float, KEPT] = 0.0
     pushed: Annotated[float, KEPT] = 0.0
+
+    def square(self, ball: float, axis: int) -> float:
+        """Squared circular frequency with a ball at rest [kg] that follows along an axis alone [1/s²]."""
+        return self.stiffness / (1 + ball * self.shape[axis] ** 2)
 
 
 def leading_mode(modes: Sequence[CavityMode], axis: int) -> CavityMode | None:

@@ -2,7 +2,7 @@
 
 import platform
 from collections.abc import Callable, Iterator
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,20 +46,17 @@ def report() -> Iterator[str]:
         for family, motions in self_check.FAMILIES.items()
         if COMPILES or motions.keys() <= self_check.RINGDOWNS.keys()
     ]
-    families = {"plates": (_plates, stamp_of_plates)} | {
-        family: (partial(_kernels, family), partial(self_check.stamp_of, family)) for family in kernels
-    }
-    for family, (checks, place) in families.items():
-        right, lines = True, []
+    for family in ("plates", *kernels):
+        of_plates, right, lines = family == "plates", True, []
         try:
-            for line, holds in checks():
+            for line, holds in _plates() if of_plates else _kernels(family):
                 right &= holds
                 lines.append(f"{'ok' if holds else 'WRONG'}  {line}")
         except Exception as error:
             right = False
             lines.append(f"WRONG  {family}: {error}")
-        if right and (COMPILES or family == "plates"):
-            self_check.leave(place())
+        if right and (COMPILES or of_plates):
+            self_check.leave(stamp_of_plates() if of_plates else self_check.stamp_of(family))
         passed &= right
         yield from lines
     if len(kernels) < len(self_check.FAMILIES):

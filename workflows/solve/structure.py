@@ -14,14 +14,15 @@ import numpy as np
 
 import fem
 from workflows.effects.definition import Effect
-from workflows.effects.selection import EFFECTS, OF_THE_PLATE
+from workflows.effects.selection import OF_THE_PLATE
+from workflows.errors import present
 from workflows.progress import LOG, Stages, Step
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
 from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
-from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors, with_layers
+from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors
 from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory, copy_fields
 
 if TYPE_CHECKING:
@@ -81,9 +82,9 @@ class PlateSolution:
             if len(self._coupled) >= _MASSES:
                 self._coupled.clear()
             reduced, bends = coupling.with_ball(source, self.reduction), map(self.reduction.bending, self.numbers)
-            at_cavity = coupling.cavity_modes(source, effects, self.reduction, reduced)
+            modes = coupling.cavity_modes(self.reduction, reduced) if modal else [()] * len(reduced)
             self._coupled[key] = tuple(
-                replace(point, reduced=reduced[k], cavity_modes=at_cavity[k], root_strain=strain, tip_motion=motion)
+                replace(point, reduced=reduced[k], cavity_modes=modes[k], root_strain=strain, tip_motion=motion)
                 for point, k, (strain, motion) in zip(self.points, self.numbers, bends, strict=True)
             )
         return self._coupled[key]
@@ -133,12 +134,11 @@ class StructureState:
         """The points by their speed [rad/s]."""
         return {point.omega: point for point in self.points}
 
-    def results(self, points: tuple[SpeedPoint, ...] | None = None, stages: Stages | None = None) -> Results:
-        """A run's results at these points, or at all of them."""
-        speeds = self.points if points is None else points
+    def results(self, stages: Stages | None = None) -> Results:
+        """A run's results."""
         timings = {} if stages is None else stages.timings()
         scene, notes = self.source.scene, self.source.remarks
-        return copy_fields(Results, self, scene=scene, speeds=speeds, notes=notes, timings=timings)
+        return copy_fields(Results, self, scene=scene, speeds=self.points, notes=notes, timings=timings)
 
     def with_pictures(self, *, shapes: bool = True) -> StructureState:
         """With what the pictures of a run show: veerings, lost speeds and, with `shapes`, the plate's surface."""
@@ -180,17 +180,16 @@ class StructureSolver:
         for name, effect in self.choice.effects.items():
             LOG.info("effect %s %s: %s", name, "on" if effect.on else "off", effect.why)
         self.discrete: Discrete | None = None
+        self._uncut: Discrete | None = None
+        self._bases: WeakKeyDictionary[fem.Operators, tuple[ReducedBasis, ...]] = WeakKeyDictionary()
         with translated_errors(source), stages("modes"):
             self.space = space_of(source)
-        if self.space is not None:
-            self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
-        self._bases: WeakKeyDictionary[fem.Operators, tuple[ReducedBasis, ...]] = WeakKeyDictionary()
-        self._uncut: Discrete | None = None
-        if self.choice.form is not None:
-            with translated_errors(source), stages("modes"):
+            if self.choice.form is not None:
                 self._uncut = discretise(source, self.choice, stages, size)
                 cavity = cavity_of(source, self._uncut, self.choice.effects)
                 self.discrete = with_cavities(source, self._uncut, cavity)
+        if self.space is not None:
+            self.source = replace(source, remarks=(*source.remarks, *self.space.remarks))
 
     def with_switches(self, source: SceneFile) -> StructureSolver:
         """The same structure, met by the damper of a scene that differs in what it insists on of the ball alone."""
@@ -214,19 +213,17 @@ class StructureSolver:
             like: solutions at these speeds, of which one with the same metal in it serves.
 
         Raises:
-            ValueError: the scene has no plate.
             BadInput, NoAnswer: see :meth:`at`.
         """
-        if self._uncut is None:
-            raise ValueError("the scene has no plate")
-        cavity = cavity_of(source, self._uncut, self.choice.effects | effects)
+        uncut = present(self._uncut)
+        cavity = cavity_of(source, uncut, self.choice.effects | effects)
         solutions = {solution.discrete.cavity: solution for solution in like}
         if cavity in solutions:
             return solutions[cavity]
         for solution in solutions.values():
             if _metal(solution.discrete.cavity) == _metal(cavity):
                 return solution.beside(source, cavity)
-        return self._plate(source, with_cavities(source, self._uncut, cavity))
+        return self._plate(source, with_cavities(source, uncut, cavity))
 
     @property
     def solves_each_speed(self) -> bool:
@@ -263,12 +260,9 @@ class StructureSolver:
         """The plate at the speeds of its scene, for other dampers too.
 
         Raises:
-            ValueError: it has none.
             BadInput, NoAnswer: see :meth:`at`.
         """
-        if self.discrete is None:
-            raise ValueError("the scene has no plate")
-        return self._plate(self.source, self.discrete)
+        return self._plate(self.source, present(self.discrete))
 
     def _plate(self, source: SceneFile, discrete: Discrete, *, followed: bool = True) -> PlateSolution:
         operators = discrete.choice.operators
@@ -294,9 +288,9 @@ def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, siz
     """
     scene, effects = source.scene, model_choice.effects
     form, theory = model_choice.plate
-    plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if EFFECTS[name].on_the_mesh})
-    rotor = plate_mesh.rotor(scene)
-    model, layers = with_layers(source, form, theory)
+    # The errors of a mesh hardly depend on Coriolis forces, which make its choice many times dearer.
+    plain = fem.Effects(**{name: effects[name].on for name in OF_THE_PLATE if name != "coriolis"})
+    rotor, model, layers = plate_mesh.rotor(scene), model_choice.model, model_choice.layers
 
     def build(size: int) -> fem.Operators:
         with stages("mesh"):
@@ -316,16 +310,12 @@ def discretise(source: SceneFile, model_choice: ModelChoice, stages: Stages, siz
         unknown = np.full((1, max(scene.rotor.modes, _FOR_BENDING)), np.nan)
         choice = fem.Choice(whole(build(size)), size, np.array([max(scene.rotor.speeds)]), unknown, np.inf)
         return Discrete(choice, theory, plate_mesh.describe_mesh(source, form, size), layers, left_out)
-    try:
+    with source.blaming("[plate]", None, fem.MeshError), plate_mesh.placed(source):
         most = sum(effect.largest for effect in left_out.values())
         tolerance = scene.budget.mesh(layers + (theory.model_error or 0.0), most)
         fit = resources.most_unknowns(source, form, model, plain.large_deflection)
         choice = fem.choose_mesh(form, build, scene.rotor.speeds, scene.rotor.modes, tolerance, fit)
         choice = replace(choice, operators=whole(choice.operators))
-    except fem.MeshError as error:
-        raise source.wrong(str(error), "[plate]") from error
-    except fem.PlaceError as error:
-        raise plate_mesh.off_the_plate(source, error) from error
     described = plate_mesh.describe_mesh(source, form, choice.size)
     if layers:
         described += f", {model.removeprefix('solid/')} layers of bricks"
@@ -353,24 +343,16 @@ def with_cavities(source: SceneFile, discrete: Discrete, cavity: Cavity | None) 
     Raises:
         BadInput: the plate has no room for them.
     """
-    choice = discrete.choice
+    choice, damper = discrete.choice, source.scene.damper
     if cavity is not None and cavity.counted:
-        try:
+        with source.blaming("[damper] cavity", damper and damper.cavity, fem.PlaceError):
             operators = fem.with_cavity(choice.operators, cavity.at, cavity.volume, cavity.depth)
-        except fem.PlaceError as error:
-            sides = None if source.scene.damper is None else list(source.scene.damper.cavity)
-            raise source.wrong(str(error), "[damper] cavity", sides) from error
         choice = replace(choice, operators=operators, states=())
     return replace(discrete, choice=choice, cavity=cavity)
 
 
 def sweep(
-    source: SceneFile,
-    discrete: Discrete,
-    step: Step | None = None,
-    bases: Iterable[ReducedBasis] = (),
-    *,
-    followed: bool = True,
+    source: SceneFile, discrete: Discrete, step: Step, bases: Iterable[ReducedBasis], *, followed: bool
 ) -> fem.Campbell:
     """Modes at every speed asked for and, where they cost next to nothing, at others by which they are followed.
 
@@ -378,8 +360,7 @@ def sweep(
     """
 
     def progress(number: int) -> None:
-        if step is not None:
-            step.advance(f"{number} of {speeds.size} speeds")
+        step.advance(f"{number} of {speeds.size} speeds")
 
     self_check.plates()
     scene, operators = source.scene, discrete.choice.operators

@@ -59,7 +59,7 @@ class DamperCase:
     @property
     def results(self) -> Results:
         """A run at this point alone, without the damper's own figures."""
-        return self.state.results((self.point,))
+        return replace(self.state, points=(self.point,)).results()
 
 
 Known = dict[tuple[ParticleDamper, float, float], DampingCurve]
@@ -229,7 +229,7 @@ def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> N
     own = undamped(damper), damper.break_away, least
     if own not in known:
         known[own] = damping_curve(damper, threads=1, least=least, **how)
-    point = replace(each.point, damping_curve=OwnFigures.of(known[own], each.point.tilt_share, first=first))
+    point = replace(each.point, damping_curve=OwnFigures.of(known[own], each.point.tilt_share, first))
     verdict = limits.verdict(replace(each.results, speeds=(point,)), point)
     _fill(row, replace(point, verdict=verdict))
     row["grade"] = verdict.rank

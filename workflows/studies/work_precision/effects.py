@@ -313,9 +313,9 @@ _PERTURBED, _WITHIN = 1e-9, 2.0
 
 
 def _judged(state: structure.StructureState) -> dict[float, int]:
-    """The speeds [rev/min] at which the damper has a verdict, and its rank; only given meshes need their surface."""
-    results = (state if state.source.mesh is None else state.with_pictures()).results()
-    ranks = {point.rpm: point.verdict.rank for point in limits.with_verdicts(results).speeds if point.verdict}
+    """The speeds [rev/min] at which the damper has a verdict, and its rank."""
+    judged = limits.with_verdicts(state.results())
+    ranks = {point.rpm: point.verdict.rank for point in judged.speeds if point.verdict}
     return {rpm: rank for rpm, rank in ranks.items() if rank >= 0}
 
 
