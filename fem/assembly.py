@@ -174,10 +174,6 @@ class Body(Protocol):
         """What spin softening takes from the stiffness, per Omega²; None: left out."""
 
     @property
-    def gyroscopic(self) -> csc_array | None:
-        """G of the Coriolis forces; None: left out."""
-
-    @property
     def load(self) -> Array:
         """The centrifugal load (n,) per Omega²."""
 

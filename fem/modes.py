@@ -471,7 +471,7 @@ def _undamped(
 
 def _grown(span: _Span, more: Array, weight: csc_array, mass: csc_array, coriolis: csc_array) -> _Span:
     """The span with vectors (n, k) added."""
-    block, weighed, _, _ = orthonormal(more, span.vectors, span.weighed, weight)
+    block, weighed, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
     fresh = (block, weighed, mass @ block, coriolis @ block)
     return _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
 
@@ -515,9 +515,8 @@ def _damped(
 
     The damping matrix is 2 sum_j rate_j (M phi_j)(M phi_j)' over the plate's own modes phi_j.
     """
-    empty = np.empty((still.shapes.shape[0], 0))
     span = np.hstack([complex_shapes.real, complex_shapes.imag, still.shapes])
-    basis, _, _, _ = orthonormal(span, empty, empty, stiffness)
+    basis, _, _, _ = orthonormal(span, stiffness)
     heavy = mass @ basis
     overlap = heavy.T @ still.shapes
     rates = damping_ratio * np.sqrt(still.eigenvalues)

@@ -88,9 +88,7 @@ def turned(
     samples = _samples(operators, gyroscopic, requested, count + BEYOND)
     if not samples:
         return None
-    basis = np.hstack([vectors for _, _, vectors in samples])
-    empty = np.empty((len(basis), 0))
-    basis = orthonormal(basis, empty, empty, operators.mass)[0]
+    basis = orthonormal(np.hstack([vectors for _, _, vectors in samples]), operators.mass)[0]
     stiffness = [basis.T @ (matrix @ basis) for _, matrix, _ in samples]
     known = np.array([omega for omega, _, _ in samples])
     requested = requested[requested <= known.max()] if operators.effects.large_deflection else requested

@@ -106,13 +106,12 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
         stiffness: K_r, shape (n, n) [N/m].
         modes: of this stiffness; the last of them only says what lies above the basis.
     """
-    empty = np.empty((modes.shapes.shape[0], 0))
     shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
     blocks = []
     for part in _uncoupled(operators):
         own = np.where(part[:, None], shapes, 0.0)
         own = own[:, np.einsum("nk,nk->k", own, stiffness @ own) > LEAST_PART]
-        block, energy, _, coupling = orthonormal(own, empty, empty, stiffness)
+        block, energy, _, coupling = orthonormal(own, stiffness)
         # back to the modes: in a mixture the large representer of a soft one drowns a stiff one's
         back = polar(coupling[:, : len(coupling)])[0]
         blocks.append((block @ back, energy @ back))
@@ -149,7 +148,7 @@ def enrich(
         basis: to which vectors are added.
         more: the vectors (n, k) of each group.
     """
-    blocks = [orthonormal(each, basis.vectors, basis.images[0], stiffness)[:2] for each in more]
+    blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
     block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     fresh = _columns(operators, modes, block, energy)
     images, representers = (
