@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import Operators, point_rows
+from fem.assembly import Operators, rows_at
 from fem.linalg import Array
 from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
@@ -34,12 +34,16 @@ class Finer:
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """A cell in parts: reference points (n, 2); numbers of its corners, of the points along each side, of its parts."""
+    """A cell in parts: reference points (n, 2); numbers of the points along each side, and of its parts."""
 
     points: Array
-    corners: list[int]
     sides: list[list[int]]
     parts: Indices
+
+    @property
+    def corners(self) -> list[int]:
+        """Numbers of its corners, at which the sides begin."""
+        return [side[0] for side in self.sides]
 
 
 def between(operators: Operators, shapes: Array, parts: int) -> Finer:
@@ -63,23 +67,18 @@ def _quadrilateral(parts: int) -> _Grid:
     i, j = np.divmod(at.ravel(), parts + 1)
     sides = [at[:, 0], at[-1, :], at[::-1, -1], at[0, ::-1]]
     cells = [at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]]
-    corners = [int(side[0]) for side in sides]
     parts_of = np.stack([each.ravel() for each in cells], axis=1)
-    return _Grid(np.stack([i, j], axis=1) / parts, corners, [side.tolist() for side in sides], parts_of)
+    return _Grid(np.stack([i, j], axis=1) / parts, [side.tolist() for side in sides], parts_of)
 
 
 def _triangle(parts: int) -> _Grid:
     places = [(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]
     at = {place: number for number, place in enumerate(places)}
     run = range(parts + 1)
-    sides = [
-        [at[k, 0] for k in run],
-        [at[parts - k, k] for k in run],
-        [at[0, parts - k] for k in run],
-    ]
+    sides = [[at[k, 0] for k in run], [at[parts - k, k] for k in run], [at[0, parts - k] for k in run]]
     up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in places if i + j < parts]
     down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in places if i + j < parts - 1]
-    return _Grid(np.array(places) / parts, [side[0] for side in sides], sides, np.array(up + down))
+    return _Grid(np.array(places) / parts, sides, np.array(up + down))
 
 
 def _numbers(mesh: Any, grid: _Grid) -> Indices:
@@ -181,12 +180,12 @@ def modal_model(
     places = np.asarray(mesh.p.T)
     if at is not None and np.linalg.norm(places - at, axis=1).min() > 0.0:
         places = np.vstack([places, at])
-    rows = [[point_rows(operators.model, (float(x), float(y)), d) for d in ((), (0,), (1,))] for x, y in places]
+    rows = [rows_at(operators.model, places, derivative) for derivative in ((), (0,), (1,))]
     drawn = drawn_rows(operators, range(3))
     speeds = []
     for number, error in zip(numbers, errors, strict=True):
         unknowns = diagram.shapes(number)[:, : None if error is None else error.size]
-        moved, along, across = (np.stack([each[k] @ unknowns for each in rows]) for k in range(3))  # (n, 3, modes)
+        moved, along, across = ((each @ unknowns).reshape(len(places), 3, -1) for each in rows)
         turned = np.stack([across[:, 2], -along[:, 2], 0.5 * (along[:, 1] - across[:, 0])], axis=1)
         speeds.append(
             ModesAtSpeed(
