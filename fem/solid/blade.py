@@ -90,8 +90,7 @@ class Blade:
     @property
     def spin(self) -> Array:
         """The matrix (3, 3) of v -> n x v."""
-        x, y, z = self.axis
-        return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.cross(np.eye(3), self.axis)
 
 
 FACING = 0.7
