@@ -332,8 +332,6 @@ _REQUIRED = {
 }
 """What each key is for, where its name does not say it."""
 
-_OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ratios", "frequency_errors", "drawn")
-
 _SHAPES: dict[str, tuple[int | str, ...]] = {
     "nodes": ("nodes", 3),
     "speeds_rpm": ("speeds",),
@@ -349,6 +347,11 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
     "drawn": ("speeds", "modes", 3),
 }
 """Lengths of each array of the neutral file; one that has a name is the same in all."""
+
+_OPTIONAL = ("node_labels", *(name for name in _SHAPES if name not in _REQUIRED))
+
+_KEYS = {"errors": "frequency_errors", **{name: name for name in ("static", "rotations", "damping_ratios", "drawn")}}
+"""Under which key the neutral file has what need not be known of modes."""
 
 
 def _npz(data: bytes) -> dict[str, Any]:
@@ -400,7 +403,7 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
             raise ModesFileError(f"key '{name}': expected numbers of 0 or above{', and below 1' * (below == 1.0)}")
     norm = np.sqrt(masses)[:, :, None, None]
     scales = {"shapes": norm, "rotations": norm, "drawn": norm[..., 0]}
-    own = {"errors": "frequency_errors"} | {name: name for name in ("static", "damping_ratios", *scales)}
+    own = {"shapes": "shapes", **_KEYS}
     whole = {field: arrays[name] / scales.get(name, 1.0) for field, name in own.items() if name in arrays}
     known = tuple(
         ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{name: values[k] for name, values in whole.items()})
@@ -501,8 +504,8 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
     factors = {"static": length, "rotations": 1.0 / (length * root), "drawn": root}
     speeds = []
     for modes in raw.model.speeds:
-        known = {name: getattr(modes, name) for name in factors}
-        scaled = {name: values * factors[name] for name, values in known.items() if values is not None}
+        known = ((name, getattr(modes, name)) for name in factors)
+        scaled = {name: values * factors[name] for name, values in known if values is not None}
         speeds.append(replace(modes, shapes=modes.shapes / root, **scaled))
     return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=tuple(speeds))
 
@@ -558,12 +561,10 @@ def document(model: ModalModel) -> dict[str, Any]:
     }
     if model.labels is not None:
         entries["node_labels"] = model.labels
-    optional = ("static", "rotations", "damping_ratios", "errors", "drawn")
-    for name in optional:
+    for name, key in _KEYS.items():
         parts = [getattr(modes, name) for modes in speeds]
         if all(part is not None for part in parts):
-            cut = [part if name == "static" else part[:count] for part in parts]
-            entries["frequency_errors" if name == "errors" else name] = np.array(cut)
+            entries[key] = np.array([part if name == "static" else part[:count] for part in parts])
     entries |= {f"cells_{name}": cells for name, cells in model.cells}
     return entries | {f"set_{name}": rows for name, rows in model.sets.items()}
 
