@@ -44,12 +44,11 @@ def elastic_energies(model: Discretisation, shapes: Array) -> Array:
     From the strains at the points: the stiffness's entries are as large as the stiffest strain makes them, and their
     rounding drowns the softest.
     """
-    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
     gradients = model.gradient.evaluate(shapes)
     energies = np.zeros((shapes.shape[1],) * 2)
-    for weight, matrix in strains:
-        strain = np.einsum("sg,gcpk->scpk", matrix, gradients)
-        energies += _energies(weight * model.stiffness, strain, model.gradient.dx)
+    for layer in model.elastic:
+        strain = np.einsum("sg,gcpk->scpk", strain_matrix(layer), gradients)
+        energies += _energies(layer.weight * model.stiffness, strain, model.gradient.dx)
     for fields, coefficients in model.extra:
         energies += _energies(coefficients, fields.evaluate(shapes), fields.dx)
     return energies
@@ -334,11 +333,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     density = plate.material.density
     stiffness = elastic_stiffness(model)
     load = np.zeros(model.dofs)
-    prestress = geometric = softening = gyroscopic = factor = None
+    prestress = geometric = softening = gyroscopic = held = None
     if effects.stress_stiffening:
         load = centrifugal_load(model, density, rotor)
-        factor = _held(model, stiffness)
-        prestress, geometric = _stiffening(model, factor, load)
+        held = _held(model, stiffness)
+        prestress, geometric = _stiffening(model, held, load)
     if effects.spin_softening:
         softening = inertia(model, density, rotor.projector)
     if effects.coriolis:
@@ -348,7 +347,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         plate, rotor, effects, model, stiffness, mass, geometric, softening, gyroscopic, load, prestress
     )
     for places, each in operators.points:
-        operators = _with_masses(operators, places, each, factor)
+        operators = with_masses(operators, places, each, held)
     return operators
 
 
@@ -370,27 +369,21 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     return with_masses(operators, np.array([at]), mass)
 
 
-def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
+def with_masses(operators: Operators, places: Array, mass: float, held: Factor | None = None) -> Operators:
     """The same plate with an equal point mass at each of several places.
 
     Args:
         operators: of the plate.
         places: shape (k, 2) [m].
         mass: of each [kg]; it may be negative.
+        held: see `_held`, if known.
     """
-    factor = None if operators.prestress is None else _held(operators.model, operators.stiffness)
-    return _with_masses(operators, places, mass, factor)
-
-
-def _with_masses(operators: Operators, places: Array, mass: float, factor: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
     rows = rows_at(model, places)
-    load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
-    changed: dict[str, Any] = {
-        "mass": operators.mass + mass * _through(rows, np.eye(3)),
-    }
-    if factor is not None and operators.prestress is not None and operators.geometric is not None:
-        prestress, geometric = _stiffening(model, factor, load)
+    changed: dict[str, Any] = {"mass": operators.mass + mass * _through(rows, np.eye(3))}
+    if operators.prestress is not None and operators.geometric is not None:
+        load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
+        prestress, geometric = _stiffening(model, held or _held(model, operators.stiffness), load)
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
@@ -527,6 +520,11 @@ class AtPlace:
     def across(self) -> csc_array:
         """Rows (3, n) for their derivatives by y."""
         return point_rows(self.operators.model, self.at, (1,))
+
+    @cached_property
+    def flap(self) -> Array:
+        """Rows (2, n) for w and its slope w_x."""
+        return np.vstack([rows[[2]].toarray() for rows in (self.moved, self.along)])
 
     @cached_property
     def ball(self) -> tuple[csc_array, csc_array]:

@@ -38,6 +38,7 @@ from fem.linalg import (
     symmetric,
 )
 from fem.meshes import thickness
+from fem.modal_model import FAMILIES
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest, linearise
 from fem.theory.sections import products, strain_matrix
@@ -231,8 +232,6 @@ _LAYER = 1.5
 
 _PARTS = 3
 """Of such a strip, beyond the root's: where the thickness varies, a wider one would level its strains."""
-
-FAMILIES = ("flap", "twist", "chord", "lag", "axial")
 
 
 def families(operators: Operators, modes: Modes) -> list[str]:

@@ -7,7 +7,6 @@ speed, `reduce_over` at all speeds of a diagram.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +18,7 @@ from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, re
 from fem.meshes.planform import PlaceError
 from fem.modes import Divergence, Modes, bending_strains, families, lowest, solve_real
 from fem.statics import linearise
-from fem.sweep.campbell import Campbell, campbell
+from fem.sweep.campbell import Campbell, without_coriolis
 from fem.sweep.laws import EXACT, check_reduced, require
 
 SEARCHED = 4
@@ -93,7 +92,7 @@ def reduce_at(
         modes = searched(operators, omega, None if modes is None else modes.state)
     index = flap_index(families(operators, modes))
     place = operators.at_place(at)
-    (mode,) = flap_modes(place, flap_rows(place) @ modes.shapes[:, [index]])
+    (mode,) = flap_modes(place, place.flap @ modes.shapes[:, [index]])
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(place, modes, index, mass) if mass > 0.0 else free
@@ -121,15 +120,6 @@ class FlapMode:
 
     mass: float
     slope: float
-
-
-def flap_rows(place: AtPlace) -> Array:
-    """Rows (2, n) that give w and its slope w_x at a place.
-
-    Raises:
-        PlaceError: off the plate.
-    """
-    return np.vstack([rows[[2]].toarray() for rows in (place.moved, place.along)])
 
 
 def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
@@ -274,10 +264,8 @@ class Reduction:
 
     def __init__(self, operators: Operators, diagram: Campbell, at: tuple[float, float]) -> None:
         self._bent = operators.effects.large_deflection
-        if operators.gyroscopic is not None and not self._bent:
-            operators = operators.without_coriolis
-            bases = [basis.without_coriolis for basis in diagram.bases]
-            diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
+        if not self._bent:
+            operators, diagram = without_coriolis(operators, diagram)
         self.operators, self.diagram, self.at = operators, diagram, at
         self._bending: dict[int, tuple[float, float]] = {}
         if self._bent:
@@ -318,14 +306,10 @@ class Reduction:
         if number not in self._bending:
             shape = self.diagram.shapes(number)[:, [flap_index(self.diagram.families[number])]]
             (strain,) = bending_strains(self.operators, shape, self.diagram.states[number])
-            lift, moved = abs(self._lift @ shape[:, 0]), self.operators.model.displacement.evaluate(shape)[2]
+            lift = abs(self.operators.at_place(self.at).flap[0] @ shape[:, 0])
+            moved = self.operators.model.displacement.evaluate(shape)[2]
             self._bending[number] = float(strain / lift), float(np.abs(moved).max() / lift)
         return self._bending[number]
-
-    @cached_property
-    def _lift(self) -> Array:
-        """The row (n,) that gives w at the place."""
-        return np.asarray(flap_rows(self.operators.at_place(self.at))[0])
 
 
 def _between(squares: Array, nodes: list[int]) -> list[int]:
@@ -344,7 +328,7 @@ class _Family:
     def __init__(self, place: AtPlace, diagram: Campbell, indices: list[int]) -> None:
         self._place, self._operators = place, place.operators
         self._spinning, self._mass = place.ball
-        self._motion = flap_rows(place)
+        self._motion = place.flap
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
