@@ -68,12 +68,12 @@ def check_rest(operators: Body) -> float:
     uncertain, lowest = _uncertain(operators)
     if uncertain <= LOST:
         return lowest
-    root = operators.plate.elastic_root if isinstance(operators, Operators) else None
-    if root is not None and isinstance(operators, Operators):
+    loose = None
+    if isinstance(operators, Operators) and operators.plate.elastic_root is not None:
         fixed = replace(operators.plate, elastic_root=None)
         clamped = assemble(fixed, operators.rotor, operators.effects, operators.theory)
-        root = root if _uncertain(clamped)[0] <= LOST else None
-    raise Unresolved(operators.theory, uncertain, root)
+        loose = operators.plate.elastic_root if _uncertain(clamped)[0] <= LOST else None
+    raise Unresolved(operators.theory, uncertain, loose)
 
 
 def _uncertain(operators: Body) -> tuple[float, float]:
