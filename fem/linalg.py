@@ -370,6 +370,11 @@ def forms(matrices: Array, rows: NDArray[Any]) -> Array:
     return np.asarray(values.reshape(len(matrices), len(parts), *rows.shape[:2]).sum(axis=1))
 
 
+def quadratic_forms(matrix: csc_array, vectors: NDArray[Any]) -> Array:
+    """Products x'Ax (k,) of real or complex vectors x (n, k) with themselves in a matrix A (n, n)."""
+    return np.asarray(np.real((vectors.conj() * (matrix @ vectors)).sum(axis=0)))
+
+
 def symmetric(matrices: NDArray[Any]) -> NDArray[Any]:
     """The symmetric parts of matrices (..., n, n)."""
     return np.asarray(0.5 * (matrices + matrices.swapaxes(-1, -2)))

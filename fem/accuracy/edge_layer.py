@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import Operators, point_rows
-from fem.linalg import Array
+from fem.linalg import Array, quadratic_forms
 from fem.meshes.planform import locate
 from fem.plate import Plate
 from fem.theory.mindlin import SHEAR_CORRECTION
@@ -168,7 +168,7 @@ def _carried_outwards(operators: Operators, eigenvalues: Array, shapes: NDArray[
         return np.zeros(eigenvalues.size)
     motion = _at_mass(operators, shapes)
     further = sum(pull[axis] / size * _at_mass(operators, shapes, (axis,)) for axis in (0, 1))
-    stiffer = omega**2 * np.real((shapes.conj() * (operators.pulled @ shapes)).sum(axis=0))
+    stiffer = omega**2 * quadratic_forms(operators.pulled, shapes)
     radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(operators.plate.tip_at or (0.0, 0.0)))
     moved = 2.0 * np.real((motion.conj() * _inertia(operators, eigenvalues, further, omega)).sum(axis=0))
     return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)
