@@ -143,7 +143,7 @@ _ORDER = {
 }
 """Places of meshio's nodes in an .frd: there the vertical mid-side nodes stand before those of the top."""
 
-_STATIC, _FREQUENCY = 0, 2
+_STATIC, _FREQUENCY = b"0", b"2"
 """Types of analysis in the line 100C of an .frd."""
 
 
@@ -252,21 +252,19 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
     for head in re.finditer(rb"^  100C.*\n -4  (\S+)", data, re.M):
         before, begin = data[begin : head.start()], head.end()
         line, name = head[0].split(b"\n")[0], head[1]
-        kind = int(line[57:58] or b"0") if line[57:58].isdigit() else -1
+        kind = line[57:58]
         if name == b"DISPI":
             raise ModesFileError(
                 "complex modes (a block DISPI, by Coriolis forces, friction or cyclic symmetry): a damper takes real"
                 " modes, of *FREQUENCY, of one blade or the whole disc"
             )
-        if name != b"DISP":
+        if name != b"DISP" or kind not in (_STATIC, _FREQUENCY):
             continue
         try:
             value = float(line[12:24])
         except ValueError as error:
             raise ModesFileError(f"columns 13 to 24 of a header hold no frequency: {line[12:24]!r}") from error
         what = f"the block of mode {len(frequencies) + 1}" if kind == _FREQUENCY else "the block of displacements"
-        if kind not in (_STATIC, _FREQUENCY):
-            continue
         own, moved = _table(data, head.end(), len(labels), what)
         ordered = np.full((len(labels), 3), np.nan)
         ordered[_rows(own, lookup, what)] = moved
