@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from scipy.sparse import coo_array, csc_array
 
 from fem.linalg import Array, Factor, Solver, factorise
 from fem.meshes.planform import PlaceError, locate, root
@@ -26,9 +27,6 @@ from fem.theory.discretisation import Discretisation
 from fem.theory.fields import gram
 from fem.theory.registry import Kind, discretise, kind
 from fem.theory.sections import Stressed, products, strain_matrix
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 
 def elastic_stiffness(model: Discretisation) -> csc_array:
@@ -253,10 +251,8 @@ class Operators:
     @cached_property
     def spinning(self) -> csc_array:
         """What Omega² multiplies in K(Omega), (n, n)."""
-        from scipy.sparse import csc_array as sparse
-
-        total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
-        return total if self.softening is None else sparse(total - self.softening)
+        total = csc_array(self.stiffness.shape) if self.geometric is None else self.geometric
+        return total if self.softening is None else csc_array(total - self.softening)
 
     @cached_property
     def without_coriolis(self) -> Operators:
@@ -480,8 +476,6 @@ def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple
 
 def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
     """The same (3 k, n) at places (k, 2), one after the other."""
-    from scipy.sparse import coo_array
-
     located = [locate(model.mesh, (x, y)) for x, y in places]
     cells, reference = np.array([cell for cell, _ in located]), np.column_stack([at for _, at in located])
     rows, columns, weights = [], [], []
@@ -493,6 +487,11 @@ def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = 
         weights.append(weight[place, function])
     where = (np.concatenate(rows), np.concatenate(columns))
     return coo_array((np.concatenate(weights), where), shape=(3 * len(places), model.dofs)).tocsc()
+
+
+def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
+    """Rows (3 k, n) that read the displacement at places (k, 2), its derivative by x, and that by y."""
+    return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -507,24 +506,14 @@ class AtPlace:
     at: tuple[float, float]
 
     @cached_property
-    def moved(self) -> csc_array:
-        """Rows (3, n) for u, v and w."""
-        return point_rows(self.operators.model, self.at)
-
-    @cached_property
-    def along(self) -> csc_array:
-        """Rows (3, n) for their derivatives by x."""
-        return point_rows(self.operators.model, self.at, (0,))
-
-    @cached_property
-    def across(self) -> csc_array:
-        """Rows (3, n) for their derivatives by y."""
-        return point_rows(self.operators.model, self.at, (1,))
+    def rows(self) -> list[csc_array]:
+        """Rows (3, n) for u, v and w, for their derivatives by x, and for those by y."""
+        return motion_rows(self.operators.model, np.array([self.at]))
 
     @cached_property
     def flap(self) -> Array:
         """Rows (2, n) for w and its slope w_x."""
-        return np.vstack([rows[[2]].toarray() for rows in (self.moved, self.along)])
+        return np.vstack([rows[[2]].toarray() for rows in self.rows[:2]])
 
     @cached_property
     def ball(self) -> tuple[csc_array, csc_array]:
@@ -534,10 +523,8 @@ class AtPlace:
 
 
 def _through(rows: csc_array, matrix: Array) -> csc_array:
-    from scipy.sparse import csc_array as sparse
-
     each = np.kron(np.eye(rows.shape[0] // 3), matrix)
-    return sparse(rows.T @ sparse(each) @ rows)
+    return csc_array(rows.T @ csc_array(each) @ rows)
 
 
 def _held(model: Discretisation, stiffness: csc_array) -> Factor:

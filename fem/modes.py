@@ -16,10 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 
 from fem import linalg
 from fem.assembly import Body, Operators, elastic_energies
@@ -42,9 +43,6 @@ from fem.modal_model import FAMILIES
 from fem.rotor import in_rpm
 from fem.statics import LOST, Unresolved, check_rest, linearise
 from fem.theory.sections import products, strain_matrix
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 FELT = 1e-5
 """Rounding of a frequency, as it is estimated beforehand, from which the frequency is taken from the mode's strains."""

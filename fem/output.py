@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import Operators, rows_at
+from fem.assembly import Operators, motion_rows
 from fem.linalg import Array
 from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
@@ -180,7 +180,7 @@ def modal_model(
     places = np.asarray(mesh.p.T)
     if at is not None and np.linalg.norm(places - at, axis=1).min() > 0.0:
         places = np.vstack([places, at])
-    rows = [rows_at(operators.model, places, derivative) for derivative in ((), (0,), (1,))]
+    rows = motion_rows(operators.model, places)
     drawn = drawn_rows(operators, range(3))
     speeds = []
     for number, error in zip(numbers, errors, strict=True):

@@ -11,17 +11,15 @@ Mech. Engrg 313 (2017) 986). `linearise` gives the stiffness that modes at a spe
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from fem.assembly import Body, Operators, StressedBody, assemble
 from fem.linalg import Array, Factor, SingularMatrix, Solver, lanczos, less, rounding
 from fem.plate import ElasticRoot
 from fem.rotor import in_rpm
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 LOST = 0.1
 """What rounding may leave uncertain of the lowest frequency at rest, by an estimate that is some twenty times what is

@@ -26,6 +26,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import polar
 from scipy.sparse import csc_array
+from scipy.sparse.csgraph import connected_components
 
 from fem.assembly import Operators
 from fem.linalg import Array, forms, orthonormal, rounding, symmetric
@@ -126,8 +127,6 @@ LEAST_PART = 1e-3
 
 def _uncoupled(operators: Operators) -> list[NDArray[np.bool_]]:
     """Which unknowns (n,) belong to each of the parts that no matrix couples."""
-    from scipy.sparse.csgraph import connected_components
-
     coupled: csc_array = abs(operators.stiffness) + abs(operators.mass) + abs(operators.spinning)
     if operators.gyroscopic is not None:
         coupled = coupled + abs(operators.gyroscopic)
@@ -213,8 +212,6 @@ def _project(
 
 def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
     """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
-    from scipy.sparse.csgraph import connected_components
-
     count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
     return tuple(np.flatnonzero(group == number) for number in range(count))
 
