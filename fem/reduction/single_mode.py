@@ -207,7 +207,7 @@ def become(
         raise Divergence(omega, 0.0) from None
     if factor.negative:
         raise Divergence(omega, lowest(stiffness, mass, lanczos(factor, mass, 1)[0]), factor.negative)
-    start = np.column_stack([shapes, factor.solve(place.moved.toarray().T)])
+    start = np.column_stack([shapes, factor.solve(place.rows[0].toarray().T)])
     value, shape = refine(stiffness, mass, start, index, factor, place.operators.mass)
     if value <= 0.0:
         raise Divergence(omega, value)
@@ -367,16 +367,16 @@ class _Family:
         law = "a stuck ball leaves the lowest eigenvalue below Rayleigh's quotient"
         for k in {0, masses.size - 1}:
             omega, free = self._diagram.omega[[k]], (2.0 * np.pi * self._diagram.frequencies_hz[k]) ** 2
-            shape = self._diagram.shapes(k)[:, self._indices[k]]
-            if self._indices[k] == 0 and free[1] > ALONE * free[0]:
-                error = abs(modes[k].mass ** -0.5 - abs(self._motion[0] @ shape))
-                alike = np.sqrt((EXACT + 2.0 * self._diagram.bounds[k, 0]) / self._operators.mass.sum())
-                require("a modal mass of 1 kg moves as fast as the mode", np.array([error]), SHAPES * alike, omega)
+            if self._indices[k] != 0 or free[1] <= ALONE * free[0]:
+                continue
+            shape, slack = self._diagram.shapes(k)[:, 0], EXACT + 2.0 * self._diagram.bounds[k, 0]
+            error = abs(modes[k].mass ** -0.5 - abs(self._motion[0] @ shape))
+            alike = np.sqrt(slack / self._operators.mass.sum())
+            require("a modal mass of 1 kg moves as fast as the mode", np.array([error]), SHAPES * alike, omega)
             heavier, stiffer = (masses[k] * (shape @ (each @ shape)) for each in (self._mass, self._spinning))
             stiffer *= omega**2 / free[0]
-            if self._indices[k] == 0 and free[1] > ALONE * free[0] and max(heavier, abs(stiffer)) < LIGHT:
-                slack = (EXACT + 2.0 * self._diagram.bounds[k, 0]) * free[0]
-                require(law, stuck[[k]] - free[0] * (1.0 + stiffer) / (1.0 + heavier), slack, omega)
+            if max(heavier, abs(stiffer)) < LIGHT:
+                require(law, stuck[[k]] - free[0] * (1.0 + stiffer) / (1.0 + heavier), slack * free[0], omega)
 
     def _rounding(self, values: Array, shapes: Array) -> float:
         """What double precision leaves uncertain of some squared frequencies (k,) with shapes (n, k), relatively."""
