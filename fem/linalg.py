@@ -375,6 +375,11 @@ def quadratic_forms(matrix: csc_array, vectors: NDArray[Any]) -> Array:
     return np.asarray(np.real((vectors.conj() * (matrix @ vectors)).sum(axis=0)))
 
 
+def perpendicular(vectors: Array, unit: Array) -> Array:
+    """What of vectors (..., 3) is perpendicular to a unit vector (3,)."""
+    return np.asarray(vectors - (vectors @ unit)[..., None] * unit)
+
+
 def symmetric(matrices: NDArray[Any]) -> NDArray[Any]:
     """The symmetric parts of matrices (..., n, n)."""
     return np.asarray(0.5 * (matrices + matrices.swapaxes(-1, -2)))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg import symmetric
+from fem.linalg import perpendicular, symmetric
 from fem.meshes.cells import cell, faces_of
 
 if TYPE_CHECKING:
@@ -108,8 +108,7 @@ class ModalModel:
 
         Times Omega² they are the centrifugal acceleration there.
         """
-        arm = point - self.origin
-        return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
+        return perpendicular(point - self.origin, self.axis)
 
     @cached_property
     def omegas(self) -> Array:
@@ -478,11 +477,10 @@ def _fitted(points: Array, point: Array) -> Place:
     order = np.argsort(distances, kind="stable")
     if order.size < 2:
         raise OffTheStructure("one node alone gives no slope: expected at least two nodes, or rotations")
-    near = order[: min(order.size, _PER_TERM * 10)]
+    near = order[: _PER_TERM * 10]
     frame, spread = _local_frame(points[near])
     dimension = spread.size
-    terms = [6, 15, 40][dimension - 1]
-    near = near[: max(terms, 2)]
+    near = near[: [6, 15, 40][dimension - 1]]
     local = (points[near] - point) @ frame[:, :dimension] / spread
     reach = float(np.linalg.norm(local, axis=1).max()) * (1.0 + 1e-3)
     value, slopes = _polynomial(local, reach, 2)
@@ -580,8 +578,7 @@ class Pull:
 
         It softens as all mass that moves across the axis does.
         """
-        moved = self.place.displacement(modes.shapes)
-        flat = moved - np.outer(moved @ self.axis, self.axis)
+        flat = perpendicular(self.place.displacement(modes.shapes), self.axis)
         return np.asarray(self.stiffening(modes) - flat @ flat.T)
 
 
@@ -615,14 +612,14 @@ def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
     steps = np.maximum(np.linalg.norm(np.diff(feet, axis=0), axis=1), length / samples)
 
     def stiffening(modes: ModesAtSpeed) -> Array:
-        turned = np.diff(np.einsum("sp,kpi->ski", weights, modes.shapes[:, every]), axis=0)
-        turned -= (turned @ outwards)[..., None] * outwards
+        moved = np.einsum("sp,kpi->ski", weights, modes.shapes[:, every])
+        turned = perpendicular(np.diff(moved, axis=0), outwards)
         return np.asarray(radius * np.einsum("ski,sli,s->kl", turned, turned, 1.0 / steps))
 
     off = feet - line
     entered = np.linalg.norm(off, axis=1) < _ENTERED * length
     before = np.cumsum(entered) == 0  # inboard of an oblique root the structure lies ahead, not beside the line
-    off[before] -= np.outer(off[before] @ outwards, outwards)
+    off[before] = perpendicular(off[before], outwards)
     return Pull(at, model.axis, stiffening, float(np.linalg.norm(off, axis=1).max()))
 
 
@@ -820,8 +817,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
     energy = np.zeros((len(FAMILIES), modes.frequencies_hz.size))
     for number in np.unique(section):
         here = section == number
-        around = middle[here] - middle[here].mean(axis=0)
-        flat = around - np.outer(around @ span, span)
+        flat = perpendicular(middle[here] - middle[here].mean(axis=0), span)
         wide = np.linalg.norm(flat, axis=1).max() > _THIN * model.size
         chord = np.linalg.svd(flat, full_matrices=False)[2][0] if wide else _across(span, model.axis)
         moved = modes.shapes[:, here]
@@ -834,8 +830,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
         turned, inertia = np.cross(span, flat), float((flat**2).sum())
         twist = np.einsum("kpi,pi->k", moved, turned) ** 2 / inertia if inertia > 0.0 else 0.0
         energy[1] += twist
-        across = moved - mean[:, None]
-        across = across - (across @ span)[..., None] * span
+        across = perpendicular(moved - mean[:, None], span)
         energy[2] += np.maximum((across**2).sum(axis=(1, 2)) - twist, 0.0)
     return [FAMILIES[k] for k in energy.argmax(axis=0)]
 

@@ -41,7 +41,7 @@ from fem.linalg import (
 from fem.meshes import thickness
 from fem.modal_model import FAMILIES
 from fem.rotor import in_rpm
-from fem.statics import LOST, Unresolved, check_rest, linearise
+from fem.statics import LOST, Unresolved, check_rest, linearise, positive
 from fem.theory.sections import products, strain_matrix
 
 FELT = 1e-5
@@ -551,9 +551,9 @@ def critical_speed(operators: Operators) -> float:
         return np.inf
     rest = check_rest(operators)
     below = NEVER * float(np.sqrt(rest))
-    if _stable(operators, below) is not None:
+    if positive(operators, operators.at(below)) is not None:
         return np.inf
-    while (factor := _stable(operators, below)) is None:
+    while (factor := positive(operators, operators.at(below))) is None:
         below = below / RUNG if below**2 * NEVER**2 > rest else 0.0
     loss = -operators.spinning
     start = factor.solve(loss @ random_block(loss.shape[0]))
@@ -561,15 +561,6 @@ def critical_speed(operators: Operators) -> float:
     if values[0] <= 0.0:
         raise NotConverged(f"rounding hides the critical speed above {below:.6g} rad/s")
     return float(np.sqrt(below**2 + 1.0 / values[0]))
-
-
-def _stable(operators: Operators, omega: float) -> Factor | None:
-    """Factor of K at a speed in rad/s, if it is positive."""
-    try:
-        factor = factorise(operators.at(omega))
-    except SingularMatrix:
-        return None
-    return None if factor.negative else factor
 
 
 def solve_modes(

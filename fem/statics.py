@@ -58,6 +58,15 @@ def check_speed(omega: float) -> None:
         raise ValueError(f"omega must be one finite speed in rad/s, got {omega!r}")
 
 
+def positive(operators: Body, stiffness: csc_array) -> Factor | None:
+    """Factor of a stiffness (n, n); None where it is not positive."""
+    try:
+        factor = operators.factorise(stiffness)
+    except SingularMatrix:
+        return None
+    return None if factor.negative else factor
+
+
 def check_rest(operators: Body) -> float:
     """Raise Unresolved unless the plate at rest has a lowest frequency that rounding leaves; its square in rad²/s².
 
@@ -76,11 +85,8 @@ def check_rest(operators: Body) -> float:
 
 def _uncertain(operators: Body) -> tuple[float, float]:
     """What rounding leaves uncertain of the lowest frequency at rest, relatively, and its square: infinite without."""
-    try:
-        factor = operators.factorise(operators.stiffness)
-    except SingularMatrix:
-        return np.inf, np.inf
-    if factor.negative:
+    factor = positive(operators, operators.stiffness)
+    if factor is None:
         return np.inf, np.inf
     value, shape = lanczos(factor, operators.mass, 1, ROUGH)
     return float(rounding(operators.stiffness, shape, value)[0]), float(value[0])

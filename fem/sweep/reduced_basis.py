@@ -244,7 +244,8 @@ def modes_within(basis: ReducedBasis, omega: Array, count: int, coriolis: Array 
         Circular frequencies (k, count) [rad/s], ascending, and mass-normalised vectors (k, r, count), complex with
         Coriolis forces.
     """
-    rates, rows, soft = [], [], _softness(basis, omega)
+    rates, rows = [], []
+    soft = np.maximum(basis.held(omega), LEAST) ** -0.5  # roots (k, r) of the small stiffness's inverse, along the axes
     for group in basis.groups:
         own = np.ix_(group, group)
         axes = basis.axes[own]
@@ -350,11 +351,6 @@ def _topmost(matrices: NDArray[Any], count: int) -> tuple[Array, NDArray[Any]]:
     """The largest eigenvalues (k, count), descending, and vectors (k, m, count), each matrix by itself."""
     values, vectors = np.linalg.eigh(matrices)
     return values[:, : -count - 1 : -1], vectors[:, :, : -count - 1 : -1]
-
-
-def _softness(basis: ReducedBasis, omega: Array) -> Array:
-    """Roots (k, r) of the small stiffness's inverse, along the axes."""
-    return np.asarray(np.maximum(basis.held(omega), LEAST) ** -0.5)
 
 
 def _inverse(values: Array) -> Array:
