@@ -95,18 +95,17 @@ def _checked(raw: Raw) -> Raw:
             raise ModesFileError("it holds no modes")
         if not np.isfinite(frequencies).all():
             raise ModesFileError("frequencies are not numbers")
-        if frequencies.min() <= 0.0:
-            number = int(frequencies.argmin()) + 1
+        low, high, number = frequencies.min(), frequencies.max(), int(frequencies.argmin()) + 1
+        if low <= 0.0:
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a constrained structure"
+                f"mode {number} has {low:g} Hz: expected frequencies above 0, of a constrained structure"
                 " that does not diverge"
             )
-        if frequencies.max() > _HIGHEST:
-            raise ModesFileError(f"a mode has {frequencies.max():g} Hz: expected frequencies in Hz")
-        if frequencies.min() < _LOOSE * frequencies.max():
-            number = int(frequencies.argmin()) + 1
+        if high > _HIGHEST:
+            raise ModesFileError(f"a mode has {high:g} Hz: expected frequencies in Hz")
+        if low < _LOOSE * high:
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz beside {frequencies.max():g} Hz: it is a rigid-body mode;"
+                f"mode {number} has {low:g} Hz beside {high:g} Hz: it is a rigid-body mode;"
                 " expected the modes of a constrained structure"
             )
         for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
