@@ -84,32 +84,27 @@ def _triangle(parts: int) -> _Grid:
 def _numbers(mesh: Any, grid: _Grid) -> Indices:
     """Numbers (cells, n) of the points of every cell: the mesh's vertices, then points on sides, then inner ones."""
     cells, per_side = np.asarray(mesh.t.T), len(grid.sides[0]) - 2
-    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
-    _, side = np.unique(np.sort(ends, axis=2).reshape(-1, 2), axis=0, return_inverse=True)
-    side = side.reshape(cells.shape)
     numbers = np.full((len(cells), len(grid.points)), -1)
     along = np.arange(per_side)
-    for k, chain in enumerate(grid.sides):
-        forward = ends[:, k, 0] < ends[:, k, 1]
+    for k, (chain, side) in enumerate(zip(grid.sides, mesh.t2f, strict=True)):
+        forward = cells[:, k] < np.roll(cells, -1, axis=1)[:, k]
         places = np.where(forward[:, None], along, along[::-1])
-        numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, [k]] * per_side + places
+        numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, None] * per_side + places
         numbers[:, grid.corners[k]] = cells[:, k]
     inner = np.flatnonzero(numbers[0] < 0)
-    begun = mesh.p.shape[1] + (int(side.max()) + 1) * per_side
+    begun = mesh.p.shape[1] + mesh.facets.shape[1] * per_side
     numbers[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
     return numbers
 
 
 def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
     """Edges along the sides of the plate's own cells, which a model may have split."""
-    cells = operators.model.mesh.t.T
-    own = {(int(a), int(b)) for a, b in np.sort(operators.plate.mesh.facets, axis=0).T}
-    lines = []
-    for k, chain in enumerate(grid.sides):
-        ends = np.sort(np.stack([cells[:, k], np.roll(cells, -1, axis=1)[:, k]], axis=1), axis=1)
-        inside = np.array([(int(a), int(b)) in own for a, b in ends])
-        on = numbers[inside][:, chain]
-        lines.append(np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2))
+    mesh = operators.model.mesh
+    own, every = (np.sort(each.facets, axis=0).T.tolist() for each in (operators.plate.mesh, mesh))
+    known = set(map(tuple, own))
+    drawn = np.array([tuple(ends) in known for ends in every])
+    chains = [numbers[drawn[side]][:, chain] for chain, side in zip(grid.sides, mesh.t2f, strict=True)]
+    lines = [np.stack([chain[:, :-1], chain[:, 1:]], axis=2).reshape(-1, 2) for chain in chains]
     return np.asarray(np.unique(np.sort(np.concatenate(lines), axis=1), axis=0))
 
 
