@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from scipy.sparse import coo_array, csc_array
 
 from fem.linalg import Array, Factor, Solver, factorise
 from fem.meshes.planform import PlaceError, locate, root
@@ -26,9 +27,6 @@ from fem.theory.discretisation import Discretisation, Stressed
 from fem.theory.fields import gram
 from fem.theory.registry import Kind, discretise, kind
 from fem.theory.sections import products, strain_matrix
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 
 def elastic_stiffness(model: Discretisation) -> csc_array:
@@ -44,12 +42,11 @@ def elastic_energies(model: Discretisation, shapes: Array) -> Array:
     From the strains at the points: the stiffness's entries are as large as the stiffest strain makes them, and their
     rounding drowns the softest.
     """
-    strains = [(layer.weight, strain_matrix(layer)) for layer in model.elastic]
     gradients = model.gradient.evaluate(shapes)
     energies = np.zeros((shapes.shape[1],) * 2)
-    for weight, matrix in strains:
-        strain = np.einsum("sg,gcpk->scpk", matrix, gradients)
-        energies += _energies(weight * model.stiffness, strain, model.gradient.dx)
+    for layer in model.elastic:
+        strain = np.einsum("sg,gcpk->scpk", strain_matrix(layer), gradients)
+        energies += _energies(layer.weight * model.stiffness, strain, model.gradient.dx)
     for fields, coefficients in model.extra:
         energies += _energies(coefficients, fields.evaluate(shapes), fields.dx)
     return energies
@@ -174,10 +171,6 @@ class Body(Protocol):
         """What spin softening takes from the stiffness, per Omega²; None: left out."""
 
     @property
-    def gyroscopic(self) -> csc_array | None:
-        """G of the Coriolis forces; None: left out."""
-
-    @property
     def load(self) -> Array:
         """The centrifugal load (n,) per Omega²."""
 
@@ -258,10 +251,8 @@ class Operators:
     @cached_property
     def spinning(self) -> csc_array:
         """What Omega² multiplies in K(Omega), (n, n)."""
-        from scipy.sparse import csc_array as sparse
-
-        total = sparse(self.stiffness.shape) if self.geometric is None else self.geometric
-        return total if self.softening is None else sparse(total - self.softening)
+        total = csc_array(self.stiffness.shape) if self.geometric is None else self.geometric
+        return total if self.softening is None else csc_array(total - self.softening)
 
     @cached_property
     def without_coriolis(self) -> Operators:
@@ -338,11 +329,11 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
     density = plate.material.density
     stiffness = elastic_stiffness(model)
     load = np.zeros(model.dofs)
-    prestress = geometric = softening = gyroscopic = factor = None
+    prestress = geometric = softening = gyroscopic = held = None
     if effects.stress_stiffening:
         load = centrifugal_load(model, density, rotor)
-        factor = _held(model, stiffness)
-        prestress, geometric = _stiffening(model, factor, load)
+        held = _held(model, stiffness)
+        prestress, geometric = _stiffening(model, held, load)
     if effects.spin_softening:
         softening = inertia(model, density, rotor.projector)
     if effects.coriolis:
@@ -352,7 +343,7 @@ def assemble(plate: Plate, rotor: Rotor, effects: Effects, theory: str = "mindli
         plate, rotor, effects, model, stiffness, mass, geometric, softening, gyroscopic, load, prestress
     )
     for places, each in operators.points:
-        operators = _with_masses(operators, places, each, factor)
+        operators = with_masses(operators, places, each, held)
     return operators
 
 
@@ -374,27 +365,21 @@ def with_point_mass(operators: Operators, at: tuple[float, float], mass: float) 
     return with_masses(operators, np.array([at]), mass)
 
 
-def with_masses(operators: Operators, places: Array, mass: float) -> Operators:
+def with_masses(operators: Operators, places: Array, mass: float, held: Factor | None = None) -> Operators:
     """The same plate with an equal point mass at each of several places.
 
     Args:
         operators: of the plate.
         places: shape (k, 2) [m].
         mass: of each [kg]; it may be negative.
+        held: see `_held`, if known.
     """
-    factor = None if operators.prestress is None else _held(operators.model, operators.stiffness)
-    return _with_masses(operators, places, mass, factor)
-
-
-def _with_masses(operators: Operators, places: Array, mass: float, factor: Factor | None) -> Operators:
     model, rotor = operators.model, operators.rotor
     rows = rows_at(model, places)
-    load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
-    changed: dict[str, Any] = {
-        "mass": operators.mass + mass * _through(rows, np.eye(3)),
-    }
-    if factor is not None and operators.prestress is not None and operators.geometric is not None:
-        prestress, geometric = _stiffening(model, factor, load)
+    changed: dict[str, Any] = {"mass": operators.mass + mass * _through(rows, np.eye(3))}
+    if operators.prestress is not None and operators.geometric is not None:
+        load = mass * (rows.T @ np.concatenate([rotor.projector @ operators.from_axis((x, y)) for x, y in places]))
+        prestress, geometric = _stiffening(model, held or _held(model, operators.stiffness), load)
         changed["load"] = operators.load + load
         changed["prestress"] = operators.prestress + prestress
         changed["geometric"] = operators.geometric + geometric
@@ -491,8 +476,6 @@ def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple
 
 def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
     """The same (3 k, n) at places (k, 2), one after the other."""
-    from scipy.sparse import coo_array
-
     located = [locate(model.mesh, (x, y)) for x, y in places]
     cells, reference = np.array([cell for cell, _ in located]), np.column_stack([at for _, at in located])
     rows, columns, weights = [], [], []
@@ -504,6 +487,11 @@ def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = 
         weights.append(weight[place, function])
     where = (np.concatenate(rows), np.concatenate(columns))
     return coo_array((np.concatenate(weights), where), shape=(3 * len(places), model.dofs)).tocsc()
+
+
+def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
+    """Rows (3 k, n) that read the displacement at places (k, 2), its derivative by x, and that by y."""
+    return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -518,19 +506,14 @@ class AtPlace:
     at: tuple[float, float]
 
     @cached_property
-    def moved(self) -> csc_array:
-        """Rows (3, n) for u, v and w."""
-        return point_rows(self.operators.model, self.at)
+    def rows(self) -> list[csc_array]:
+        """Rows (3, n) for u, v and w, for their derivatives by x, and for those by y."""
+        return motion_rows(self.operators.model, np.array([self.at]))
 
     @cached_property
-    def along(self) -> csc_array:
-        """Rows (3, n) for their derivatives by x."""
-        return point_rows(self.operators.model, self.at, (0,))
-
-    @cached_property
-    def across(self) -> csc_array:
-        """Rows (3, n) for their derivatives by y."""
-        return point_rows(self.operators.model, self.at, (1,))
+    def flap(self) -> Array:
+        """Rows (2, n) for w and its slope w_x."""
+        return np.vstack([rows[[2]].toarray() for rows in self.rows[:2]])
 
     @cached_property
     def ball(self) -> tuple[csc_array, csc_array]:
@@ -540,10 +523,8 @@ class AtPlace:
 
 
 def _through(rows: csc_array, matrix: Array) -> csc_array:
-    from scipy.sparse import csc_array as sparse
-
     each = np.kron(np.eye(rows.shape[0] // 3), matrix)
-    return sparse(rows.T @ sparse(each) @ rows)
+    return csc_array(rows.T @ csc_array(each) @ rows)
 
 
 def _held(model: Discretisation, stiffness: csc_array) -> Factor:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,17 +145,6 @@ def _pardiso(matrix: csc_array) -> PardisoFactor:
     return factor
 
 
-class Solver(Protocol):
-    """What solves with a symmetric matrix."""
-
-    def solve(self, right: Array) -> Array:
-        """Solution for one (n,) or several (n, k) right-hand sides."""
-
-    @property
-    def negative(self) -> int:
-        """How many negative eigenvalues the matrix is known to have, once it has solved."""
-
-
 INNER = 30
 """Steps of conjugate gradients after which a factor of the matrix's own is cheaper."""
 
@@ -167,8 +156,8 @@ SOLVED = 1e-7
 class Nearby:
     """Solves with a symmetric matrix by conjugate gradients, preconditioned with the factor of a similar one.
 
-    Directions along which the matrix is not positive are noticed on the way. Where the two are not similar enough,
-    `own` makes a factor.
+    Directions along which the matrix is not positive are noticed on the way, and then counted in `negative`. Where the
+    two are not similar enough, `own` makes a factor.
     """
 
     matrix: csc_array
@@ -203,6 +192,10 @@ class Nearby:
         self.exact = self.own(self.matrix)
         self.negative = self.exact.negative
         return self.exact.solve(right)
+
+
+Solver = Factor | Nearby
+"""What solves with a symmetric matrix, and knows then how many of its eigenvalues are negative."""
 
 
 def factorise(matrix: csc_array, ordered: bool = False) -> Factor:
@@ -294,13 +287,13 @@ def krylov(
         NotConverged: the iteration does not converge.
     """
     n = start.shape[0]
-    basis, image = (np.empty((n, 0), order="F") for _ in range(2))
+    basis = image = np.empty((n, 0), order="F")
     projected = np.empty((0, 0))
-    block, heavy, _, _ = orthonormal(start, basis, image, weight)
+    block, heavy, _, _ = orthonormal(start, weight)
     best, waited = np.inf, 0
     while True:
         basis, image = _append(basis, block), _append(image, heavy)
-        block, heavy, column, coupling = orthonormal(apply(block, heavy), basis, image, weight)
+        block, heavy, column, coupling = orthonormal(apply(block, heavy), weight, basis, image)
         m, b = column.shape
         projected = np.pad(projected, ((0, b), (0, b)))
         projected[m - b :] = column.T
@@ -323,19 +316,23 @@ def _append(columns: Array, more: Array) -> Array:
     return np.concatenate([columns.T, more.T]).T
 
 
-def orthonormal(block: Array, basis: Array, image: Array, weight: csc_array) -> tuple[Array, Array, Array, Array]:
-    """Orthonormalise a block in a weight against a basis; directions without weight are dropped.
+def orthonormal(
+    block: Array, weight: csc_array, basis: Array | None = None, image: Array | None = None
+) -> tuple[Array, Array, Array, Array]:
+    """Orthonormalise a block in a weight, and against a basis; directions without weight are dropped.
 
     Args:
         block: shape (n, b).
-        basis: orthonormal in the weight, shape (n, m).
-        image: weight @ basis, shape (n, m).
         weight: shape (n, n).
+        basis: orthonormal in the weight, shape (n, m); None: there is none yet.
+        image: weight @ basis, shape (n, m).
 
     Returns:
         Vectors (n, k), their image (n, k), column (m, b) and coupling (k, b), with block = basis @ column + vectors @
         coupling.
     """
+    if basis is None or image is None:
+        basis = image = np.empty((len(block), 0))
     column = image.T @ block
     vectors, coupling = block - basis @ column, np.eye(block.shape[1])
     for number, null in enumerate((NULL, NULL**0.5)):  # what was made a unit vector and is none was rounding
@@ -371,6 +368,16 @@ def forms(matrices: Array, rows: NDArray[Any]) -> Array:
     flat = np.concatenate([each.reshape(-1, rows.shape[2]) for each in parts])
     values = np.stack([np.einsum("nb,nb->n", flat, flat @ matrix) for matrix in matrices])
     return np.asarray(values.reshape(len(matrices), len(parts), *rows.shape[:2]).sum(axis=1))
+
+
+def quadratic_forms(matrix: csc_array, vectors: NDArray[Any]) -> Array:
+    """Products x'Ax (k,) of real or complex vectors x (n, k) with themselves in a matrix A (n, n)."""
+    return np.asarray(np.real((vectors.conj() * (matrix @ vectors)).sum(axis=0)))
+
+
+def perpendicular(vectors: Array, unit: Array) -> Array:
+    """What of vectors (..., 3) is perpendicular to a unit vector (3,)."""
+    return np.asarray(vectors - (vectors @ unit)[..., None] * unit)
 
 
 def symmetric(matrices: NDArray[Any]) -> NDArray[Any]:
@@ -421,8 +428,7 @@ def lowest_modes(
         Eigenvalues (k,), ascending, and mass-normalised vectors (n, k); None where they do not settle.
     """
     count = start.shape[1]
-    empty = np.empty((start.shape[0], 0))
-    basis, image, _, _ = orthonormal(start, empty, empty, mass)
+    basis, image, _, _ = orthonormal(start, mass)
     pushed = stiffness @ basis
     for _ in range(ROUNDS):
         reduced = basis.T @ pushed
@@ -433,7 +439,7 @@ def lowest_modes(
         far = np.abs(np.einsum("nk,nk->k", residual, step)) > tolerance * np.abs(values)
         if values.size == count and not far.any():
             return values, basis @ vectors
-        block, heavy, _, _ = orthonormal(step[:, far], basis, image, mass)
+        block, heavy, _, _ = orthonormal(step[:, far], mass, basis, image)
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
         pushed = np.hstack([pushed, stiffness @ block])
     return None
@@ -456,8 +462,7 @@ def refine(
         Eigenvalue and mass-normalised vector (n,).
     """
     wanted = measure @ start[:, target]
-    empty = np.empty((start.shape[0], 0))
-    basis, image, _, _ = orthonormal(start, empty, empty, mass)
+    basis, image, _, _ = orthonormal(start, mass)
     for _ in range(STEPS):
         reduced = basis.T @ (stiffness @ basis)
         values, vectors = np.linalg.eigh(symmetric(reduced))
@@ -468,7 +473,7 @@ def refine(
         # The step is the shape's error to first order; its energy is that of the eigenvalue.
         if abs(residual @ step) <= REFINED * abs(value):
             break
-        block, heavy, _, _ = orthonormal(step[:, None], basis, image, mass)
+        block, heavy, _, _ = orthonormal(step[:, None], mass, basis, image)
         basis, image = np.hstack([basis, block]), np.hstack([image, heavy])
     return value, shape
 

@@ -95,18 +95,17 @@ def _checked(raw: Raw) -> Raw:
             raise ModesFileError("it holds no modes")
         if not np.isfinite(frequencies).all():
             raise ModesFileError("frequencies are not numbers")
-        if frequencies.min() <= 0.0:
-            number = int(frequencies.argmin()) + 1
+        low, high, number = frequencies.min(), frequencies.max(), int(frequencies.argmin()) + 1
+        if low <= 0.0:
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz: expected frequencies above 0, of a constrained structure"
+                f"mode {number} has {low:g} Hz: expected frequencies above 0, of a constrained structure"
                 " that does not diverge"
             )
-        if frequencies.max() > _HIGHEST:
-            raise ModesFileError(f"a mode has {frequencies.max():g} Hz: expected frequencies in Hz")
-        if frequencies.min() < _LOOSE * frequencies.max():
-            number = int(frequencies.argmin()) + 1
+        if high > _HIGHEST:
+            raise ModesFileError(f"a mode has {high:g} Hz: expected frequencies in Hz")
+        if low < _LOOSE * high:
             raise ModesFileError(
-                f"mode {number} has {frequencies.min():g} Hz beside {frequencies.max():g} Hz: it is a rigid-body mode;"
+                f"mode {number} has {low:g} Hz beside {high:g} Hz: it is a rigid-body mode;"
                 " expected the modes of a constrained structure"
             )
         for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
@@ -143,7 +142,7 @@ _ORDER = {
 }
 """Places of meshio's nodes in an .frd: there the vertical mid-side nodes stand before those of the top."""
 
-_STATIC, _FREQUENCY = 0, 2
+_STATIC, _FREQUENCY = b"0", b"2"
 """Types of analysis in the line 100C of an .frd."""
 
 
@@ -252,21 +251,19 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
     for head in re.finditer(rb"^  100C.*\n -4  (\S+)", data, re.M):
         before, begin = data[begin : head.start()], head.end()
         line, name = head[0].split(b"\n")[0], head[1]
-        kind = int(line[57:58] or b"0") if line[57:58].isdigit() else -1
+        kind = line[57:58]
         if name == b"DISPI":
             raise ModesFileError(
                 "complex modes (a block DISPI, by Coriolis forces, friction or cyclic symmetry): a damper takes real"
                 " modes, of *FREQUENCY, of one blade or the whole disc"
             )
-        if name != b"DISP":
+        if name != b"DISP" or kind not in (_STATIC, _FREQUENCY):
             continue
         try:
             value = float(line[12:24])
         except ValueError as error:
             raise ModesFileError(f"columns 13 to 24 of a header hold no frequency: {line[12:24]!r}") from error
         what = f"the block of mode {len(frequencies) + 1}" if kind == _FREQUENCY else "the block of displacements"
-        if kind not in (_STATIC, _FREQUENCY):
-            continue
         own, moved = _table(data, head.end(), len(labels), what)
         ordered = np.full((len(labels), 3), np.nan)
         ordered[_rows(own, lookup, what)] = moved
@@ -332,8 +329,6 @@ _REQUIRED = {
 }
 """What each key is for, where its name does not say it."""
 
-_OPTIONAL = ("node_labels", "axis", "origin", "static", "rotations", "damping_ratios", "frequency_errors", "drawn")
-
 _SHAPES: dict[str, tuple[int | str, ...]] = {
     "nodes": ("nodes", 3),
     "speeds_rpm": ("speeds",),
@@ -349,6 +344,11 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
     "drawn": ("speeds", "modes", 3),
 }
 """Lengths of each array of the neutral file; one that has a name is the same in all."""
+
+_OPTIONAL = ("node_labels", *(name for name in _SHAPES if name not in _REQUIRED))
+
+_KEYS = {"errors": "frequency_errors", **{name: name for name in ("static", "rotations", "damping_ratios", "drawn")}}
+"""Under which key the neutral file has what need not be known of modes."""
 
 
 def _npz(data: bytes) -> dict[str, Any]:
@@ -400,7 +400,7 @@ def _neutral(data: Mapping[str, Any]) -> Raw:
             raise ModesFileError(f"key '{name}': expected numbers of 0 or above{', and below 1' * (below == 1.0)}")
     norm = np.sqrt(masses)[:, :, None, None]
     scales = {"shapes": norm, "rotations": norm, "drawn": norm[..., 0]}
-    own = {"errors": "frequency_errors"} | {name: name for name in ("static", "damping_ratios", *scales)}
+    own = {"shapes": "shapes", **_KEYS}
     whole = {field: arrays[name] / scales.get(name, 1.0) for field, name in own.items() if name in arrays}
     known = tuple(
         ModesAtSpeed(float(from_rpm(speeds[k])), frequencies[k], **{name: values[k] for name, values in whole.items()})
@@ -501,8 +501,8 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
     factors = {"static": length, "rotations": 1.0 / (length * root), "drawn": root}
     speeds = []
     for modes in raw.model.speeds:
-        known = {name: getattr(modes, name) for name in factors}
-        scaled = {name: values * factors[name] for name, values in known.items() if values is not None}
+        known = ((name, getattr(modes, name)) for name in factors)
+        scaled = {name: values * factors[name] for name, values in known if values is not None}
         speeds.append(replace(modes, shapes=modes.shapes / root, **scaled))
     return replace(raw.model, points=raw.model.points * length, origin=raw.model.origin * length, speeds=tuple(speeds))
 
@@ -558,12 +558,10 @@ def document(model: ModalModel) -> dict[str, Any]:
     }
     if model.labels is not None:
         entries["node_labels"] = model.labels
-    optional = ("static", "rotations", "damping_ratios", "errors", "drawn")
-    for name in optional:
+    for name, key in _KEYS.items():
         parts = [getattr(modes, name) for modes in speeds]
         if all(part is not None for part in parts):
-            cut = [part if name == "static" else part[:count] for part in parts]
-            entries["frequency_errors" if name == "errors" else name] = np.array(cut)
+            entries[key] = np.array([part if name == "static" else part[:count] for part in parts])
     entries |= {f"cells_{name}": cells for name, cells in model.cells}
     return entries | {f"set_{name}": rows for name, rows in model.sets.items()}
 

@@ -6,7 +6,7 @@ turns in each mode, and the modes at speeds between those that are known.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise, product
@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.linalg import symmetric
+from fem.linalg import perpendicular, symmetric
 from fem.meshes.cells import cell, faces_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem.linalg import Array
+    from fem.meshes.cells import Cell
 
     Ints = NDArray[np.int64]
 
@@ -107,8 +108,18 @@ class ModalModel:
 
         Times Omega² they are the centrifugal acceleration there.
         """
-        arm = point - self.origin
-        return np.asarray(arm - (arm @ self.axis)[..., None] * self.axis)
+        return perpendicular(point - self.origin, self.axis)
+
+    @cached_property
+    def omegas(self) -> Array:
+        """The speeds at which the modes are known [rad/s], ascending."""
+        return np.array([modes.omega for modes in self.speeds])
+
+    def chunks(self, dimension: int) -> Iterator[tuple[str, Cell, Ints]]:
+        """The cells that are flat (2) or have a volume (3), some thousand at once: name, kind and nodes (c, k)."""
+        for name, cells in self.cells:
+            if cell(name).dimension == dimension:
+                yield from ((name, cell(name), chunk) for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)))
 
     @cached_property
     def weights(self) -> Array:
@@ -117,14 +128,10 @@ class ModalModel:
         Ones without cells.
         """
         volumes = np.zeros(len(self.points))
-        most = max((cell(name).dimension for name, _ in self.cells), default=0)
-        for name, cells in self.cells:
-            kind = cell(name)
-            if kind.dimension == most:
-                points, weights = kind.rule
-                for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-                    sizes = np.abs(kind.sizes(self.points[chunk], points)) * weights
-                    np.add.at(volumes, chunk, sizes @ kind.shape(points))
+        for _, kind, chunk in self.chunks(max((cell(name).dimension for name, _ in self.cells), default=0)):
+            points, weights = kind.rule
+            sizes = np.abs(kind.sizes(self.points[chunk], points)) * weights
+            np.add.at(volumes, chunk, sizes @ kind.shape(points))
         return volumes if volumes.any() else np.ones(len(volumes))
 
     @cached_property
@@ -136,17 +143,19 @@ class ModalModel:
         """
         from scipy.linalg import polar
 
+        middle = self._flat[len(self.speeds) // 2]
+        return np.array([polar(middle @ each.T)[0] for each in self._flat])
+
+    @cached_property
+    def _flat(self) -> list[Array]:
+        """As many shapes as are known at every speed, (k, 3 n) each."""
         count = min(modes.frequencies_hz.size for modes in self.speeds)
-        flat = [modes.shapes[:count].reshape(count, -1) for modes in self.speeds]
-        return np.array([polar(flat[len(flat) // 2] @ each.T)[0] for each in flat])
+        return [modes.shapes[:count].reshape(count, -1) for modes in self.speeds]
 
     @cached_property
     def likeness(self) -> Array:
         """Of each mode the least modal assurance criterion with what it becomes at the next speed or before, (k,)."""
-        turns = self._turns
-        flat = [
-            modes.shapes[: len(turn)].reshape(len(turn), -1) for modes, turn in zip(self.speeds, turns, strict=True)
-        ]
+        turns, flat = self._turns, self._flat
         least = np.ones(turns.shape[1])
         for one, other in (*pairwise(range(len(flat))), *pairwise(range(len(flat) - 1, -1, -1))):
             become = turns[one].T @ turns[other] @ flat[other]
@@ -167,27 +176,25 @@ class ModalModel:
         Raises:
             ValueError: beyond the speeds known.
         """
-        known = np.array([modes.omega for modes in self.speeds])
-        exact = np.flatnonzero(np.abs(known - omega) <= SAME_SPEED * max(known.max(), abs(omega)))
-        if not known.min() <= omega <= known.max() and not exact.size:
-            raise ValueError(f"the modes are known from {known.min():g} to {known.max():g} rad/s, not at {omega:g}")
+        low, high = self.omegas.min(), self.omegas.max()
+        exact = np.flatnonzero(np.abs(self.omegas - omega) <= SAME_SPEED * max(high, abs(omega)))
+        if not low <= omega <= high and not exact.size:
+            raise ValueError(f"the modes are known from {low:g} to {high:g} rad/s, not at {omega:g}")
         near = self._near(omega, fewer=fewer and not exact.size)
-        _, vectors, _ = self._reduced(omega, near)
-        tracks = self._tracks(omega, vectors)
+        values, vectors, weights = self._reduced(omega, near)
+        interpolation: Array | None = None
         if exact.size:
-            count = len(vectors)
-            chosen_modes = chosen(self.speeds[int(exact[0])], np.arange(count))
-            return replace(chosen_modes, omega=omega, interpolation=np.zeros(count), tracks=tracks)
-        chosen_modes = self._between(omega, near)
-        if not fewer and near.size > 2:
-            changes = self.at(omega, fewer=True).frequencies_hz / chosen_modes.frequencies_hz - 1.0
-            chosen_modes = replace(chosen_modes, interpolation=np.full(changes.size, np.abs(changes).max()))
-        return replace(chosen_modes, tracks=tracks)
+            modes, interpolation = chosen(self.speeds[int(exact[0])], np.arange(values.size)), np.zeros(values.size)
+        else:
+            modes = self._between(omega, near, values, vectors, weights)
+            if not fewer and near.size > 2:
+                changes = self.at(omega, fewer=True).frequencies_hz / modes.frequencies_hz - 1.0
+                interpolation = np.full(changes.size, np.abs(changes).max())
+        return replace(modes, omega=omega, interpolation=interpolation, tracks=self._tracks(omega, vectors))
 
     def _near(self, omega: float, *, fewer: bool = False) -> Ints:
         """Numbers of the speeds that a polynomial goes through, ascending."""
-        squares = np.array([modes.omega**2 for modes in self.speeds])
-        near = np.argsort(np.abs(squares - omega**2), kind="stable")[:_NEIGHBOURS]
+        near = np.argsort(np.abs(self.omegas**2 - omega**2), kind="stable")[:_NEIGHBOURS]
         return np.asarray(np.sort(near[1:] if fewer else near))
 
     def _reduced(self, omega: float, near: Ints) -> tuple[Array, Array, Array]:
@@ -195,7 +202,7 @@ class ModalModel:
 
         Also the weights of the speeds near it, by which it is interpolated.
         """
-        weights = lagrange(np.array([self.speeds[k].omega ** 2 for k in near]), omega**2)
+        weights = lagrange(self.omegas[near] ** 2, omega**2)
         stiffness = sum(
             weight * (self._turns[k] * self.speeds[k].squares[: len(self._turns[k])]) @ self._turns[k].T
             for weight, k in zip(weights, near, strict=True)
@@ -205,9 +212,8 @@ class ModalModel:
             raise BadSpeeds(omega)
         return values, vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(values.size)]), weights
 
-    def _between(self, omega: float, near: Ints) -> ModesAtSpeed:
-        """Modes at a speed between those known, through some of them."""
-        values, vectors, weights = self._reduced(omega, near)
+    def _between(self, omega: float, near: Ints, values: Array, vectors: Array, weights: Array) -> ModesAtSpeed:
+        """Modes at a speed between those known, through some of them: see `_reduced`."""
         turns, speeds = self._turns[near], [self.speeds[k] for k in near]
         own = [vectors.T @ turn for turn in turns]
 
@@ -367,18 +373,16 @@ def place(model: ModalModel, point: Array) -> Place:
         apart = np.linalg.norm(model.points - model.points[order[0]], axis=1)
         if least > max(FAR * model.size, float(apart[apart > 0.0].min(initial=np.inf))):
             raise _far(model, point, least)
-        nodes, value, slopes, tangent, rough = _fitted(model.points, point)
-        how = f"fitted to {nodes.size} nodes around it"
-        return _on_a_node(model, Place(point, 0.0, nodes, value, slopes, rough, tangent, how))
+        return _on_a_node(model, _fitted(model.points, point))
     hit, where, distance = inside
     if distance > FAR * model.size:
         raise _far(model, point, distance)
     nodes, value, slopes, tangent = _of_cells(model, hit)
-    around, _, fit, _, _ = _fitted(model.points, where)
-    every = np.union1d(nodes, around)
+    fit = _fitted(model.points, where)
+    every = np.union1d(nodes, fit.nodes)
     own, mean, other = np.zeros(every.size), np.zeros((3, every.size)), np.zeros((3, every.size))
     own[np.searchsorted(every, nodes)] = value
-    mean[:, np.searchsorted(every, nodes)], other[:, np.searchsorted(every, around)] = slopes, fit
+    mean[:, np.searchsorted(every, nodes)], other[:, np.searchsorted(every, fit.nodes)] = slopes, fit.slopes
     if all(cell(name).powers.max() == 1 for name, _, _ in hit):
         mean, other = other, mean  # the slopes of linear cells jump from one to the next
     how = "in one cell" if len(hit) == 1 else f"where {len(hit)} cells meet"
@@ -463,12 +467,8 @@ _PER_TERM = 4
 """Nodes to a coefficient of a fit, where there are so many."""
 
 
-def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Array]:
-    """A weighted fit of quadratic polynomials to the nodes around a point.
-
-    Returns:
-        Nodes (k,), their weights in value (k,) and derivatives (3, k), the projector on directions that the nodes reach
-        into, and weights in derivatives as far off as these may be (3, k).
+def _fitted(points: Array, point: Array) -> Place:
+    """A place by a weighted fit of quadratic polynomials to the nodes around it, its other slopes as far off as may be.
 
     Raises:
         OffTheStructure: fewer nodes than a slope takes.
@@ -477,18 +477,18 @@ def _fitted(points: Array, point: Array) -> tuple[Ints, Array, Array, Array, Arr
     order = np.argsort(distances, kind="stable")
     if order.size < 2:
         raise OffTheStructure("one node alone gives no slope: expected at least two nodes, or rotations")
-    near = order[: min(order.size, _PER_TERM * 10)]
+    near = order[: _PER_TERM * 10]
     frame, spread = _local_frame(points[near])
     dimension = spread.size
-    terms = [6, 15, 40][dimension - 1]
-    near = near[: max(terms, 2)]
+    near = near[: [6, 15, 40][dimension - 1]]
     local = (points[near] - point) @ frame[:, :dimension] / spread
     reach = float(np.linalg.norm(local, axis=1).max()) * (1.0 + 1e-3)
     value, slopes = _polynomial(local, reach, 2)
     rough = slopes + _MARGIN * (_polynomial(local, reach, 3)[1] - slopes)
     back = frame[:, :dimension] / spread
     tangent = frame[:, :dimension] @ frame[:, :dimension].T
-    return near, value, back @ slopes, tangent, back @ rough
+    how = f"fitted to {near.size} nodes around it"
+    return Place(point, 0.0, near, value, back @ slopes, back @ rough, tangent, how)
 
 
 _MARGIN = 2.0
@@ -578,8 +578,7 @@ class Pull:
 
         It softens as all mass that moves across the axis does.
         """
-        moved = self.place.displacement(modes.shapes)
-        flat = moved - np.outer(moved @ self.axis, self.axis)
+        flat = perpendicular(self.place.displacement(modes.shapes), self.axis)
         return np.asarray(self.stiffening(modes) - flat @ flat.T)
 
 
@@ -613,14 +612,14 @@ def pull(model: ModalModel, at: Place, samples: int = SAMPLES) -> Pull:
     steps = np.maximum(np.linalg.norm(np.diff(feet, axis=0), axis=1), length / samples)
 
     def stiffening(modes: ModesAtSpeed) -> Array:
-        turned = np.diff(np.einsum("sp,kpi->ski", weights, modes.shapes[:, every]), axis=0)
-        turned -= (turned @ outwards)[..., None] * outwards
+        moved = np.einsum("sp,kpi->ski", weights, modes.shapes[:, every])
+        turned = perpendicular(np.diff(moved, axis=0), outwards)
         return np.asarray(radius * np.einsum("ski,sli,s->kl", turned, turned, 1.0 / steps))
 
     off = feet - line
     entered = np.linalg.norm(off, axis=1) < _ENTERED * length
     before = np.cumsum(entered) == 0  # inboard of an oblique root the structure lies ahead, not beside the line
-    off[before] -= np.outer(off[before] @ outwards, outwards)
+    off[before] = perpendicular(off[before], outwards)
     return Pull(at, model.axis, stiffening, float(np.linalg.norm(off, axis=1).max()))
 
 
@@ -628,8 +627,8 @@ def _weights(model: ModalModel, point: Array) -> tuple[Ints, Array, Array]:
     """What of the structure is nearest to a point (3,): nodes (k,), their weights in its displacement, its place."""
     inside = _in_cells(model, point)
     if inside is None:
-        nodes, value, _, _, _ = _fitted(model.points, point)
-        return nodes, value, point
+        fit = _fitted(model.points, point)
+        return fit.nodes, fit.value, point
     (name, cells, at), *_ = inside[0]
     order = np.argsort(cells)
     return cells[order], cell(name).shape(at[None])[0][order], inside[1]
@@ -640,8 +639,8 @@ def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
 
     None where not all nodes that move belong to cells with a volume.
     """
-    squares, _, _ = _integrals(model, modes)
-    return None if squares is None else 1.0 / squares
+    integrals = _integrals(model, modes)
+    return None if integrals is None else 1.0 / integrals[0]
 
 
 def drawn_by(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
@@ -649,50 +648,44 @@ def drawn_by(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
 
     None where that is not known.
     """
-    squares, means, _ = _integrals(model, modes)
-    return None if squares is None or means is None else means / squares[:, None] ** 0.5 / squares[0] ** 0.5
+    integrals = _integrals(model, modes)
+    if integrals is None:
+        return None
+    squares, means = integrals
+    return np.asarray(means / squares[:, None] ** 0.5 / squares[0] ** 0.5)
 
 
-def volume(model: ModalModel) -> float:
-    """Of all cells that have one [m³]."""
-    return _integrals(model, model.speeds[0])[2]
+def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array, Array] | None:
+    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume.
 
-
-def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array | None, Array | None, float]:
-    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume, and the volume.
+    None where not all nodes that move belong to cells with a volume.
 
     Raises:
         BadCells: a cell's nodes are not in order, or cells are there twice.
     """
-    count = modes.frequencies_hz.size
-    squares, means, whole = np.zeros(count), np.zeros((count, 3)), 0.0
-    covered = np.zeros(len(model.points), dtype=bool)
     for name, cells in model.cells:
-        kind = cell(name)
-        if kind.dimension != 3:
-            continue
-        covered[cells] = True
-        if (twice := len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))) > 0:
+        twice = len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))
+        if twice > 0 and cell(name).dimension == 3:
             raise BadCells(f"{twice} cells {name} are listed twice: expected each once")
+    count = modes.frequencies_hz.size
+    squares, means = np.zeros(count), np.zeros((count, 3))
+    loose = np.ones(len(model.points), dtype=bool)
+    for name, kind, chunk in model.chunks(3):
+        loose[chunk] = False
         points, weights = kind.rule
-        shape = kind.shape(points)
-        for chunk in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-            sizes = kind.sizes(model.points[chunk], points)
-            if turned := np.flatnonzero(
-                sizes.min(axis=1) * sizes.max(axis=1) < -_FOLDED * sizes.max(axis=1) ** 2
-            ).tolist():
-                nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
-                raise BadCells(
-                    f"a cell {name} is partly inverted, with the nodes {', '.join(map(str, nodes.tolist()))}:"
-                    " expected them in the order of meshio"
-                )
-            sizes = np.abs(sizes) * weights
-            moved = np.einsum("pn,kcni->kcpi", shape, modes.shapes[:, chunk])
-            squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
-            means += np.einsum("kcpi,cp->ki", moved, sizes)
-            whole += float(sizes.sum())
-    loose = np.abs(modes.shapes[:, ~covered]).max(initial=0.0) > 0.0
-    return (None, None, whole) if loose or whole == 0.0 or squares.min() <= 0.0 else (squares, means, whole)
+        sizes = kind.sizes(model.points[chunk], points)
+        turned = np.flatnonzero(sizes.min(axis=1) * sizes.max(axis=1) < -_FOLDED * sizes.max(axis=1) ** 2)
+        if turned.size:
+            nodes = chunk[turned[0]] if model.labels is None else model.labels[chunk[turned[0]]]
+            raise BadCells(
+                f"a cell {name} is partly inverted, with the nodes {', '.join(map(str, nodes.tolist()))}:"
+                " expected them in the order of meshio"
+            )
+        sizes = np.abs(sizes) * weights
+        moved = np.einsum("pn,kcni->kcpi", kind.shape(points), modes.shapes[:, chunk])
+        squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
+        means += np.einsum("kcpi,cp->ki", moved, sizes)
+    return None if modes.shapes[:, loose].any() or squares.min() <= 0.0 else (squares, means)
 
 
 _FOLDED = 0.05
@@ -745,18 +738,14 @@ def largest_strain(model: ModalModel, modes: ModesAtSpeed, number: int) -> float
     and in sharp corners, the mesh has finite. None where no cell with a volume is held.
     """
     shape, total, count = modes.shapes[number], np.zeros((len(model.points), 3, 3)), np.zeros(len(model.points))
-    for name, cells in model.cells:
-        kind = cell(name)
-        if kind.dimension != 3:
-            continue
-        for there in np.array_split(cells, max(1, len(cells) // _CHUNK)):
-            slopes = kind.gradients(model.points[there], kind.nodes)[0]
-            moved = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
-            if modes.static is not None:
-                bent = np.einsum("cpnj,cni->cpij", slopes, modes.static[there], optimize=True)
-                moved += np.swapaxes(bent, 2, 3) @ moved
-            np.add.at(total, there, symmetric(moved))
-            np.add.at(count, there, 1.0)
+    for _, kind, there in model.chunks(3):
+        slopes = kind.gradients(model.points[there], kind.nodes)[0]
+        moved = np.einsum("cpnj,cni->cpij", slopes, shape[there], optimize=True)
+        if modes.static is not None:
+            bent = np.einsum("cpnj,cni->cpij", slopes, modes.static[there], optimize=True)
+            moved += np.swapaxes(bent, 2, 3) @ moved
+        np.add.at(total, there, symmetric(moved))
+        np.add.at(count, there, 1.0)
     at = count > 0.0
     if not (held(modes.shapes) & at).any():
         return None
@@ -828,8 +817,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
     energy = np.zeros((len(FAMILIES), modes.frequencies_hz.size))
     for number in np.unique(section):
         here = section == number
-        around = middle[here] - middle[here].mean(axis=0)
-        flat = around - np.outer(around @ span, span)
+        flat = perpendicular(middle[here] - middle[here].mean(axis=0), span)
         wide = np.linalg.norm(flat, axis=1).max() > _THIN * model.size
         chord = np.linalg.svd(flat, full_matrices=False)[2][0] if wide else _across(span, model.axis)
         moved = modes.shapes[:, here]
@@ -842,8 +830,7 @@ def families(model: ModalModel, modes: ModesAtSpeed) -> list[str]:
         turned, inertia = np.cross(span, flat), float((flat**2).sum())
         twist = np.einsum("kpi,pi->k", moved, turned) ** 2 / inertia if inertia > 0.0 else 0.0
         energy[1] += twist
-        across = moved - mean[:, None]
-        across = across - (across @ span)[..., None] * span
+        across = perpendicular(moved - mean[:, None], span)
         energy[2] += np.maximum((across**2).sum(axis=(1, 2)) - twist, 0.0)
     return [FAMILIES[k] for k in energy.argmax(axis=0)]
 

@@ -16,10 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 
 from fem import linalg
 from fem.assembly import Body, Operators, elastic_energies
@@ -38,12 +39,10 @@ from fem.linalg import (
     symmetric,
 )
 from fem.meshes import thickness
+from fem.modal_model import FAMILIES
 from fem.rotor import in_rpm
-from fem.statics import LOST, Unresolved, check_rest, linearise
+from fem.statics import LOST, Unresolved, check_rest, linearise, positive
 from fem.theory.sections import products, strain_matrix
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 FELT = 1e-5
 """Rounding of a frequency, as it is estimated beforehand, from which the frequency is taken from the mode's strains."""
@@ -231,8 +230,6 @@ _LAYER = 1.5
 
 _PARTS = 3
 """Of such a strip, beyond the root's: where the thickness varies, a wider one would level its strains."""
-
-FAMILIES = ("flap", "twist", "chord", "lag", "axial")
 
 
 def families(operators: Operators, modes: Modes) -> list[str]:
@@ -471,7 +468,7 @@ def _undamped(
 
 def _grown(span: _Span, more: Array, weight: csc_array, mass: csc_array, coriolis: csc_array) -> _Span:
     """The span with vectors (n, k) added."""
-    block, weighed, _, _ = orthonormal(more, span.vectors, span.weighed, weight)
+    block, weighed, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
     fresh = (block, weighed, mass @ block, coriolis @ block)
     return _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
 
@@ -515,9 +512,8 @@ def _damped(
 
     The damping matrix is 2 sum_j rate_j (M phi_j)(M phi_j)' over the plate's own modes phi_j.
     """
-    empty = np.empty((still.shapes.shape[0], 0))
     span = np.hstack([complex_shapes.real, complex_shapes.imag, still.shapes])
-    basis, _, _, _ = orthonormal(span, empty, empty, stiffness)
+    basis, _, _, _ = orthonormal(span, stiffness)
     heavy = mass @ basis
     overlap = heavy.T @ still.shapes
     rates = damping_ratio * np.sqrt(still.eigenvalues)
@@ -555,9 +551,9 @@ def critical_speed(operators: Operators) -> float:
         return np.inf
     rest = check_rest(operators)
     below = NEVER * float(np.sqrt(rest))
-    if _stable(operators, below) is not None:
+    if positive(operators, operators.at(below)) is not None:
         return np.inf
-    while (factor := _stable(operators, below)) is None:
+    while (factor := positive(operators, operators.at(below))) is None:
         below = below / RUNG if below**2 * NEVER**2 > rest else 0.0
     loss = -operators.spinning
     start = factor.solve(loss @ random_block(loss.shape[0]))
@@ -565,15 +561,6 @@ def critical_speed(operators: Operators) -> float:
     if values[0] <= 0.0:
         raise NotConverged(f"rounding hides the critical speed above {below:.6g} rad/s")
     return float(np.sqrt(below**2 + 1.0 / values[0]))
-
-
-def _stable(operators: Operators, omega: float) -> Factor | None:
-    """Factor of K at a speed in rad/s, if it is positive."""
-    try:
-        factor = factorise(operators.at(omega))
-    except SingularMatrix:
-        return None
-    return None if factor.negative else factor
 
 
 def solve_modes(

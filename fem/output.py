@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import Operators, point_rows
+from fem.assembly import Operators, motion_rows
 from fem.linalg import Array
 from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
@@ -34,12 +34,16 @@ class Finer:
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """A cell in parts: reference points (n, 2); numbers of its corners, of the points along each side, of its parts."""
+    """A cell in parts: reference points (n, 2); numbers of the points along each side, and of its parts."""
 
     points: Array
-    corners: list[int]
     sides: list[list[int]]
     parts: Indices
+
+    @property
+    def corners(self) -> list[int]:
+        """Numbers of its corners, at which the sides begin."""
+        return [side[0] for side in self.sides]
 
 
 def between(operators: Operators, shapes: Array, parts: int) -> Finer:
@@ -63,54 +67,44 @@ def _quadrilateral(parts: int) -> _Grid:
     i, j = np.divmod(at.ravel(), parts + 1)
     sides = [at[:, 0], at[-1, :], at[::-1, -1], at[0, ::-1]]
     cells = [at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]]
-    corners = [int(side[0]) for side in sides]
     parts_of = np.stack([each.ravel() for each in cells], axis=1)
-    return _Grid(np.stack([i, j], axis=1) / parts, corners, [side.tolist() for side in sides], parts_of)
+    return _Grid(np.stack([i, j], axis=1) / parts, [side.tolist() for side in sides], parts_of)
 
 
 def _triangle(parts: int) -> _Grid:
     places = [(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]
     at = {place: number for number, place in enumerate(places)}
     run = range(parts + 1)
-    sides = [
-        [at[k, 0] for k in run],
-        [at[parts - k, k] for k in run],
-        [at[0, parts - k] for k in run],
-    ]
+    sides = [[at[k, 0] for k in run], [at[parts - k, k] for k in run], [at[0, parts - k] for k in run]]
     up = [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in places if i + j < parts]
     down = [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in places if i + j < parts - 1]
-    return _Grid(np.array(places) / parts, [side[0] for side in sides], sides, np.array(up + down))
+    return _Grid(np.array(places) / parts, sides, np.array(up + down))
 
 
 def _numbers(mesh: Any, grid: _Grid) -> Indices:
     """Numbers (cells, n) of the points of every cell: the mesh's vertices, then points on sides, then inner ones."""
     cells, per_side = np.asarray(mesh.t.T), len(grid.sides[0]) - 2
-    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
-    _, side = np.unique(np.sort(ends, axis=2).reshape(-1, 2), axis=0, return_inverse=True)
-    side = side.reshape(cells.shape)
     numbers = np.full((len(cells), len(grid.points)), -1)
     along = np.arange(per_side)
-    for k, chain in enumerate(grid.sides):
-        forward = ends[:, k, 0] < ends[:, k, 1]
+    for k, (chain, side) in enumerate(zip(grid.sides, mesh.t2f, strict=True)):
+        forward = cells[:, k] < np.roll(cells, -1, axis=1)[:, k]
         places = np.where(forward[:, None], along, along[::-1])
-        numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, [k]] * per_side + places
+        numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, None] * per_side + places
         numbers[:, grid.corners[k]] = cells[:, k]
     inner = np.flatnonzero(numbers[0] < 0)
-    begun = mesh.p.shape[1] + (int(side.max()) + 1) * per_side
+    begun = mesh.p.shape[1] + mesh.facets.shape[1] * per_side
     numbers[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
     return numbers
 
 
 def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
     """Edges along the sides of the plate's own cells, which a model may have split."""
-    cells = operators.model.mesh.t.T
-    own = {(int(a), int(b)) for a, b in np.sort(operators.plate.mesh.facets, axis=0).T}
-    lines = []
-    for k, chain in enumerate(grid.sides):
-        ends = np.sort(np.stack([cells[:, k], np.roll(cells, -1, axis=1)[:, k]], axis=1), axis=1)
-        inside = np.array([(int(a), int(b)) in own for a, b in ends])
-        on = numbers[inside][:, chain]
-        lines.append(np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2))
+    mesh = operators.model.mesh
+    own, every = (np.sort(each.facets, axis=0).T.tolist() for each in (operators.plate.mesh, mesh))
+    known = set(map(tuple, own))
+    drawn = np.array([tuple(ends) in known for ends in every])
+    chains = [numbers[drawn[side]][:, chain] for chain, side in zip(grid.sides, mesh.t2f, strict=True)]
+    lines = [np.stack([chain[:, :-1], chain[:, 1:]], axis=2).reshape(-1, 2) for chain in chains]
     return np.asarray(np.unique(np.sort(np.concatenate(lines), axis=1), axis=0))
 
 
@@ -181,12 +175,12 @@ def modal_model(
     places = np.asarray(mesh.p.T)
     if at is not None and np.linalg.norm(places - at, axis=1).min() > 0.0:
         places = np.vstack([places, at])
-    rows = [[point_rows(operators.model, (float(x), float(y)), d) for d in ((), (0,), (1,))] for x, y in places]
+    rows = motion_rows(operators.model, places)
     drawn = drawn_rows(operators, range(3))
     speeds = []
     for number, error in zip(numbers, errors, strict=True):
         unknowns = diagram.shapes(number)[:, : None if error is None else error.size]
-        moved, along, across = (np.stack([each[k] @ unknowns for each in rows]) for k in range(3))  # (n, 3, modes)
+        moved, along, across = ((each @ unknowns).reshape(len(places), 3, -1) for each in rows)
         turned = np.stack([across[:, 2], -along[:, 2], 0.5 * (along[:, 1] - across[:, 0])], axis=1)
         speeds.append(
             ModesAtSpeed(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.meshes.planform import check_mesh, locate
+from fem.meshes.thickness import spread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -52,16 +57,12 @@ class Material:
     @property
     def plane_stress(self) -> NDArray[Any]:
         """Plane-stress stiffness (3, 3) in Pa for the strains xx, yy and 2xy."""
-        import numpy as np
-
         e, nu = self.youngs_modulus, self.poissons_ratio
         return e / (1.0 - nu**2) * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
 
     @property
     def elasticity(self) -> NDArray[Any]:
         """Three-dimensional stiffness (6, 6) in Pa for the strains xx, yy, zz, 2yz, 2xz and 2xy."""
-        import numpy as np
-
         first, shear = self.lame
         c = np.zeros((6, 6))
         c[:3, :3] = first
@@ -93,12 +94,10 @@ class Plate:
     thickness: float | Profile
     material: Material
     tip_mass: float = 0.0
-    tip_at: tuple[float, float] | None = field(default=None)
+    tip_at: tuple[float, float] | None = None
     elastic_root: ElasticRoot | None = None
 
     def __post_init__(self) -> None:
-        from fem.meshes.planform import check_mesh, locate
-
         if not isinstance(self.material, Material):
             raise TypeError(f"material must be a fem.Material, got {self.material!r}")
         if isinstance(self.thickness, float | int):
@@ -134,8 +133,6 @@ class Plate:
 
     @cached_property
     def _spread(self) -> tuple[float, float, float]:
-        from fem.meshes.thickness import spread
-
         return spread(self.thickness, self.mesh)
 
 
@@ -151,7 +148,5 @@ class ElasticRoot:
     rotational: float
 
     def __post_init__(self) -> None:
-        for name, unit in (("stiffness", "N/m²"), ("rotational", "N m/rad per m")):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} must be a positive number of {unit}, got {value!r}")
+        _positive("stiffness", self.stiffness, "N/m²")
+        _positive("rotational", self.rotational, "N m/rad per m")

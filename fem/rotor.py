@@ -34,8 +34,7 @@ def turning(axis: NDArray[Any]) -> NDArray[Any]:
     """The matrix (3, 3) of v -> n x v with an axis n, a unit vector (3,)."""
     import numpy as np
 
-    x, y, z = axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.cross(np.eye(3), axis)
 
 
 @dataclass(frozen=True)
@@ -63,12 +62,9 @@ class Rotor:
     precone: float = 0.0
 
     def __post_init__(self) -> None:
-        if not isfinite(self.precone):
-            raise ValueError(f"precone must be a finite angle in rad, got {self.precone!r}")
-        if not isfinite(self.hub_radius):
-            raise ValueError(f"hub_radius must be a finite number of m, got {self.hub_radius!r}")
-        if not isfinite(self.stagger):
-            raise ValueError(f"stagger must be a finite angle in rad, got {self.stagger!r}")
+        for name, what in (("precone", "angle in rad"), ("hub_radius", "number of m"), ("stagger", "angle in rad")):
+            if not isfinite(getattr(self, name)):
+                raise ValueError(f"{name} must be a finite {what}, got {getattr(self, name)!r}")
 
     @property
     def axis(self) -> NDArray[Any]:

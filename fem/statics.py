@@ -11,17 +11,15 @@ Mech. Engrg 313 (2017) 986). `linearise` gives the stiffness that modes at a spe
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from fem.assembly import Body, Operators, StressedBody, assemble
 from fem.linalg import Array, Factor, SingularMatrix, Solver, lanczos, less, rounding
 from fem.plate import ElasticRoot
 from fem.rotor import in_rpm
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
 
 LOST = 0.1
 """What rounding may leave uncertain of the lowest frequency at rest, by an estimate that is some twenty times what is
@@ -60,6 +58,15 @@ def check_speed(omega: float) -> None:
         raise ValueError(f"omega must be one finite speed in rad/s, got {omega!r}")
 
 
+def positive(operators: Body, stiffness: csc_array) -> Factor | None:
+    """Factor of a stiffness (n, n); None where it is not positive."""
+    try:
+        factor = operators.factorise(stiffness)
+    except SingularMatrix:
+        return None
+    return None if factor.negative else factor
+
+
 def check_rest(operators: Body) -> float:
     """Raise Unresolved unless the plate at rest has a lowest frequency that rounding leaves; its square in rad²/s².
 
@@ -68,21 +75,18 @@ def check_rest(operators: Body) -> float:
     uncertain, lowest = _uncertain(operators)
     if uncertain <= LOST:
         return lowest
-    root = operators.plate.elastic_root if isinstance(operators, Operators) else None
-    if root is not None and isinstance(operators, Operators):
+    loose = None
+    if isinstance(operators, Operators) and operators.plate.elastic_root is not None:
         fixed = replace(operators.plate, elastic_root=None)
         clamped = assemble(fixed, operators.rotor, operators.effects, operators.theory)
-        root = root if _uncertain(clamped)[0] <= LOST else None
-    raise Unresolved(operators.theory, uncertain, root)
+        loose = operators.plate.elastic_root if _uncertain(clamped)[0] <= LOST else None
+    raise Unresolved(operators.theory, uncertain, loose)
 
 
 def _uncertain(operators: Body) -> tuple[float, float]:
     """What rounding leaves uncertain of the lowest frequency at rest, relatively, and its square: infinite without."""
-    try:
-        factor = operators.factorise(operators.stiffness)
-    except SingularMatrix:
-        return np.inf, np.inf
-    if factor.negative:
+    factor = positive(operators, operators.stiffness)
+    if factor is None:
         return np.inf, np.inf
     value, shape = lanczos(factor, operators.mass, 1, ROUGH)
     return float(rounding(operators.stiffness, shape, value)[0]), float(value[0])

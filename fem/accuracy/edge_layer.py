@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import AtPlace, Operators
-from fem.linalg import Array
+from fem.linalg import Array, quadratic_forms
 from fem.meshes.planform import locate
 from fem.plate import Plate
 from fem.theory.mindlin import SHEAR_CORRECTION
@@ -148,8 +148,8 @@ def _pressing(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: f
     pulls with outwards (3,) stays as it is, and where the plate turns, the stress that it makes there carries a part of
     it sideways, as a string's does.
     """
-    force = _inertia(place, eigenvalues, place.moved @ shapes, omega)
-    return np.asarray(force - pull[0] * (place.along @ shapes) - pull[1] * (place.across @ shapes))
+    motion, along, across = (rows @ shapes for rows in place.rows)
+    return np.asarray(_inertia(place, eigenvalues, motion, omega) - pull[0] * along - pull[1] * across)
 
 
 def _carried_outwards(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: float, pull: Array) -> Array:
@@ -161,9 +161,9 @@ def _carried_outwards(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], 
     size = np.linalg.norm(pull)
     if size == 0.0 or operators.pulled is None:
         return np.zeros(eigenvalues.size)
-    motion = place.moved @ shapes
-    further = pull[0] / size * (place.along @ shapes) + pull[1] / size * (place.across @ shapes)
-    stiffer = omega**2 * np.real((shapes.conj() * (operators.pulled @ shapes)).sum(axis=0))
+    motion, along, across = (rows @ shapes for rows in place.rows)
+    further = pull[0] / size * along + pull[1] / size * across
+    stiffer = omega**2 * quadratic_forms(operators.pulled, shapes)
     radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(place.at))
     moved = 2.0 * np.real((motion.conj() * _inertia(place, eigenvalues, further, omega)).sum(axis=0))
     return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)

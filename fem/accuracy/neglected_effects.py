@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from fem.assembly import Operators, assemble, energy_densities, footprint, with_masses
-from fem.linalg import Array, orthonormal
+from fem.linalg import Array, orthonormal, quadratic_forms
 from fem.meshes.planform import locate
 from fem.modal_model import lagrange
 from fem.modes import Divergence, Modes, solve_modes, solve_real
@@ -88,9 +88,7 @@ def turned(
     samples = _samples(operators, gyroscopic, requested, count + BEYOND)
     if not samples:
         return None
-    basis = np.hstack([vectors for _, _, vectors in samples])
-    empty = np.empty((len(basis), 0))
-    basis = orthonormal(basis, empty, empty, operators.mass)[0]
+    basis = orthonormal(np.hstack([vectors for _, _, vectors in samples]), operators.mass)[0]
     stiffness = [basis.T @ (matrix @ basis) for _, matrix, _ in samples]
     known = np.array([omega for omega, _, _ in samples])
     requested = requested[requested <= known.max()] if operators.effects.large_deflection else requested
@@ -318,8 +316,8 @@ def cut(
         squares = (2.0 * np.pi * diagram.frequencies_hz[number]) ** 2
         shifts = []
         for heavy in masses:
-            stiffer = omega**2 * _squares(heavy.spinning - operators.spinning, shapes) / squares
-            shifts.append(0.5 * (_squares(heavy.mass - operators.mass, shapes) - stiffer))
+            stiffer = omega**2 * quadratic_forms(heavy.spinning - operators.spinning, shapes) / squares
+            shifts.append(0.5 * (quadratic_forms(heavy.mass - operators.mass, shapes) - stiffer))
         densities = energy_densities(operators.model, shapes)
         strained = densities[cells].max(axis=1).mean(axis=0)
         if operators.effects.large_deflection:
@@ -329,8 +327,3 @@ def cut(
             strained = strained * np.minimum((squares + omega**2) / energy, 1.0)
         parts.append((np.abs(shifts[0]), np.abs(shifts[1] - shifts[0]), 0.5 * volume * strained / squares))
     return Cut(*np.array(parts).reshape(len(numbers), 3, -1).transpose(1, 0, 2))
-
-
-def _squares(matrix: csc_array, shapes: Array) -> Array:
-    """Products (k,) of shapes (n, k) with themselves in a matrix."""
-    return np.asarray(np.real((shapes.conj() * (matrix @ shapes)).sum(axis=0)))

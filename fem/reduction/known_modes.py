@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg import Array, symmetric
+from fem.linalg import Array, perpendicular, symmetric
 from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
@@ -130,7 +130,7 @@ def frame(normal: Array, direction: Array, name: str = "load") -> Array:
     Raises:
         NoMotion: it is nearly along the normal.
     """
-    first = direction - (direction @ normal) * normal
+    first = perpendicular(direction, normal)
     length = float(np.linalg.norm(first))
     angle = np.arctan2(length, abs(direction @ normal))
     if angle < LEAST_ACROSS:
@@ -215,8 +215,7 @@ def reduced_modes(
     whole = float((pull.place.displacement(modes.shapes[index : index + 1]) ** 2).sum()) / lift**2
     system = replace(system, whole_motion=whole)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
-    motion = (part[None] @ turned for part in (at.moved, at.slope, drawn))
-    moved, slope, drawn = (np.asarray(part) for part in motion)
+    moved, slope, drawn = (np.asarray(part[None] @ turned) for part in (at.moved, at.slope, drawn))
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned
     return system, ModesAtPlace(np.array([modes.omega]), free[None], moved, slope, drawn, pressed)
 

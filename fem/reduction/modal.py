@@ -20,7 +20,7 @@ from fem.linalg import Array
 from fem.meshes import thickness
 from fem.modes import Divergence
 from fem.statics import linearise
-from fem.sweep.campbell import Campbell, campbell
+from fem.sweep.campbell import Campbell, without_coriolis
 from fem.sweep.reduced_basis import Swept
 
 
@@ -61,16 +61,12 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         PlaceError: off the plate.
         Divergence: the pull takes the stiffness of a mode.
     """
+    operators, diagram = without_coriolis(operators, diagram)
     count = diagram.frequencies_hz.shape[1]
-    if operators.gyroscopic is not None:
-        operators = operators.without_coriolis
-        pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
-        known = tuple((omega, state) for omega, state in pairs if state is not None)
-        bases = [basis.without_coriolis for basis in diagram.bases]
-        diagram = campbell(operators, diagram.omega, count, states=known, bases=bases)
     place = operators.at_place(at)
+    moved, along, across = place.rows
     # Of the place: displacements w and v along the floor's axes, slopes w_x and -u_y.
-    floor = [place.moved[[2, 1]], place.along[[2]], -place.across[[0]]]
+    floor = [moved[[2, 1]], along[[2]], -across[[0]]]
     rows = vstack([*floor, csc_array(load_rows(operators))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection
@@ -88,8 +84,8 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
         stiffness.append(values)
         motions.append((rows @ part.basis) @ vectors)
     motion = np.concatenate(motions)
-    moved, tilted, drawn, pressed = motion[:, :2], motion[:, 2:4], motion[:, 4:6], motion[:, 6]
-    return ModesAtPlace(diagram.omega, np.concatenate(stiffness), moved, tilted, drawn, pressed)
+    parts = motion[:, :2], motion[:, 2:4], motion[:, 4:6], motion[:, 6]
+    return ModesAtPlace(diagram.omega, np.concatenate(stiffness), *parts)
 
 
 def load_rows(operators: Operators) -> Array:

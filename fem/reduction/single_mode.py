@@ -7,7 +7,6 @@ speed, `reduce_over` at all speeds of a diagram.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +18,7 @@ from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, re
 from fem.meshes.planform import PlaceError
 from fem.modes import Divergence, Modes, bending_strains, families, lowest, solve_real
 from fem.statics import linearise
-from fem.sweep.campbell import Campbell, campbell
+from fem.sweep.campbell import Campbell, without_coriolis
 from fem.sweep.laws import EXACT, check_reduced, require
 
 SEARCHED = 4
@@ -93,7 +92,7 @@ def reduce_at(
         modes = searched(operators, omega, None if modes is None else modes.state)
     index = flap_index(families(operators, modes))
     place = operators.at_place(at)
-    (mode,) = flap_modes(place, flap_rows(place) @ modes.shapes[:, [index]])
+    (mode,) = flap_modes(place, place.flap @ modes.shapes[:, [index]])
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(place, modes, index, mass) if mass > 0.0 else free
@@ -121,15 +120,6 @@ class FlapMode:
 
     mass: float
     slope: float
-
-
-def flap_rows(place: AtPlace) -> Array:
-    """Rows (2, n) that give w and its slope w_x at a place.
-
-    Raises:
-        PlaceError: off the plate.
-    """
-    return np.vstack([rows[[2]].toarray() for rows in (place.moved, place.along)])
 
 
 def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
@@ -217,7 +207,7 @@ def become(
         raise Divergence(omega, 0.0) from None
     if factor.negative:
         raise Divergence(omega, lowest(stiffness, mass, lanczos(factor, mass, 1)[0]), factor.negative)
-    start = np.column_stack([shapes, factor.solve(place.moved.toarray().T)])
+    start = np.column_stack([shapes, factor.solve(place.rows[0].toarray().T)])
     value, shape = refine(stiffness, mass, start, index, factor, place.operators.mass)
     if value <= 0.0:
         raise Divergence(omega, value)
@@ -274,10 +264,8 @@ class Reduction:
 
     def __init__(self, operators: Operators, diagram: Campbell, at: tuple[float, float]) -> None:
         self._bent = operators.effects.large_deflection
-        if operators.gyroscopic is not None and not self._bent:
-            operators = operators.without_coriolis
-            bases = [basis.without_coriolis for basis in diagram.bases]
-            diagram = campbell(operators, diagram.omega, max(SEARCHED, diagram.frequencies_hz.shape[1]), bases=bases)
+        if not self._bent:
+            operators, diagram = without_coriolis(operators, diagram)
         self.operators, self.diagram, self.at = operators, diagram, at
         self._bending: dict[int, tuple[float, float]] = {}
         if self._bent:
@@ -318,14 +306,10 @@ class Reduction:
         if number not in self._bending:
             shape = self.diagram.shapes(number)[:, [flap_index(self.diagram.families[number])]]
             (strain,) = bending_strains(self.operators, shape, self.diagram.states[number])
-            lift, moved = abs(self._lift @ shape[:, 0]), self.operators.model.displacement.evaluate(shape)[2]
+            lift = abs(self.operators.at_place(self.at).flap[0] @ shape[:, 0])
+            moved = self.operators.model.displacement.evaluate(shape)[2]
             self._bending[number] = float(strain / lift), float(np.abs(moved).max() / lift)
         return self._bending[number]
-
-    @cached_property
-    def _lift(self) -> Array:
-        """The row (n,) that gives w at the place."""
-        return np.asarray(flap_rows(self.operators.at_place(self.at))[0])
 
 
 def _between(squares: Array, nodes: list[int]) -> list[int]:
@@ -344,7 +328,7 @@ class _Family:
     def __init__(self, place: AtPlace, diagram: Campbell, indices: list[int]) -> None:
         self._place, self._operators = place, place.operators
         self._spinning, self._mass = place.ball
-        self._motion = flap_rows(place)
+        self._motion = place.flap
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
@@ -383,16 +367,16 @@ class _Family:
         law = "a stuck ball leaves the lowest eigenvalue below Rayleigh's quotient"
         for k in {0, masses.size - 1}:
             omega, free = self._diagram.omega[[k]], (2.0 * np.pi * self._diagram.frequencies_hz[k]) ** 2
-            shape = self._diagram.shapes(k)[:, self._indices[k]]
-            if self._indices[k] == 0 and free[1] > ALONE * free[0]:
-                error = abs(modes[k].mass ** -0.5 - abs(self._motion[0] @ shape))
-                alike = np.sqrt((EXACT + 2.0 * self._diagram.bounds[k, 0]) / self._operators.mass.sum())
-                require("a modal mass of 1 kg moves as fast as the mode", np.array([error]), SHAPES * alike, omega)
+            if self._indices[k] != 0 or free[1] <= ALONE * free[0]:
+                continue
+            shape, slack = self._diagram.shapes(k)[:, 0], EXACT + 2.0 * self._diagram.bounds[k, 0]
+            error = abs(modes[k].mass ** -0.5 - abs(self._motion[0] @ shape))
+            alike = np.sqrt(slack / self._operators.mass.sum())
+            require("a modal mass of 1 kg moves as fast as the mode", np.array([error]), SHAPES * alike, omega)
             heavier, stiffer = (masses[k] * (shape @ (each @ shape)) for each in (self._mass, self._spinning))
             stiffer *= omega**2 / free[0]
-            if self._indices[k] == 0 and free[1] > ALONE * free[0] and max(heavier, abs(stiffer)) < LIGHT:
-                slack = (EXACT + 2.0 * self._diagram.bounds[k, 0]) * free[0]
-                require(law, stuck[[k]] - free[0] * (1.0 + stiffer) / (1.0 + heavier), slack, omega)
+            if max(heavier, abs(stiffer)) < LIGHT:
+                require(law, stuck[[k]] - free[0] * (1.0 + stiffer) / (1.0 + heavier), slack * free[0], omega)
 
     def _rounding(self, values: Array, shapes: Array) -> float:
         """What double precision leaves uncertain of some squared frequencies (k,) with shapes (n, k), relatively."""

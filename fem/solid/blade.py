@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.linalg import perpendicular
 from fem.meshes.planform import MeshError
 from fem.rotor import across
 
@@ -105,7 +106,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     Raises:
         MeshError: there are no such nodes, or they contain no whole face of a cell.
     """
-    arm = (mesh.points - origin) @ across(axis)
+    arm = perpendicular(mesh.points - origin, axis)
     middle = arm.mean(axis=0)
     if np.linalg.norm(middle) < ON_THE_FACE * mesh.size:
         raise MeshError("the mesh lies around the spin axis: name the set of nodes that is its root")

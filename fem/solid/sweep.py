@@ -240,8 +240,7 @@ class _Solved:
         near = tuple(sorted(self.near(square)))
         if near not in self.spaces:
             some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
-            empty = np.empty((len(some), 0))
-            self.spaces = {near: orthonormal(some, empty, empty, mass)[:2]}
+            self.spaces = {near: orthonormal(some, mass)[:2]}
         return self.spaces[near]
 
     def predicted(self, square: float) -> Array:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from fem.assembly import Operators
 from fem.linalg import CONVERGED, Array, rounding
+from fem.modal_model import FAMILIES
 from fem.modes import (
-    FAMILIES,
     Divergence,
     Modes,
     check_count,
@@ -28,7 +28,7 @@ from fem.modes import (
 )
 from fem.statics import NoEquilibrium, tangent
 from fem.sweep.laws import check_diagram
-from fem.sweep.reduced_basis import ReducedBasis, Swept, answer, answer_again
+from fem.sweep.reduced_basis import Question, ReducedBasis, Swept, answer, answer_again
 
 CLEAR = 0.7
 """Likeness from which a pair counts as the same mode; no second one can then exceed 0.3."""
@@ -207,13 +207,13 @@ def campbell(
         raise ValueError(f"tolerance must lie between 0 and 1, got {tolerance!r}")
     check_count(operators, count)
     check_damping(damping_ratio)
-    if again := answer_again(operators, requested, count, tolerance, damping_ratio, bases):
+    question = Question(operators, count, tolerance, damping_ratio)
+    if again := answer_again(question, requested, bases):
         parts = [again]
     elif operators.effects.large_deflection or hardly_any(requested.size, count):
-        parts = _speed_by_speed(operators, requested, count, damping_ratio, dict(states), progress)
+        parts = _speed_by_speed(question, requested, dict(states), progress)
     else:
-        sweep = _below_critical(operators, requested, count, tolerance, damping_ratio)
-        parts = [piece for part in sweep for piece in _mended(operators, part, count, damping_ratio)]
+        parts = [piece for part in _below_critical(question, requested) for piece in _mended(question, part)]
     below = requested[: sum(part.rates.shape[0] for part in parts)]
     branches, veerings = follow(_likeness(operators, parts), count, lambda step: _coupling(operators, parts, step))
     diagram = Campbell(
@@ -231,29 +231,38 @@ def campbell(
     return diagram
 
 
+def without_coriolis(operators: Operators, diagram: Campbell) -> tuple[Operators, Campbell]:
+    """A plate and its diagram without Coriolis forces: the modes are real."""
+    if operators.gyroscopic is None:
+        return operators, diagram
+    operators, count = operators.without_coriolis, diagram.frequencies_hz.shape[1]
+    pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
+    states = tuple((omega, state) for omega, state in pairs if state is not None)
+    bases = [basis.without_coriolis for basis in diagram.bases]
+    return operators, campbell(operators, diagram.omega, count, states=states, bases=bases)
+
+
 def hardly_any(speeds: int, count: int) -> bool:
     """Whether so few speeds are asked for that each is best solved by itself."""
     return speeds == 1 or (count > FEW and speeds <= count)
 
 
-def _below_critical(
-    operators: Operators, omega: Array, count: int, tolerance: float, damping_ratio: float
-) -> list[Swept]:
+def _below_critical(question: Question, omega: Array) -> list[Swept]:
     """Answer the speeds (k,) below the critical one.
 
     Raises:
         Divergence: when there are none.
     """
     try:
-        return answer(operators, omega, count, tolerance, damping_ratio)
+        return answer(question, omega)
     except Divergence:
-        below = omega[omega < (1.0 - SHY) * critical_speed(operators)]
+        below = omega[omega < (1.0 - SHY) * critical_speed(question.operators)]
         if below.size in (0, omega.size):
             raise
-        return answer(operators, below, count, tolerance, damping_ratio)
+        return answer(question, below)
 
 
-def _mended(operators: Operators, part: Swept, count: int, damping_ratio: float) -> list[Swept]:
+def _mended(question: Question, part: Swept) -> list[Swept]:
     """A part of the answer, in which speeds that no basis answered well enough are solved by themselves, if few."""
     if part.met.all() or np.count_nonzero(~part.met) > MOST_MENDED:
         return [part]
@@ -262,40 +271,36 @@ def _mended(operators: Operators, part: Swept, count: int, damping_ratio: float)
         if part.met[rows[0]]:
             pieces.append(part.only(rows))
         else:
-            pieces += _speed_by_speed(operators, part.omega[rows], count, damping_ratio)
+            pieces += _speed_by_speed(question, part.omega[rows], {}, None)
     return pieces
 
 
 def _speed_by_speed(
-    operators: Operators,
-    omega: Array,
-    count: int,
-    damping_ratio: float,
-    states: dict[float, Array] | None = None,
-    progress: Callable[[int], None] | None = None,
+    question: Question, omega: Array, known: dict[float, Array], progress: Callable[[int], None] | None
 ) -> list[Swept]:
     """Solve each speed (k,) in full until one diverges, its static state known or from those before."""
     parts: list[Swept] = []
     path: list[tuple[float, Array]] = []
-    known = states or {}
     for speed in map(float, omega):
         try:
             own = {"start": _ahead(path, speed), "state": known.get(speed)}
-            modes = solve_modes(operators, speed, count + 1, damping_ratio=damping_ratio, **own)
+            ratio = question.damping_ratio
+            modes = solve_modes(question.operators, speed, question.count + 1, damping_ratio=ratio, **own)
         except (Divergence, NoEquilibrium):
             if not parts:
                 raise
             break
         if modes.state is not None:
             path = [*path[-1:], (speed**2, modes.state)]
-        parts.append(_alone(operators, speed, modes, count))
+        parts.append(_alone(question, speed, modes))
         if progress is not None:
             progress(len(parts))
     return parts
 
 
-def _alone(operators: Operators, speed: float, modes: Modes, count: int) -> Swept:
-    """One speed's own modes, of which one more than count are known, as an answer of a basis that is theirs."""
+def _alone(question: Question, speed: float, modes: Modes) -> Swept:
+    """One speed's own modes, of which one more than asked for are known, as an answer of a basis that is theirs."""
+    operators, count = question.operators, question.count
     shapes, values = modes.shapes[:, :count], modes.eigenvalues[:count]
     return Swept(
         omega=np.array([speed]),

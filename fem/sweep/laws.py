@@ -11,10 +11,9 @@ what remains are the quotients of each mode, w² x'Mx = x'Kx + w x'(i Omega G)x.
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.assembly import Operators
-from fem.linalg import Array
+from fem.linalg import Array, quadratic_forms
 from fem.rotor import in_rpm
 from fem.statics import linearise
 
@@ -68,22 +67,17 @@ def check_diagram(operators: Operators, diagram: Any, damping_ratio: float) -> N
 def _check_quotients(operators: Operators, diagram: Any, number: int, values: Array, slack: Array) -> Array:
     """Compare eigenvalues (count,) with their shapes' quotients at a speed; returns those of K_1, (count,)."""
     omega, shapes = float(diagram.omega[number]), diagram.shapes(number)[:, : values.size]
-    mass, rise = _quotients(operators.mass, shapes), _quotients(operators.spinning, shapes)
+    mass, rise = quadratic_forms(operators.mass, shapes), quadratic_forms(operators.spinning, shapes)
     if operators.effects.large_deflection:
-        stiffness = _quotients(linearise(operators, omega, state=diagram.states[number])[0], shapes)
+        stiffness = quadratic_forms(linearise(operators, omega, state=diagram.states[number])[0], shapes)
     else:
-        stiffness = _quotients(operators.stiffness, shapes) + omega**2 * rise
+        stiffness = quadratic_forms(operators.stiffness, shapes) + omega**2 * rise
     if operators.gyroscopic is not None:
         turned = np.einsum("nk,nk->k", shapes.conj(), operators.gyroscopic @ shapes)
         stiffness = stiffness - omega * np.sqrt(values) * turned.imag
     require("shapes have a modal mass of 1", abs(mass - 1.0), np.full(values.size, EXACT), diagram.omega[[number]])
     require("eigenvalues are Rayleigh's quotients", abs(stiffness - values), slack, diagram.omega[[number]])
     return rise
-
-
-def _quotients(matrix: Any, shapes: NDArray[Any]) -> Array:
-    """Quadratic forms x'Ax of the columns x, (count,)."""
-    return np.asarray(np.einsum("nk,nk->k", shapes.conj(), matrix @ shapes).real)
 
 
 def check_reduced(reduced: Any) -> None:

@@ -26,6 +26,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import polar
 from scipy.sparse import csc_array
+from scipy.sparse.csgraph import connected_components
 
 from fem.assembly import Operators
 from fem.linalg import Array, forms, orthonormal, rounding, symmetric
@@ -106,13 +107,12 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
         stiffness: K_r, shape (n, n) [N/m].
         modes: of this stiffness; the last of them only says what lies above the basis.
     """
-    empty = np.empty((modes.shapes.shape[0], 0))
     shapes = modes.shapes[:, :-1] / np.sqrt(modes.eigenvalues[:-1])
     blocks = []
     for part in _uncoupled(operators):
         own = np.where(part[:, None], shapes, 0.0)
         own = own[:, np.einsum("nk,nk->k", own, stiffness @ own) > LEAST_PART]
-        block, energy, _, coupling = orthonormal(own, empty, empty, stiffness)
+        block, energy, _, coupling = orthonormal(own, stiffness)
         # back to the modes: in a mixture the large representer of a soft one drowns a stiff one's
         back = polar(coupling[:, : len(coupling)])[0]
         blocks.append((block @ back, energy @ back))
@@ -127,8 +127,6 @@ LEAST_PART = 1e-3
 
 def _uncoupled(operators: Operators) -> list[NDArray[np.bool_]]:
     """Which unknowns (n,) belong to each of the parts that no matrix couples."""
-    from scipy.sparse.csgraph import connected_components
-
     coupled: csc_array = abs(operators.stiffness) + abs(operators.mass) + abs(operators.spinning)
     if operators.gyroscopic is not None:
         coupled = coupled + abs(operators.gyroscopic)
@@ -149,7 +147,7 @@ def enrich(
         basis: to which vectors are added.
         more: the vectors (n, k) of each group.
     """
-    blocks = [orthonormal(each, basis.vectors, basis.images[0], stiffness)[:2] for each in more]
+    blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
     block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     fresh = _columns(operators, modes, block, energy)
     images, representers = (
@@ -214,8 +212,6 @@ def _project(
 
 def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
     """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
-    from scipy.sparse.csgraph import connected_components
-
     count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
     return tuple(np.flatnonzero(group == number) for number in range(count))
 
@@ -248,7 +244,8 @@ def modes_within(basis: ReducedBasis, omega: Array, count: int, coriolis: Array 
         Circular frequencies (k, count) [rad/s], ascending, and mass-normalised vectors (k, r, count), complex with
         Coriolis forces.
     """
-    rates, rows, soft = [], [], _softness(basis, omega)
+    rates, rows = [], []
+    soft = np.maximum(basis.held(omega), LEAST) ** -0.5  # roots (k, r) of the small stiffness's inverse, along the axes
     for group in basis.groups:
         own = np.ix_(group, group)
         axes = basis.axes[own]
@@ -356,11 +353,6 @@ def _topmost(matrices: NDArray[Any], count: int) -> tuple[Array, NDArray[Any]]:
     return values[:, : -count - 1 : -1], vectors[:, :, : -count - 1 : -1]
 
 
-def _softness(basis: ReducedBasis, omega: Array) -> Array:
-    """Roots (k, r) of the small stiffness's inverse, along the axes."""
-    return np.asarray(np.maximum(basis.held(omega), LEAST) ** -0.5)
-
-
 def _inverse(values: Array) -> Array:
     return np.asarray(1.0 / np.maximum(values, np.finfo(float).tiny))
 
@@ -383,7 +375,6 @@ class ReducedModes:
         omega: (k,) speeds in rad/s.
         rates: (k, q) circular frequencies in rad/s, ascending.
         vectors: (k, r, q), mass-normalised, complex with Coriolis; the wanted ones come first.
-        residuals: (k, q), rho.
         bounds: (k, wanted) on the relative error of the frequencies; inf where none can be shown.
         rounding: (k, wanted), what double precision leaves uncertain, which the bounds contain.
         floor: (k,), least ratio of the stiffness to that at the reference speed; not positive where the plate diverges.
@@ -392,7 +383,6 @@ class ReducedModes:
     omega: Array
     rates: Array
     vectors: NDArray[Any]
-    residuals: Array
     bounds: Array
     rounding: Array
     floor: Array
@@ -427,7 +417,7 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
         amount = np.where(good, residuals**2 / (1.0 - top[:, None] * rates), np.inf)
         error = _errors(rates, amount, last, inside)
     bounds = np.where(good, error + rounding, np.inf)[:, :wanted]
-    return ReducedModes(omega, rates, vectors, residuals, bounds, rounding[:, :wanted], floor)
+    return ReducedModes(omega, rates, vectors, bounds, rounding[:, :wanted], floor)
 
 
 def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
@@ -564,6 +554,23 @@ FEW = 16
 
 
 @dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of a plate at every speed.
+
+    Attributes:
+        operators: of the plate.
+        count: number of modes.
+        tolerance: relative, of each frequency.
+        damping_ratio: of the modes without Coriolis forces [-].
+    """
+
+    operators: Operators
+    count: int
+    tolerance: float
+    damping_ratio: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class Swept:
     """Modes at k speeds.
 
@@ -595,76 +602,55 @@ class Swept:
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
-def answer_again(
-    operators: Operators,
-    omega: Array,
-    count: int,
-    tolerance: float,
-    damping_ratio: float,
-    bases: Iterable[ReducedBasis],
-) -> Swept | None:
+def answer_again(question: Question, omega: Array, bases: Iterable[ReducedBasis]) -> Swept | None:
     """Modes at speeds (k,) [rad/s] from the first basis of these matrices that meets the tolerance; None: none does."""
     for basis in bases:
-        if min(basis.size, basis.known.size) > count:
-            solved = solve(basis, omega, count)
-            if solved.within(tolerance).all():
-                return _collect(operators, basis, solved, count, tolerance, damping_ratio)
+        if min(basis.size, basis.known.size) > question.count:
+            solved = solve(basis, omega, question.count)
+            if solved.within(question.tolerance).all():
+                return _collect(question, basis, solved)
     return None
 
 
-def answer(
-    operators: Operators,
-    omega: Array,
-    count: int,
-    tolerance: float,
-    damping_ratio: float,
-    halvings: int = HALVINGS,
-) -> list[Swept]:
+def answer(question: Question, omega: Array) -> list[Swept]:
     """Modes at many speeds from one reduced basis, or from one for each part of the range.
 
     Args:
-        operators: of the plate.
+        question: what is asked; the bounds say what was achieved of its tolerance.
         omega: speeds (k,) [rad/s], ascending; up to `FEW` have a single basis.
-        count: number of modes.
-        tolerance: relative, of each frequency; the bounds say what was achieved.
-        damping_ratio: of the modes without Coriolis forces [-].
-        halvings: how often the range may be halved.
 
     Raises:
         Divergence: when a speed is found to be beyond the critical one.
     """
     few = omega.size <= FEW
-    parts, open_ranges = [], [(omega, 0 if few else halvings)]
+    parts, open_ranges = [], [(omega, 0 if few else HALVINGS)]
     while open_ranges:
         speeds, left = open_ranges.pop()
         for spare in SPARES[:1] if few else SPARES:
-            basis, solved, gapless = grow(operators, speeds, count, tolerance, spare)
-            done = solved.within(tolerance).all() or speeds.size == 1
+            basis, solved, gapless = grow(question, speeds, spare)
+            done = solved.within(question.tolerance).all() or speeds.size == 1
             if done or not gapless:
                 break
         if done or left == 0:
-            parts.append(_collect(operators, basis, solved, count, tolerance, damping_ratio))
+            parts.append(_collect(question, basis, solved))
         else:
             half = int(np.searchsorted(speeds, 0.5 * (speeds[0] + speeds[-1]), side="right"))
             open_ranges += [(speeds[half:], left - 1), (speeds[:half], left - 1)]
     return parts
 
 
-def grow(
-    operators: Operators, omega: Array, count: int, tolerance: float, spare: int
-) -> tuple[ReducedBasis, ReducedModes, bool]:
+def grow(question: Question, omega: Array, spare: int) -> tuple[ReducedBasis, ReducedModes, bool]:
     """Grow a basis for a range of speeds.
 
     Args:
-        operators: of the plate.
+        question: what is asked.
         omega: speeds (k,) [rad/s], ascending.
-        count: number of modes.
-        tolerance: relative, of each frequency.
-        spare: modes beyond these with which the basis begins.
+        spare: modes beyond those asked for with which the basis begins.
 
     Returns:
         The basis, its modes at the speeds, and whether it lacks a gap above the wanted modes.
     """
+    operators, count, tolerance = question.operators, question.count, question.tolerance
     reference = float(omega[0] + REFERENCE * (omega[-1] - omega[0]))
     known = count + spare + 1
     stiffness = operators.at(reference)
@@ -693,21 +679,14 @@ def grow(
     return basis, solve(basis, omega, count), bool(gapless.any())
 
 
-def _collect(
-    operators: Operators,
-    basis: ReducedBasis,
-    solved: ReducedModes,
-    count: int,
-    tolerance: float,
-    damping_ratio: float,
-) -> Swept:
-    rates, vectors = solved.rates[:, :count], solved.vectors[:, :, :count]
-    shares = forms(share_matrices(operators, basis.vectors), vectors.transpose(0, 2, 1)).swapaxes(0, 1)
-    damping = np.full(rates.shape, damping_ratio)
-    if basis.coriolis is not None and damping_ratio > 0.0:
-        damping = _shared_damping(basis, basis.coriolis, solved.omega, rates, vectors, damping_ratio)
+def _collect(question: Question, basis: ReducedBasis, solved: ReducedModes) -> Swept:
+    rates, vectors = solved.rates[:, : question.count], solved.vectors[:, :, : question.count]
+    shares = forms(share_matrices(question.operators, basis.vectors), vectors.transpose(0, 2, 1)).swapaxes(0, 1)
+    damping = np.full(rates.shape, question.damping_ratio)
+    if basis.coriolis is not None and question.damping_ratio > 0.0:
+        damping = _shared_damping(basis, basis.coriolis, solved.omega, rates, vectors, question.damping_ratio)
     parts = shares / shares.sum(axis=1, keepdims=True)
-    met = solved.within(tolerance)
+    met = solved.within(question.tolerance)
     return Swept(solved.omega, rates, solved.bounds, damping, parts, solved.vectors, basis.vectors, basis.alone, met)
 
 

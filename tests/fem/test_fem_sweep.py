@@ -22,7 +22,7 @@ from fem import (
 )
 from fem.linalg import NotConverged, rounding
 from fem.sweep.campbell import follow
-from fem.sweep.reduced_basis import answer_again, grow, modes_within
+from fem.sweep.reduced_basis import Question, answer_again, grow, modes_within
 
 TOP = rpm(17500)
 
@@ -64,11 +64,11 @@ def test_a_basis_answers_other_speeds_within_its_bounds(case):
     still = replace(operators, gyroscopic=None)
     for body, known in ((operators, bases), (still, [basis.without_coriolis for basis in bases])):
         speeds = np.sort(np.random.default_rng(4).uniform(0.0, top, 5))
-        found = answer_again(body, speeds, 6, np.inf, 0.0, known)
+        found = answer_again(Question(body, 6, np.inf), speeds, known)
         true = 2.0 * np.pi * np.array([solve_modes(body, omega, 6).frequencies_hz for omega in speeds])
         assert (np.abs(found.rates / true - 1.0) <= found.bounds).all()
         inside = speeds <= 0.8 * top
-        strict = answer_again(body, speeds[inside], 6, 1e-5, 0.0, known)
+        strict = answer_again(Question(body, 6, 1e-5), speeds[inside], known)
         assert (strict is None) == bool((found.bounds[inside] > 1e-5).any())
 
 
@@ -83,7 +83,7 @@ def test_many_speeds_have_the_modes_of_each_by_itself(case, spread):
     plate, rotor, effects, top = CASES[case]
     operators = assemble(plate, replace(rotor, stagger=0.6), replace(effects, coriolis=True))
     speeds = top * spread
-    basis = grow(operators, np.linspace(0.0, top, 20), 6, 1e-6, 1)[0]
+    basis = grow(Question(operators, 6, 1e-6), np.linspace(0.0, top, 20), 1)[0]
     rates, vectors = modes_within(basis, speeds, 8, basis.coriolis)
     parts = [modes_within(basis, part, 8, basis.coriolis) for part in np.split(speeds, 4)]
     np.testing.assert_allclose(rates, np.concatenate([part[0] for part in parts]), rtol=1e-12)
@@ -174,7 +174,7 @@ def test_families_and_branches_through_a_crossing():
 @pytest.mark.parametrize("halvings", [0, 6])
 def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
     """A point mass of a thousand plates, and bases that may not grow: none answers the speeds between."""
-    monkeypatch.setattr("fem.sweep.reduced_basis.answer.__defaults__", (halvings,))
+    monkeypatch.setattr("fem.sweep.reduced_basis.HALVINGS", halvings)
     monkeypatch.setattr("fem.sweep.reduced_basis.LARGEST", 2)
     mass = 1000.0 * STEEL.density * 0.2 * 0.08 * 0.004
     plate = Plate(rectangle(0.2, 0.08, 6, 4).to_meshtri(), 0.004, STEEL, mass, (0.2, 0.0))

@@ -17,9 +17,9 @@ def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     speeds: list[int] = []
     plain = adaptive.grow
 
-    def counted(operators: Any, omega: np.ndarray, *arguments: Any) -> Any:
+    def counted(question: Any, omega: np.ndarray, *arguments: Any) -> Any:
         speeds.append(omega.size)
-        return plain(operators, omega, *arguments)
+        return plain(question, omega, *arguments)
 
     monkeypatch.setattr(adaptive, "grow", counted)
     return speeds

@@ -558,7 +558,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
     Raises:
         BadInput: it does not, or they cannot be.
     """
-    known = np.array([modes.omega for modes in model.speeds])
+    known = model.omegas
     slack, key = modal_model.SAME_SPEED * max(float(known.max()), 1.0), "[rotor] speeds"
     if not known.min() - slack <= omega <= known.max() + slack:
         have = interval(f"{in_rpm(known.min()):.6g}", f"{in_rpm(known.max()):.6g}", before="from ", alone="at ")
@@ -577,7 +577,7 @@ def _check_speed(source: SceneFile, model: ModalModel, omega: float) -> None:
 
 def _interpolation_remarks(source: SceneFile, model: ModalModel, seat: Seat | None) -> list[str]:
     """What is said of speeds between those of the files."""
-    known = np.array([modes.omega for modes in model.speeds])
+    known = model.omegas
     between = [omega for omega in source.scene.rotor.speeds if np.abs(known - omega).min() > 1e-9 * known.max()]
     if not between:
         return []
