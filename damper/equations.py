@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, path_curvature
+from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, restoring
 from damper.state import MODES, STEP, SYSTEM, TERMS, Equations, zeros
 
 if TYPE_CHECKING:
@@ -71,10 +71,8 @@ def _structures(damper: ParticleDamper, rows: Parameters) -> Structures:
     mass, spring, dashpot, shape, slope, drawn = (
         _single_modes(rows) if damper.modes is None else _given_modes(rows, damper.modes)
     )
-    spin, load = in_plane(rows), rows["centrifugal_acceleration"][:, None]
-    pull = load[:, :, None] * slope - spin @ shape
-    curve = (load * path_curvature(rows))[:, :, None] * np.eye(2) - spin
-    return Structures(mass, spring, dashpot, shape, drawn, pull, curve)
+    pull = rows["centrifugal_acceleration"][:, None, None] * slope - in_plane(rows) @ shape
+    return Structures(mass, spring, dashpot, shape, drawn, pull, restoring(rows))
 
 
 def _single_modes(rows: Parameters) -> tuple[Floats, ...]:

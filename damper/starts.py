@@ -128,8 +128,8 @@ def together(groups: Sequence[Motions]) -> Motions:
         here = (slice(first, first + len(group.flows)), *map(slice, group.flows.shape[1:]))
         flows[here], group.runs["run"]["system"]["flow"] = group.flows, group.runs["run"]["system"]["flow"] + first
         first += len(group.flows)
-    rest = {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[:1]}
-    rest |= {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[2:]}
+    names = [f.name for f in fields(Motions) if f.name != "flows"]
+    rest = {name: np.concatenate([getattr(each, name) for each in groups]) for name in names}
     return Motions(flows=flows, **rest)
 
 

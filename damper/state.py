@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from damper.model import IMPACT, PARAMETERS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+from damper.model import IMPACT, PARAMETERS, inertia_ratio, rim_threshold, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
     from damper.model import Floats, Parameters, Records
@@ -170,11 +170,11 @@ EVENT = record(
 
 def balls_of(rows: Parameters, reach: Floats) -> Records:
     """Constants of the balls, shape (n,); `reach` [m], shape (n,), the largest release, sets the sticking floor."""
-    beta, threshold = inertia_ratio(rows), rolling_threshold(rows)
     balls = np.zeros(len(rows), BALL)
     balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
-    balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
-    balls["hold"] = threshold + rows["break_away"] * rows["centrifugal_acceleration"]
+    balls["spin_mass"], balls["inertia_ratio"] = spin_mass(rows), inertia_ratio(rows)
+    balls["threshold"] = rolling_threshold(rows)
+    balls["hold"] = rim_threshold(rows)
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
     for name in IMPACT:
         balls[name] = rows[name]
