@@ -10,8 +10,9 @@ pulled against, or rolling about the middle, of which the least counts; what the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -42,7 +43,7 @@ from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import nothing_kept
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
 
@@ -129,17 +130,11 @@ _BALANCED = 1e-3
 """Share of its drive that a ball must be left with for its figures to have a meaning."""
 
 
-@dataclass(frozen=True)
-class _Pace:
+class _Pace(NamedTuple):
     """Sweeps, and the cycles of each for an octave."""
 
     sweeps: int
     stay: int
-
-    def __post_init__(self) -> None:
-        if whole("sweeps", self.sweeps) < 2:
-            raise ValueError(f"sweeps must be at least 2, got {self.sweeps}")
-        whole("stay", self.stay)
 
 
 def damping_curve(
@@ -241,24 +236,28 @@ def _down(
 
     `ends`: `least` and `reach` of :func:`damping_curve` [m].
     """
+    if whole("sweeps", pace.sweeps) < 2:
+        raise ValueError(f"sweeps must be at least 2, got {pace.sweeps}")
+    whole("stay", pace.stay)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED or gap == 0:
-        return _no_descent(math.inf), 0.0, 0.0
+        return _no_descent(math.inf)
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
     if cutoff == 0 and bare.loses_nothing_in_hits:
-        return _no_descent(cutoff), 0.0, 0.0
+        return _no_descent(cutoff)
     least, reach = ends
     lowest, top = max(cutoff, least, _freely(bare) * gap / left), max(reach, 8 * max(cutoff, gap / left))
+    go_down = partial(samples_of, bare, lowest, threads=threads)
     fast = _Pace(min(pace.sweeps, _FIRST), max(pace.stay // _SLOWER, 1))
-    before, top = _falling(bare, cutoff, lowest, top, fast, threads)
+    before, top = _falling(go_down, cutoff, top, lowest * 2**_MOST_OCTAVES, fast)
     if before.peak == 0:
-        return _no_descent(cutoff), 0.0, 0.0
-    curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
+        return _no_descent(cutoff)
+    curve, samples = _settled(go_down, cutoff, top, pace, before)
     if max(moved(before, curve)) > _SAME:
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
-        before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
+        before, (curve, samples) = curve, _settled(go_down, cutoff, top, slower, curve)
     above = with_error(curve, *moved(before, curve))
     if above.peak > 0:
         laws.check_curve(bare, above)
@@ -266,30 +265,25 @@ def _down(
     return Down(above, before, samples), max(cutoff, least, _LOWEST * gap / left), top
 
 
-def _no_descent(cutoff: float) -> Down:
-    return Down(nothing(cutoff), nothing(cutoff), np.zeros((0, 3)))
+def _no_descent(cutoff: float) -> tuple[Down, float, float]:
+    return Down(nothing(cutoff), nothing(cutoff), np.zeros((0, 3))), 0.0, 0.0
 
 
-def _falling(
-    damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
-) -> tuple[DampingCurve, float]:
+_GoDown: TypeAlias = "Callable[..., Floats]"
+"""`samples_of` a damper down to an amplitude: from another, at a pace."""
+
+
+def _falling(go_down: _GoDown, cutoff: float, top: float, highest: float, pace: _Pace) -> tuple[DampingCurve, float]:
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
-        samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-        curve = _read(cutoff, samples)
-        if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
+        curve = _read(cutoff, go_down(top, *pace))
+        if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > highest:
             return curve, top
         top *= 2**_OCTAVES
 
 
 def _settled(
-    damper: ParticleDamper,
-    cutoff: float,
-    low: float,
-    top: float,
-    pace: _Pace,
-    threads: int | None,
-    before: DampingCurve,
+    go_down: _GoDown, cutoff: float, top: float, pace: _Pace, before: DampingCurve
 ) -> tuple[DampingCurve, Floats]:
     """Figures of sweeps down at a pace, and their samples: of as many sweeps as bring their error down.
 
@@ -300,7 +294,7 @@ def _settled(
     for share in (share for share in _SHARES if 2 * share <= pace.sweeps):
         spaced = np.linspace(0, pace.sweeps - 1, pace.sweeps // share).round().astype(int)
         wanted = np.setdiff1d(spaced, done)
-        samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
+        samples = np.vstack([samples, go_down(top, *pace, numbers=wanted)])
         done = np.append(done, wanted)
         curve = _read(cutoff, samples)
         if curve.error <= max(BINNED, min(max(moved(before, curve)), _SAME) / 2):

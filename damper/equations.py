@@ -222,17 +222,8 @@ def _driven(
     return sway, np.concatenate([modal, ball], axis=1), driven
 
 
-class Swinging(NamedTuple):
-    """`deflection`, `swing`, shape (n, N, N), `reach` and `bias`, shape (n, 2, N), of `damper.state.SYSTEM`."""
-
-    deflection: Floats
-    swing: Floats
-    reach: Floats
-    bias: Floats
-
-
-def swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> Swinging:
-    """In the coordinates (q, s), N of them.
+def _swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> dict[str, Floats]:
+    """`deflection`, `swing`, shape (n, N, N), `reach` and `bias`, shape (n, 2, N), of `damper.state.SYSTEM`.
 
     In the modes v_k of M + m Phi'Phi and K, the structure swings about where the ball's place holds it; its dashpots
     add to the accelerations.
@@ -260,7 +251,7 @@ def swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> 
         still = rate[:, None, :] * (shape @ v) - force @ v / rate[:, None, :]
         moving = shape @ v @ (v.transpose(0, 2, 1) @ (structures.dashpot[:, modes, None] * v))
         reach[:, :, modes] = np.hypot(still, moving)
-    return Swinging(deflection, swing, reach, bias)
+    return {"deflection": deflection, "swing": swing, "reach": reach, "bias": bias}
 
 
 _ROOM = 2**26
@@ -352,7 +343,7 @@ def systems_of(
     compliance = (structures.shape**2 / structures.mass[:, None, :]).sum(axis=2)
     constants = np.zeros(n, SYSTEM)
     for values in (
-        _places(members, k, alone=_alone(structures, members)),
+        _places(structures, members, order),
         _sorted(_inertia(rows, structures, members), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
@@ -365,16 +356,14 @@ def systems_of(
     return Systems(constants, flows_of(equations, members, spans), equations, order)
 
 
-def _alone(structures: Structures, members: list[list[int]]) -> bool:
-    """Whether each axis has one mode, scaled to 1 at the cavity: it is the cavity's displacement itself."""
-    return len(members) == 2 == structures.mass.shape[1] and bool((structures.shape == np.eye(2)).all())
+def _places(structures: Structures, members: list[list[int]], order: list[int]) -> dict[str, Any]:
+    """Which coordinates and axes each group has.
 
-
-def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
-    """Which coordinates and axes each group has."""
+    Where each axis has one mode, scaled to 1 at the cavity, that is the cavity's displacement itself.
+    """
+    k, group = structures.mass.shape[1], [0, len(members) - 1]
     ends, axes = np.cumsum([0, *map(len, members)]), [0, 1, 2] if len(members) == 2 else [0, 2]
-    order = [z for group in members for z in group]
-    group = [0, len(members) - 1]
+    alone = len(members) == 2 == k and bool((structures.shape == np.eye(2)).all())
     return {
         "coordinates": k + 2,
         "groups": len(members),
@@ -392,17 +381,15 @@ def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
 def _inertia(rows: Parameters, structures: Structures, members: list[list[int]]) -> dict[str, Floats]:
     """What has to do with masses and energies, in the coordinates (q, s)."""
     n = len(rows)
-    ball, none = rows["ball_mass"][:, None, None], np.zeros((n, 2))
+    ball = rows["ball_mass"][:, None, None]
     give = structures.shape / structures.mass[:, None, :]
     mass, spring = _energies(structures, ball)
-    still = swinging(structures, ball, members)
     return {
         "mass": mass,
         "spring": spring,
         "yielding": np.concatenate([give, -structures.shape @ give.transpose(0, 2, 1)], axis=2),
         "dashpot": np.concatenate([_dashpots(structures, ball, rows["printed"][:, None]), np.zeros((n, 2, 2))], axis=2),
-        "inertia": np.concatenate([structures.mass, none], axis=1),
-        **still._asdict(),
+        **_swinging(structures, ball, members),
     }
 
 

@@ -20,7 +20,6 @@ from damper.model import (
     Floats,
     Harmonic,
     Records,
-    alike,
     half_gap,
     number,
     stuck_decay,
@@ -81,8 +80,10 @@ def flights(
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
-    together = harmonic is None or isinstance(harmonic, Harmonic)
-    first, which = _distinct(rows) if together else (np.arange(len(rows)), np.arange(len(rows)))
+    first = which = np.arange(len(rows))
+    if harmonic is None or isinstance(harmonic, Harmonic):  # rows that are equal share a system
+        every = rows.view(f"V{rows.itemsize}")
+        first, which = np.unique(every, return_index=True, return_inverse=True)[1:]
     if harmonic is None and len(first) == 1 and rows[0].tobytes() == damper.parameters[0].tobytes():
         systems = _free(damper)
     else:
@@ -101,8 +102,9 @@ def flights(
         z[:, :k] = amplitudes
     z[:, k:], rate[:, k:] = axes["s"], axes["w"]
     runs["motion"]["z"][:, : k + 2], runs["motion"]["rate"][:, : k + 2] = z[:, systems.order], rate[:, systems.order]
-    if isinstance(harmonic, Harmonic):
-        _watch(runs["cycle"], harmonic)
+    if isinstance(harmonic, Harmonic):  # its cycles are those of what drives it
+        cycles, period = runs["cycle"], 2 * math.pi / harmonic.frequency
+        cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
     return Flights(runs, systems)
 
 
@@ -118,21 +120,6 @@ def _copied(runs: Records, kind: np.dtype[np.record]) -> Records:
 def _free(damper: ParticleDamper) -> Systems:
     """The system of a damper that nothing drives, worked out once for all that is let go on it."""
     return systems_of(damper.parameters, structures_by(damper, damper.parameters))
-
-
-def _distinct(rows: Parameters) -> tuple[Integers, Integers]:
-    """Where each of the rows that differ stands first, and which of these every row is."""
-    if alike(rows):
-        return np.zeros(1, np.int64), np.zeros(len(rows), np.int64)
-    numbers: dict[bytes, int] = {}
-    which = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in rows], np.int64)
-    return np.unique(which, return_index=True)[1], which
-
-
-def _watch(cycles: Records, harmonic: Harmonic) -> None:
-    """Seek the velocity maxima of driven motion once per cycle of what drives it."""
-    period = 2 * math.pi / harmonic.frequency
-    cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
 
 
 def moved_by(damper: ParticleDamper, amplitudes: npt.ArrayLike, count: int) -> tuple[Floats, Floats]:

@@ -75,15 +75,13 @@ BALL = record(
 )
 
 AXIS = record(
-    ("start", "f8"),  # time of its last event, in time histories
-    ("u", "f8"),  # structure: displacement and velocity then
+    ("u", "f8"),  # structure: displacement and velocity at its last event
     ("v", "f8"),
     ("s", "f8"),  # ball relative to the structure: position and velocity then
     ("w", "f8"),
     ("spin", "f8"),  # surface speed of the ball, equal to w while it rolls
     ("regime", "i8"),
     ("direction", "i8"),  # of the relative motion, or of the sliding of the contact: -1, 0 (stuck), 1
-    ("f", "f8"),  # acceleration by sliding on the floor
     ("half_gap", "f8"),
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
@@ -261,7 +259,6 @@ SYSTEM = record(
     ("cavity", "i8", 2),  # and which is that of the cavity's displacement along it
     ("flow", "i8"),  # which terms its flights have
     ("damped", "i8"),
-    ("inertia", "f8", _N),  # of the modes [kg]
     ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
 )
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""

@@ -119,12 +119,11 @@ def summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
 def _regimes(verdict: Integers, divergence: Floats) -> npt.NDArray[np.object_]:
     from damper import steady_motion
 
-    chaotic = divergence * steady_motion.TOGETHER > math.log(steady_motion.APART / steady_motion.NUDGE)
-    known = {LOCKED: Regime.LOCKED, PERIODIC: Regime.PERIODIC}
-    aperiodic = {False: Regime.MODULATED, True: Regime.CHAOTIC}
-    regimes = np.empty(len(verdict), object)
-    for k, one in enumerate(verdict):
-        regimes[k] = aperiodic[bool(chaotic[k])] if one == APERIODIC else known.get(one, Regime.UNSETTLED)
+    regimes = np.full(len(verdict), Regime.UNSETTLED, object)
+    regimes[verdict == LOCKED], regimes[verdict == PERIODIC] = Regime.LOCKED, Regime.PERIODIC
+    regimes[verdict == APERIODIC] = Regime.MODULATED
+    parts = divergence * steady_motion.TOGETHER > math.log(steady_motion.APART / steady_motion.NUDGE)
+    regimes[(verdict == APERIODIC) & parts] = Regime.CHAOTIC
     return regimes
 
 
