@@ -15,7 +15,7 @@ from damper.equations import at_once
 from damper.model import Floats, Integers, alike, ensemble, resting_place, stuck_frequency, table, whole
 from damper.motion import APART, COUPLED, EnergyBooks, flights, kinds, moved_by, outcome_of, prepare
 from damper.ringdown import ringdown
-from damper.state import BOOKS, COUNTED, Counts, nothing_kept
+from damper.state import BOOKS, COUNTED, SHARED, Counts, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -139,20 +139,18 @@ def ringdowns(
         raise ValueError(f"release must have shape (n, 2), got {displacement.shape}")
     start = np.zeros((len(displacement), 5, 2))
     start[:, 0] = displacement
-    if harmonic is not None and cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     modal = None
     if amplitudes is not None:
         modal, start[:, 0] = moved_by(damper, amplitudes, len(start))
     rows = ensemble(damper.parameters, len(displacement), varied)
     start[:, 2] = resting_place(rows)
-    prepared = prepare(rows, start, cycles, max_cycles)
+    prepared = prepare(rows, start, cycles, max_cycles, harmonic)
     most, kind = whole("max_events", max_events), kinds(damper, rows, harmonic)
     status, done = np.zeros(len(rows), np.int64), 0
     for which in _parts(damper, rows, kind):
         f = flights(damper, rows[which], prepared[which], harmonic, None if modal is None else modal[which])
         status[which] = _followed(f, most, cores, further(progress, done))
-        prepared[which] = f.state()
+        prepared[which] = f.runs[SHARED]
         done += len(which)
     batch = _summary(rows, prepared, status, fixed_cycles=cycles is not None)
     velocity = np.maximum(prepared["clock"]["first_speed"], prepared["cycle"]["last_speed"])
@@ -176,7 +174,7 @@ def _followed(f: Flights, most: int, threads: int, progress: Progress | None) ->
     from damper import engine
 
     status = np.full(len(f.runs), engine.BEGINS)
-    arguments = f.runs, f.systems.flows, nothing_kept(), engine.no_ramp(), most, status
+    arguments = f.runs, f.systems.flows, Tables(), engine.Ramp(), most, status
     in_blocks(engine.run_block, arguments, len(status), threads, progress)
     laws.check_rest(f.runs)
     return status

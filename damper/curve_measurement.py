@@ -40,7 +40,7 @@ from damper.curves import (
 )
 from damper.model import Mode, rim_threshold, whole
 from damper.motion import COUPLED, flights, kinds, prepare
-from damper.state import nothing_kept
+from damper.state import Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -625,7 +625,7 @@ def _ramped(
     ramp, status = engine.Ramp(factor, each_cycles, float(below), energy), np.full(count, engine.BEGINS)
     known = alike or damper
     f = flights(known, np.repeat(known.parameters, count), p, amplitudes=in_one_mode(damper, amplitude))
-    arguments = f.runs, f.systems.flows, nothing_kept(), ramp, _EVENTS * cycles, status
+    arguments = f.runs, f.systems.flows, Tables(), ramp, _EVENTS * cycles, status
     threads = workers(threads)
     size = count if threads == 1 else math.ceil(count / (4 * threads))
     in_blocks(engine.run_block, arguments, count, threads, block_size=size)

@@ -256,7 +256,7 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
 
 
 class Ramp(NamedTuple):
-    """How n ring-downs are led through the amplitudes, and what they show.
+    """How n ring-downs are led through the amplitudes, and what they show; `Ramp()`: they are left to themselves.
 
     After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
     whatever the ball took, in the modes that are not damped; the ball's motion in its cavity stays as it is.
@@ -266,15 +266,10 @@ class Ramp(NamedTuple):
     may be.
     """
 
-    factor: Floats
-    cycles: Integers
-    least: float
-    energies: Floats
-
-
-def no_ramp() -> Ramp:
-    """Of ring-downs that are left to themselves."""
-    return Ramp(np.zeros(0), np.zeros(0, np.int64), 0.0, np.zeros((0, 0, 4)))
+    factor: Floats = np.zeros(0)
+    cycles: Integers = np.zeros(0, np.int64)
+    least: float = 0.0
+    energies: Floats = np.zeros((0, 0, 4))
 
 
 @kernel

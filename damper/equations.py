@@ -395,9 +395,8 @@ def _inertia(rows: Parameters, structures: Structures, members: list[list[int]])
 
 def _sorted(values: dict[str, Floats], order: list[int]) -> dict[str, Floats]:
     """Vectors and matrices with their coordinates in this order."""
-    square = {"mass", "spring", "deflection", "swing"}
-    two = np.ix_(order, order)
-    return {name: each[:, two[0], two[1]] if name in square else each[..., order] for name, each in values.items()}
+    square = len(order), len(order)
+    return {name: (each[:, order] if each.shape[1:] == square else each)[..., order] for name, each in values.items()}
 
 
 def _energies(structures: Structures, ball: Floats) -> tuple[Floats, Floats]:

@@ -26,7 +26,7 @@ from damper.model import (
     stuck_frequency,
     table,
 )
-from damper.state import FLYING, RUN, Counts, balls_of, zeros
+from damper.state import FLYING, RUN, SHARED, Counts, balls_of, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,10 +56,6 @@ class Flights:
         z, rate = self.runs["motion"]["z"][:, back], self.runs["motion"]["rate"][:, back]
         return np.asarray(0.5 * (structures.spring * z**2 + structures.mass * rate**2))
 
-    def state(self) -> Records:
-        """Where the runs are, dtype `damper.state.RUN`."""
-        return _copied(self.runs, RUN)
-
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
     """How each of the rows flies, shape (n,)."""
@@ -88,8 +84,8 @@ def flights(
         systems = _free(damper)
     else:
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
-    runs, axes = _copied(prepared, FLYING), prepared["axes"]
-    runs["system"] = systems.constants[which]
+    runs, axes = zeros(len(rows), FLYING), prepared["axes"]
+    runs[SHARED], runs["system"] = prepared, systems.constants[which]
     n, k = len(rows), len(systems.order) - 2
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
     if damper.modes is None:
@@ -106,14 +102,6 @@ def flights(
         cycles, period = runs["cycle"], 2 * math.pi / harmonic.frequency
         cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
     return Flights(runs, systems)
-
-
-def _copied(runs: Records, kind: np.dtype[np.record]) -> Records:
-    """What a run begins with and leaves, in records of a kind that has it."""
-    copies = zeros(len(runs), kind)
-    for name in RUN.names or ():
-        copies[name] = runs[name]
-    return copies
 
 
 @lru_cache(maxsize=4)
@@ -238,13 +226,17 @@ _LARGEST = 1e150
 """Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
 
 
-def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Records:
+def prepare(
+    rows: Parameters, start: Floats, cycles: float | None, max_cycles: float, harmonic: Harmonic | None = None
+) -> Records:
     """Set up n ring-downs, dtype `damper.state.RUN`, from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
 
     Raises:
         ValueError: a number is not finite, or its square is not; the number of cycles is not positive, or a ball is
             outside its cavity.
     """
+    if harmonic is not None and cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     if cycles is not None and not 0 < number("cycles", cycles) < math.inf:
         raise ValueError(f"cycles must be positive, got {cycles:g}")
     if not (math.isfinite(number("max_cycles", max_cycles)) or cycles is not None) or not max_cycles > 0:

@@ -79,9 +79,7 @@ def ringdown(
         named["release"] = displacement[0]
     start = np.array([[pair(name, value) for name, value in named.items()]])
     most = whole("max_events", max_events)
-    if harmonic is not None and cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
-    one = prepare(rows, start, cycles, max_cycles)
+    one = prepare(rows, start, cycles, max_cycles, harmonic)
     kind = kinds(damper, rows, harmonic)
     flying = flights(damper, rows, one, harmonic, modal)
     done, tables = _followed(flying, most, keep_events, progress)
@@ -100,7 +98,7 @@ def _followed(
     from damper import engine
 
     run, size = flying.runs[0], 1024 if keep_events else 0
-    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.no_ramp()
+    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.Ramp()
     more = int(run["system"]["coordinates"]) if run["system"]["cavity"].any() else 0
     tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, more)))
     while True:

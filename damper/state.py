@@ -150,6 +150,9 @@ _SHARED = (("clock", CLOCK), ("axes", AXIS, 2), ("ball", BALL), ("books", BOOKS)
 RUN = record(*_SHARED)
 """What a run begins with and leaves."""
 
+SHARED = list(RUN.names or ())
+"""That, as fields of a run on its way."""
+
 EVENT = record(
     ("time", "f8"),
     ("axis", "i8"),
@@ -287,16 +290,14 @@ FLYING = lines(("motion", MOTION), *_SHARED, ("system", SYSTEM))
 
 
 class Tables(NamedTuple):
-    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N), N = 0: as in events."""
+    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N), N = 0: as in events.
 
-    peaks: Floats
-    rows: Records
-    states: Floats
+    `Tables()` are those of a run that leaves nothing.
+    """
 
-
-def nothing_kept() -> Tables:
-    """Tables of a run that leaves nothing."""
-    return Tables(np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
+    peaks: Floats = np.zeros((0, 2))
+    rows: Records = np.zeros(0, EVENT)
+    states: Floats = np.zeros((0, 2, 0))
 
 
 BATCHES = 32

@@ -17,7 +17,7 @@ from damper.batch import further, in_blocks, workers
 from damper.equations import at_once
 from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
 from damper.starts import Complex, Motions, Start, motions_of, together
-from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, nothing_kept
+from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -119,12 +119,13 @@ def summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
 def _regimes(verdict: Integers, divergence: Floats) -> npt.NDArray[np.object_]:
     from damper import steady_motion
 
-    regimes = np.full(len(verdict), Regime.UNSETTLED, object)
-    regimes[verdict == LOCKED], regimes[verdict == PERIODIC] = Regime.LOCKED, Regime.PERIODIC
-    regimes[verdict == APERIODIC] = Regime.MODULATED
-    parts = divergence * steady_motion.TOGETHER > math.log(steady_motion.APART / steady_motion.NUDGE)
-    regimes[(verdict == APERIODIC) & parts] = Regime.CHAOTIC
-    return regimes
+    chaotic = divergence * steady_motion.TOGETHER > math.log(steady_motion.APART / steady_motion.NUDGE)
+    known = {LOCKED: Regime.LOCKED, PERIODIC: Regime.PERIODIC, APERIODIC: Regime.MODULATED}
+    regimes = [
+        Regime.CHAOTIC if parts else known.get(one, Regime.UNSETTLED)
+        for one, parts in zip(verdict, chaotic, strict=True)
+    ]
+    return np.array(regimes, object)
 
 
 _AT_ONCE = 2048
@@ -179,7 +180,7 @@ def forced(
     for begin in range(0, len(dampers), size):
         here = slice(begin, begin + size)
         m = _begun(dampers[here], harmonics[here], columns, probe, begin, most)
-        arguments = m.runs, m.flows, nothing_kept(), accuracy, most
+        arguments = m.runs, m.flows, Tables(), accuracy, most
         done = further(progress, begin * len(columns))
         in_blocks(steady_motion.run_block, arguments, len(m.runs), cores, done, _BLOCK)
         parts.append(_figures(m, len(columns), cores))
@@ -225,7 +226,7 @@ def _divergence(m: Motions, threads: int) -> Floats:
     for name in ("z", "rate"):
         motions[name][:, 1] *= 1 + steady_motion.NUDGE * structure
 
-    arguments = pairs, m.flows, nothing_kept(), growth
+    arguments = pairs, m.flows, Tables(), growth
     in_blocks(steady_motion.run_together, arguments, len(which), threads, None, _BLOCK)
     exponents[which] = growth
     return exponents
