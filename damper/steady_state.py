@@ -164,8 +164,6 @@ def forced(
         ValueError: as many dampers as harmonics are asked for; a harmonic that does not move the probe; a value without
             physical sense.
     """
-    from damper import steady_motion
-
     dampers = [damper] * len(harmonics) if isinstance(damper, ParticleDamper) else list(damper)
     if len(dampers) != len(harmonics) or not dampers:
         raise ValueError(f"dampers must be as many as harmonics, at least one; got {len(dampers)} and {len(harmonics)}")
@@ -176,16 +174,18 @@ def forced(
         raise ValueError("starts must be at least one")
     most, cores = whole("max_cycles", max_cycles), workers(threads)
     modes = max(2 if one.modes is None else len(one.modes) for one in dampers)
-    size, parts = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True))), []
-    for begin in range(0, len(dampers), size):
+    size = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True)))
+
+    def part(begin: int) -> dict[str, npt.NDArray[Any]]:
         here = slice(begin, begin + size)
         m = _begun(dampers[here], harmonics[here], columns, probe, begin, most)
-        arguments = m.runs, m.flows, Tables(), accuracy, most
-        done = further(progress, begin * len(columns))
-        in_blocks(steady_motion.run_block, arguments, len(m.runs), cores, done, _BLOCK)
-        parts.append(_figures(m, len(columns), cores))
+        return _followed(m, accuracy, most, cores, further(progress, begin * len(columns)))
+
+    parts = [part(begin) for begin in range(0, len(dampers), size)]
     self_check.once("forced", forced)
-    return Forced(columns, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    figures = {name: np.concatenate([each[name] for each in parts]).reshape(-1, len(columns)) for name in parts[0]}
+    figures |= {name: figures[name][:, 0] for name in ("linear", "without", "moves_from")}
+    return Forced(columns, **figures)
 
 
 def _begun(
@@ -206,12 +206,17 @@ def _begun(
     return together(groups)
 
 
-def _figures(m: Motions, starts: int, threads: int) -> dict[str, npt.NDArray[Any]]:
-    """The fields of `Forced` for motions that are done, each point with so many starts."""
+def _followed(
+    m: Motions, accuracy: float, most: int, threads: int, progress: Callable[[int], None] | None
+) -> dict[str, npt.NDArray[Any]]:
+    """The fields of `Forced` for motions, which are followed to their steady states."""
+    from damper import steady_motion
+
+    arguments = m.runs, m.flows, Tables(), accuracy, most
+    in_blocks(steady_motion.run_block, arguments, len(m.runs), threads, progress, _BLOCK)
     figures = summary(m, _divergence(m, threads))
     laws.check_steady_states(m, figures)
-    shaped = {name: value.reshape(-1, starts) for name, value in figures.items()}
-    return shaped | {name: getattr(m, name)[::starts] for name in ("linear", "without", "moves_from")}
+    return figures | {"linear": m.linear, "without": m.without, "moves_from": m.moves_from}
 
 
 def _divergence(m: Motions, threads: int) -> Floats:
