@@ -444,7 +444,7 @@ def settled(damper: ParticleDamper, amplitude: float) -> float:
 
 
 class Rolling(NamedTuple):
-    """A ball that rolls to and fro about the middle.
+    """A ball that rolls to and fro about the middle; `Rolling()`: there is none.
 
     Attributes:
         samples: as `samples_of` has them, at amplitudes at which it goes on rolling.
@@ -454,10 +454,10 @@ class Rolling(NamedTuple):
         meets: amplitude from which on it meets the walls if it does not stray; inf as before [m].
     """
 
-    samples: Floats
-    ends: float
-    there: Floats
-    meets: float
+    samples: Floats = np.zeros((0, 3))
+    ends: float = math.inf
+    there: Floats = np.zeros((0, 3))
+    meets: float = math.inf
 
     @property
     def is_centred(self) -> bool:
@@ -486,7 +486,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
             strays += math.inf
         lasts = strays < 1
         if lasts.sum() < 2:
-            return Rolling(np.zeros((0, 3)), math.inf, np.zeros((0, 3)), math.inf)
+            return Rolling()
         amplitude, strays = amplitude[lasts], strays[lasts]
     wide = in_wide_cavity(damper, high)
 
@@ -502,7 +502,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     rows = _rows(damper, energy)
     which, number, cycles = np.unique(rows[:, 2].astype(int), return_inverse=True, return_counts=True)
     if not which.size:  # the ball takes more than the structure has
-        return Rolling(rows, math.inf, rows, math.inf)
+        return Rolling()
     lost = np.interp(ends, amplitude[which], np.bincount(number, rows[:, 0] - rows[:, 1]) / cycles)
     there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
     return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)

@@ -454,20 +454,20 @@ class ParticleDamper:
         Formulation(self.formulation)
         if self.floor_friction is not None and not number("floor_friction", self.floor_friction) > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
-        listed = isinstance(self.modes, tuple | list) and len(self.modes) > 0
-        if self.modes is not None and not (listed and all(isinstance(mode, Mode) for mode in self.modes)):
-            raise ValueError(f"modes must be a tuple of at least one Mode, or None, got {self.modes!r}")
-        if self.modes is not None and not any(any(mode.shape) for mode in self.modes):
-            raise ValueError("modes: none of them moves the cavity")
-        if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
-            raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
+        if self.modes is not None:
+            listed = isinstance(self.modes, tuple | list) and len(self.modes) > 0
+            if not (listed and all(isinstance(mode, Mode) for mode in self.modes)):
+                raise ValueError(f"modes must be a tuple of at least one Mode, or None, got {self.modes!r}")
+            if not any(any(mode.shape) for mode in self.modes):
+                raise ValueError("modes: none of them moves the cavity")
+            if pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
+                raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
+            object.__setattr__(self, "modes", tuple(self.modes))
         validate(self.parameters)
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, pair(name, getattr(self, name)))
-        if self.modes is not None:
-            object.__setattr__(self, "modes", tuple(self.modes))
 
     @cached_property
     def parameters(self) -> Parameters:

@@ -49,9 +49,9 @@ class Flights:
     runs: Records
     systems: Systems
 
-    def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
+    def modal_energies(self, damper: ParticleDamper) -> Floats:
         """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
-        structures = structures_by(damper, rows)
+        structures = structures_by(damper, damper.parameters)
         back = np.argsort(self.systems.order)[: structures.mass.shape[1]]
         z, rate = self.runs["motion"]["z"][:, back], self.runs["motion"]["rate"][:, back]
         return np.asarray(0.5 * (structures.spring * z**2 + structures.mass * rate**2))

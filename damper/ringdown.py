@@ -136,7 +136,7 @@ def _gathered(
         harmonic=harmonic,
         rows=tables.rows if len(tables.rows) else None,
         states=tables.states if len(tables.states) else None,
-        modal_energies=None if damper.modes is None else flying.modal_energies(damper, damper.parameters)[0],
+        modal_energies=None if damper.modes is None else flying.modal_energies(damper)[0],
     )
 
 
