@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve_measurement import damping_curve, in_wide_cavity, rolling, swinging, undamped
+from damper.curve_measurement import damping_curve, in_one_mode, in_wide_cavity, rolling, swinging, undamped
 from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
@@ -110,8 +110,7 @@ class Backbone:
         """
         if not 0 < number("force", force) < math.inf:
             raise ValueError(f"force must be positive and finite, got {force:g}")
-        crossings: list[float] = []
-        turns: list[float] = []
+        found: list[tuple[float, float]] = []
         for branch in self.branches:
             scan = self._scan(branch, force, frequency)
             if len(scan) < 2:
@@ -120,9 +119,8 @@ class Backbone:
             crossed = np.flatnonzero((miss[:-1] < 0) != (miss[1:] < 0))
             share = miss[crossed] / (miss[crossed] - miss[crossed + 1])
             amplitudes = scan[crossed] * (scan[crossed + 1] / scan[crossed]) ** share
-            crossings += amplitudes.tolist()
-            turns += branch.at(amplitudes)[1].tolist()
-        return tuple(sorted(zip(crossings, turns, strict=True)))
+            found += zip(amplitudes.tolist(), branch.at(amplitudes)[1].tolist(), strict=True)
+        return tuple(sorted(found))
 
     def peaks(self, force: Floats) -> Floats:
         """The largest amplitude that forces keep up at any frequency [m], shape (n,).
@@ -135,9 +133,8 @@ class Backbone:
         largest = np.zeros(len(force))
         for branch in self.branches:
             scans = [self._scan(branch, each, None) for each in (float(force.min()), float(force.max()))]
-            scan = np.unique(np.concatenate([*scans, branch.amplitude[branch.amplitude >= branch.range[0]]]))
             ends = [end for end in branch.range if 0 < end < math.inf]
-            scan = np.unique([*scan, *ends])
+            scan = np.unique(np.concatenate([*scans, branch.amplitude, ends]))
             scan = scan[(scan >= branch.range[0]) & (scan <= branch.range[1])]
             needed = self.force(branch, scan)
             least = np.minimum.accumulate(needed[::-1])[::-1]  # that this amplitude or a larger one takes
@@ -240,12 +237,9 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
 def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:
     """Let go in the mode that yields most along x, the ball in a place and with a velocity along x."""
     place, velocity = ((value, 0.0) for value in ball)
-    modes = None
-    if bare.modes is not None:
-        each = [0.0] * len(bare.modes)
-        each[bare.leading(0)] = amplitude / bare.modes[bare.leading(0)].shape[0]
-        modes = tuple(each)
-    return ringdown(bare, (amplitude, 0.0), cycles, ball_position=place, ball_velocity=velocity, amplitudes=modes)
+    modes = in_one_mode(bare, np.array([amplitude]))
+    each = None if modes is None else tuple(modes[0])
+    return ringdown(bare, (amplitude, 0.0), cycles, ball_position=place, ball_velocity=velocity, amplitudes=each)
 
 
 def _turns(run: RingDown, wait: int) -> float:

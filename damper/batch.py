@@ -15,7 +15,7 @@ from damper.equations import at_once
 from damper.model import Floats, Integers, alike, ensemble, resting_place, stuck_frequency, table, whole
 from damper.motion import APART, COUPLED, EnergyBooks, flights, kinds, moved_by, outcome_of, prepare
 from damper.ringdown import ringdown
-from damper.state import BOOKS, COUNTED, Counts, nothing_kept
+from damper.state import BOOKS, COUNTED, SHARED, Counts, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -30,23 +30,29 @@ BLOCK = 64
 """Ring-downs that a thread takes at a time: enough to hide the hand-over, few enough to share the work evenly."""
 
 
+def workers(threads: int | None) -> int:
+    """How many threads to use where so many are asked for; None: one for each core."""
+    return (os.cpu_count() or 1) if threads is None else whole("threads", threads)
+
+
 def in_blocks(
-    work: Callable[[tuple[int, int]], None],
+    run: Callable[..., None],
+    arguments: tuple[Any, ...],
     size: int,
     threads: int,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
     block_size: int = BLOCK,
 ) -> None:
-    """Call `work` with (begin, end) for all of range(size), block by block on a pool of threads; first once idly.
+    """Call a kernel with (begin, end) and its other arguments for all of range(size), block by block on threads.
 
-    The idle call compiles: two threads that compile at once would wait for each other anyway.
+    First once idly, which compiles: two threads that compile at once would wait for each other anyway.
     """
     if size:
-        work((0, 0))
+        run((0, 0), *arguments)
 
     def counted(begin: int) -> int:
         block = (begin, min(begin + block_size, size))
-        work(block)
+        run(block, *arguments)
         return block[1] - begin
 
     if threads == 1:  # a pool would take as long as a short sweep
@@ -127,26 +133,24 @@ def ringdowns(
     Raises:
         ValueError: a wrong shape, an unknown field, or a value without physical sense.
     """
-    workers = (os.cpu_count() or 1) if threads is None else whole("threads", threads)
+    cores = workers(threads)
     displacement = table("release", release)
     if displacement.ndim != 2 or displacement.shape[1] != 2:
         raise ValueError(f"release must have shape (n, 2), got {displacement.shape}")
     start = np.zeros((len(displacement), 5, 2))
     start[:, 0] = displacement
-    if harmonic is not None and cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     modal = None
     if amplitudes is not None:
         modal, start[:, 0] = moved_by(damper, amplitudes, len(start))
     rows = ensemble(damper.parameters, len(displacement), varied)
     start[:, 2] = resting_place(rows)
-    prepared = prepare(rows, start, cycles, max_cycles)
+    prepared = prepare(rows, start, cycles, max_cycles, harmonic)
     most, kind = whole("max_events", max_events), kinds(damper, rows, harmonic)
     status, done = np.zeros(len(rows), np.int64), 0
     for which in _parts(damper, rows, kind):
         f = flights(damper, rows[which], prepared[which], harmonic, None if modal is None else modal[which])
-        status[which] = _followed(f, most, workers, further(progress, done))
-        prepared[which] = f.state()
+        status[which] = _followed(f, most, cores, further(progress, done))
+        prepared[which] = f.runs[SHARED]
         done += len(which)
     batch = _summary(rows, prepared, status, fixed_cycles=cycles is not None)
     velocity = np.maximum(prepared["clock"]["first_speed"], prepared["cycle"]["last_speed"])
@@ -169,12 +173,9 @@ def _followed(f: Flights, most: int, threads: int, progress: Progress | None) ->
     """Have ring-downs run to their ends, or to so many events: how each stands then."""
     from damper import engine
 
-    status, tables, ramp = np.full(len(f.runs), engine.BEGINS), nothing_kept(), engine.no_ramp()
-
-    def work(block: tuple[int, int]) -> None:
-        engine.run_block(block, f.runs, f.systems.flows, tables, ramp, most, status)
-
-    in_blocks(work, len(status), threads, progress)
+    status = np.full(len(f.runs), engine.BEGINS)
+    arguments = f.runs, f.systems.flows, Tables(), engine.Ramp(), most, status
+    in_blocks(engine.run_block, arguments, len(status), threads, progress)
     laws.check_rest(f.runs)
     return status
 

@@ -10,14 +10,14 @@ pulled against, or rolling about the middle, of which the least counts; what the
 from __future__ import annotations
 
 import math
-import os
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from damper import laws, self_check
-from damper.batch import in_blocks
+from damper.batch import in_blocks, workers
 from damper.curves import (
     BINNED,
     BINS,
@@ -38,12 +38,12 @@ from damper.curves import (
     tally,
     with_error,
 )
-from damper.model import Mode, in_plane, inertia_ratio, path_curvature, whole
+from damper.model import Mode, rim_threshold, whole
 from damper.motion import COUPLED, flights, kinds, prepare
-from damper.state import nothing_kept
+from damper.state import Tables
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
 
@@ -130,17 +130,11 @@ _BALANCED = 1e-3
 """Share of its drive that a ball must be left with for its figures to have a meaning."""
 
 
-@dataclass(frozen=True)
-class _Pace:
+class _Pace(NamedTuple):
     """Sweeps, and the cycles of each for an octave."""
 
     sweeps: int
     stay: int
-
-    def __post_init__(self) -> None:
-        if whole("sweeps", self.sweeps) < 2:
-            raise ValueError(f"sweeps must be at least 2, got {self.sweeps}")
-        whole("stay", self.stay)
 
 
 def damping_curve(
@@ -223,8 +217,8 @@ def _held_by_dent(damper: ParticleDamper, place: tuple[float, float]) -> list[fl
         return []
     drives = [damper.break_away_threshold]
     if any(place):
-        hold = damper.rolling_threshold + damper.break_away * damper.centrifugal_acceleration
-        drives.append(hold + float(_outward(damper, np.array(place)).min()))
+        rim = float(rim_threshold(damper.parameters)[0])
+        drives.append(rim + float(_outward(damper, np.array(place)).min()))
     return [damper.amplitude_of(drive) for drive in drives]
 
 
@@ -242,24 +236,28 @@ def _down(
 
     `ends`: `least` and `reach` of :func:`damping_curve` [m].
     """
+    if whole("sweeps", pace.sweeps) < 2:
+        raise ValueError(f"sweeps must be at least 2, got {pace.sweeps}")
+    whole("stay", pace.stay)
     left = abs(1 - bare.tilt_share[0])
     gap = bare.half_gap[0]
     if left < _BALANCED or gap == 0:
-        return _no_descent(math.inf), 0.0, 0.0
+        return _no_descent(math.inf)
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
     if cutoff == 0 and bare.loses_nothing_in_hits:
-        return _no_descent(cutoff), 0.0, 0.0
+        return _no_descent(cutoff)
     least, reach = ends
     lowest, top = max(cutoff, least, _freely(bare) * gap / left), max(reach, 8 * max(cutoff, gap / left))
+    go_down = partial(samples_of, bare, lowest, threads=threads)
     fast = _Pace(min(pace.sweeps, _FIRST), max(pace.stay // _SLOWER, 1))
-    before, top = _falling(bare, cutoff, lowest, top, fast, threads)
+    before, top = _falling(go_down, cutoff, top, lowest * 2**_MOST_OCTAVES, fast)
     if before.peak == 0:
-        return _no_descent(cutoff), 0.0, 0.0
-    curve, samples = _settled(bare, cutoff, lowest, top, pace, threads, before)
+        return _no_descent(cutoff)
+    curve, samples = _settled(go_down, cutoff, top, pace, before)
     if max(moved(before, curve)) > _SAME:
         slower = _Pace(max(pace.sweeps // 2, 2), _SLOWER * pace.stay)
-        before, (curve, samples) = curve, _settled(bare, cutoff, lowest, top, slower, threads, curve)
+        before, (curve, samples) = curve, _settled(go_down, cutoff, top, slower, curve)
     above = with_error(curve, *moved(before, curve))
     if above.peak > 0:
         laws.check_curve(bare, above)
@@ -267,30 +265,25 @@ def _down(
     return Down(above, before, samples), max(cutoff, least, _LOWEST * gap / left), top
 
 
-def _no_descent(cutoff: float) -> Down:
-    return Down(nothing(cutoff), nothing(cutoff), np.zeros((0, 3)))
+def _no_descent(cutoff: float) -> tuple[Down, float, float]:
+    return Down(nothing(cutoff), nothing(cutoff), np.zeros((0, 3))), 0.0, 0.0
 
 
-def _falling(
-    damper: ParticleDamper, cutoff: float, low: float, top: float, pace: _Pace, threads: int | None
-) -> tuple[DampingCurve, float]:
+_GoDown: TypeAlias = "Callable[..., Floats]"
+"""`samples_of` a damper down to an amplitude: from another, at a pace."""
+
+
+def _falling(go_down: _GoDown, cutoff: float, top: float, highest: float, pace: _Pace) -> tuple[DampingCurve, float]:
     """Figures up to where the damping has fallen to half its peak, and the amplitude that this takes."""
     while True:
-        samples = samples_of(damper, low, top, pace.sweeps, pace.stay, threads)
-        curve = _read(cutoff, samples)
-        if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > low * 2**_MOST_OCTAVES:
+        curve = _read(cutoff, go_down(top, *pace))
+        if curve.peak == 0 or curve.damping_ratio[-1] < curve.peak / 2 or top > highest:
             return curve, top
         top *= 2**_OCTAVES
 
 
 def _settled(
-    damper: ParticleDamper,
-    cutoff: float,
-    low: float,
-    top: float,
-    pace: _Pace,
-    threads: int | None,
-    before: DampingCurve,
+    go_down: _GoDown, cutoff: float, top: float, pace: _Pace, before: DampingCurve
 ) -> tuple[DampingCurve, Floats]:
     """Figures of sweeps down at a pace, and their samples: of as many sweeps as bring their error down.
 
@@ -301,7 +294,7 @@ def _settled(
     for share in (share for share in _SHARES if 2 * share <= pace.sweeps):
         spaced = np.linspace(0, pace.sweeps - 1, pace.sweeps // share).round().astype(int)
         wanted = np.setdiff1d(spaced, done)
-        samples = np.vstack([samples, samples_of(damper, low, top, pace.sweeps, pace.stay, threads, wanted)])
+        samples = np.vstack([samples, go_down(top, *pace, numbers=wanted)])
         done = np.append(done, wanted)
         curve = _read(cutoff, samples)
         if curve.error <= max(BINNED, min(max(moved(before, curve)), _SAME) / 2):
@@ -323,7 +316,7 @@ def undamped(damper: ParticleDamper) -> ParticleDamper:
     Other modes that its motion feeds keep the damping of their own, or a little: they would shake the ball for ever.
     """
     modes = damper.modes
-    aside = damper.lateral_pull[1] != 0 or _curve(damper)[0, 1] != 0  # it moves along y too, and the structure with it
+    aside = damper.lateral_pull[1] != 0 or damper.restoring[0, 1] != 0  # ball and structure move along y too
     if modes is None and aside and damper.formulation != "printed":
         mass, (along, across), (tilt, tilt_across) = damper.modal_mass, damper.stiffness, damper.floor_tilt
         modes = Mode(mass, along, (1.0, 0.0), (tilt, 0.0)), Mode(mass, across, (0.0, 1.0), (0.0, tilt_across))
@@ -349,9 +342,8 @@ def _freely(damper: ParticleDamper) -> float:
     (Weidemann, Bergman, Vakakis and Krack 2025, doi 10.1007/s11071-025-10928-4); a rolling one feels beta times that.
     """
     e = damper.largest_restitution
-    beta = float(inertia_ratio(damper.parameters)[0])
     rho = 2 / math.pi * (1 - e) / (1 + e)
-    return max(0.5 * rho / math.hypot(1, rho) / beta, _LOWEST)
+    return max(0.5 * rho / math.hypot(1, rho) / damper.inertia_ratio, _LOWEST)
 
 
 def samples_of(
@@ -372,7 +364,7 @@ def samples_of(
     each = np.arange(sweeps) if numbers is None else numbers
     start = high * 2 ** ((each + 1) / sweeps)  # at least one octave's share above, to settle on the way
     cycles = SETTLING + math.ceil(stay * (math.log2(high / low) + 1))
-    down = sweeps_from(start, cycles, 4 ** (-1 / stay), damper.half_gap[0] * (1 - each / sweeps))
+    down = Sweeps(start, cycles, 4 ** (-1 / stay), damper.half_gap[0] * (1 - each / sweeps))
     rows = _rows(damper, _ramped(damper, down, threads, low)[:, SETTLING:])
     rows[:, 2] = each[rows[:, 2].astype(int)]
     return rows
@@ -395,9 +387,9 @@ def samples_up(damper: ParticleDamper, climbs: Sequence[Climb], threads: int | N
         start = low * 2 ** (-(SETTLING + ahead) / stay)
         place, velocity = swinging(damper, start) if rolls else (rests[0], 0.0)
         cycles = SETTLING + math.ceil(stay * math.log2(high / low) + _APART * sweeps)
-        every.append(sweeps_from(start, cycles, 4 ** (1 / stay), place, velocity, rests[1]))
-    every_way = Sweeps(*map(np.concatenate, zip(*every, strict=True)))
-    return _rows(damper, _ramped(damper, every_way, threads)[:, SETTLING:])
+        every.append(np.broadcast_arrays(*Sweeps(start, cycles, 4 ** (1 / stay), place, velocity, rests[1])))
+    way_up = Sweeps(*map(np.concatenate, zip(*every, strict=True)))
+    return _rows(damper, _ramped(damper, way_up, threads)[:, SETTLING:])
 
 
 def samples_at(
@@ -405,7 +397,7 @@ def samples_at(
 ) -> Floats:
     """The same at so many amplitudes an octave that are there at once and held, the ball at rest at a place [m]."""
     amplitude = np.geomspace(low, high, max(math.ceil(count * math.log2(high / low)), 2))
-    sweeps = sweeps_from(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1])
+    sweeps = Sweeps(amplitude, SETTLING + _HELD, 1.0, place[0], 0.0, place[1])
     return _rows(damper, _ramped(damper, sweeps, threads)[:, SETTLING:])
 
 
@@ -417,7 +409,7 @@ def resting_places(damper: ParticleDamper) -> list[tuple[float, float]]:
     out of the middle, as soon as a vibration moves it there, does not begin in it: what it gains on its way is lost
     once, and not taken from the structure.
     """
-    middle, pull, curve, threshold = (0.0, 0.0), np.abs(damper.lateral_pull), _curve(damper), damper.rolling_threshold
+    middle, pull, curve, threshold = (0.0, 0.0), np.abs(damper.lateral_pull), damper.restoring, damper.rolling_threshold
     place = _lowest(damper)
     outward = _outward(damper, place)
     leaves, sideways = outward[0] > threshold or pull[0] > threshold, abs(curve[0, 1])
@@ -429,7 +421,7 @@ def resting_places(damper: ParticleDamper) -> list[tuple[float, float]]:
 
 def _lowest(damper: ParticleDamper) -> Floats:
     """Place of least potential in the cavity, shape (2,) [m]."""
-    (x, y), pull, curve = damper.half_gap, np.array(damper.lateral_pull), _curve(damper)
+    (x, y), pull, curve = damper.half_gap, np.array(damper.lateral_pull), damper.restoring
     places = np.array([(x, y), (x, -y), (-x, y), (-x, -y)])
     for i in (0, 1) * _ROUNDS:  # in a bowl, up to where it rises as steeply
         push = pull[i] - curve[i, 1 - i] * places[:, 1 - i]
@@ -441,24 +433,18 @@ def _lowest(damper: ParticleDamper) -> Floats:
 
 def _outward(damper: ParticleDamper, place: Floats) -> Floats:
     """How the load pulls a ball away from the middle along x and y, shape (2,) [m/s^2]."""
-    return np.asarray(np.sign(place) * (damper.lateral_pull - _curve(damper) @ place))
-
-
-def _curve(damper: ParticleDamper) -> Floats:
-    """D: the load accelerates a ball at a place s in its cavity by -D s, shape (2, 2) [1/s^2]."""
-    bowl = damper.centrifugal_acceleration * path_curvature(damper.parameters)[0]
-    return np.asarray(np.diag(bowl) - in_plane(damper.parameters)[0])
+    return np.asarray(np.sign(place) * (damper.lateral_pull - damper.restoring @ place))
 
 
 def settled(damper: ParticleDamper, amplitude: float) -> float:
     """Damping ratio at an amplitude [m] that is held, from where motion from rest in the middle has settled."""
     starts = np.linspace(amplitude, (1 + _CHANCE) * amplitude, SWEEPS)
-    energy = _ramped(undamped(damper), sweeps_from(starts, 2 * _SETTLED), 1)[:, _SETTLED:]
+    energy = _ramped(undamped(damper), Sweeps(starts, 2 * _SETTLED), 1)[:, _SETTLED:]
     return float(-np.nanmean(np.log(energy[..., 1] / energy[..., 0]))) / (4 * math.pi)
 
 
 class Rolling(NamedTuple):
-    """A ball that rolls to and fro about the middle.
+    """A ball that rolls to and fro about the middle; `Rolling()`: there is none.
 
     Attributes:
         samples: as `samples_of` has them, at amplitudes at which it goes on rolling.
@@ -468,10 +454,10 @@ class Rolling(NamedTuple):
         meets: amplitude from which on it meets the walls if it does not stray; inf as before [m].
     """
 
-    samples: Floats
-    ends: float
-    there: Floats
-    meets: float
+    samples: Floats = np.zeros((0, 3))
+    ends: float = math.inf
+    there: Floats = np.zeros((0, 3))
+    meets: float = math.inf
 
     @property
     def is_centred(self) -> bool:
@@ -487,7 +473,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
         low: amplitude from which on it rolls [m].
         threads: see :func:`damper.ringdowns`.
     """
-    gap, share, curve = damper.half_gap[0], abs(1 - damper.tilt_share[0]), _curve(damper)
+    gap, share, curve = damper.half_gap[0], abs(1 - damper.tilt_share[0]), damper.restoring
     free = gap / (damper.inertia_ratio * share)
     high = free + 2 * damper.rolling_threshold / damper.stuck_frequency**2 / share
     amplitude = np.geomspace(low * (1 + 1e-9), high, max(math.ceil(_FINE * math.log2(high / low)), 2))
@@ -500,13 +486,13 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
             strays += math.inf
         lasts = strays < 1
         if lasts.sum() < 2:
-            return Rolling(np.zeros((0, 3)), math.inf, np.zeros((0, 3)), math.inf)
+            return Rolling()
         amplitude, strays = amplitude[lasts], strays[lasts]
     wide = in_wide_cavity(damper, high)
 
     ball = swinging(wide, amplitude)
     settling, counted = _ROLLED
-    energy = _ramped(wide, sweeps_from(amplitude, settling + counted, 1.0, *ball), threads, alike=damper)[:, settling:]
+    energy = _ramped(wide, Sweeps(amplitude, settling + counted, 1.0, *ball), threads, alike=damper)[:, settling:]
     if damper.rolling_threshold > 0 and held:  # over half the clearance, by what it loses
         swing = energy[..., 3].mean(axis=1) / (4 * damper.ball_mass * damper.rolling_threshold * gap)
     else:
@@ -516,7 +502,7 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     rows = _rows(damper, energy)
     which, number, cycles = np.unique(rows[:, 2].astype(int), return_inverse=True, return_counts=True)
     if not which.size:  # the ball takes more than the structure has
-        return Rolling(rows, math.inf, rows, math.inf)
+        return Rolling()
     lost = np.interp(ends, amplitude[which], np.bincount(number, rows[:, 0] - rows[:, 1]) / cycles)
     there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
     return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)
@@ -534,7 +520,7 @@ def _lag(damper: ParticleDamper) -> float:
 
 def _held_aside(damper: ParticleDamper, amplitude: Floats) -> npt.NDArray[np.bool_]:
     """Whether rolling resistance holds a ball along y that rolls along x, from wall to wall at most, shape (n,)."""
-    pull = abs(damper.lateral_pull[1]) + abs(_curve(damper)[0, 1]) * damper.half_gap[0]
+    pull = abs(damper.lateral_pull[1]) + abs(damper.restoring[0, 1]) * damper.half_gap[0]
     return np.asarray(pull + damper.cross_drive * amplitude <= damper.rolling_threshold)
 
 
@@ -546,7 +532,7 @@ def _strays(damper: ParticleDamper, amplitude: Floats) -> Floats:
     m x' = k x + a. It begins `_ASTRAY` off the middle. Where it moves along y too, it is at a wall there.
     """
     beta, omega, gap = damper.inertia_ratio, damper.stuck_frequency, damper.half_gap[0]
-    middle, curve = np.sqrt(amplitude[1:] * amplitude[:-1]), _curve(damper)
+    middle, curve = np.sqrt(amplitude[1:] * amplitude[:-1]), damper.restoring
     lag = _lag(damper)  # where the ball pauses, below some 1.2 times that, it has about half the speed of one set off
     pauses = 0.25 * np.maximum(middle**2 - (2 * lag / math.pi) ** 2, 1e-12 * middle**2)
     evenly = np.sqrt(np.maximum(middle**2 - lag**2, pauses))
@@ -597,34 +583,22 @@ def _rows(damper: ParticleDamper, energy: Floats) -> Floats:
 
 
 class Sweeps(NamedTuple):
-    """How n sweeps go, shape (n,) each.
+    """How n sweeps go: shape (n,), or a number for all of them.
 
     Attributes:
         amplitude: at which they begin [m].
-        place, velocity: of the ball along x then [m, m/s].
-        aside: its place along y then [m].
         cycles: that they go on for.
         factor: by which the structure's energy changes from cycle to cycle.
+        place, velocity: of the ball along x at the beginning [m, m/s].
+        aside: its place along y then [m].
     """
 
     amplitude: Floats
-    place: Floats
-    velocity: Floats
-    aside: Floats
-    cycles: Integers
-    factor: Floats
-
-
-def sweeps_from(
-    amplitude: Floats,
-    cycles: int,
-    factor: float = 1.0,
-    place: Floats | float = 0.0,
-    velocity: Floats | float = 0.0,
-    aside: float = 0.0,
-) -> Sweeps:
-    """Sweeps that go alike from several amplitudes."""
-    return Sweeps(*map(np.array, np.broadcast_arrays(amplitude, place, velocity, aside, cycles, factor)))
+    cycles: Integers | int
+    factor: Floats | float = 1.0
+    place: Floats | float = 0.0
+    velocity: Floats | float = 0.0
+    aside: Floats | float = 0.0
 
 
 def _ramped(
@@ -640,29 +614,27 @@ def _ramped(
     """
     from damper import engine
 
-    count, cycles = len(sweeps.amplitude), int(sweeps.cycles.max())
+    amplitude, each_cycles, factor, place, velocity, aside = map(np.array, np.broadcast_arrays(*sweeps))
+    count, cycles = len(amplitude), int(each_cycles.max())
     start = np.zeros((count, 5, 2))
-    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0], start[:, 2, 1] = sweeps[:4]
+    start[:, 0, 0], start[:, 2, 0], start[:, 3, 0], start[:, 2, 1] = amplitude, place, velocity, aside
     p = prepare(np.repeat(damper.parameters, count), start, cycles, cycles)
-    tables = nothing_kept()
     energy = np.full((count, cycles, 4), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
-    ramp, status = engine.Ramp(sweeps.factor, sweeps.cycles, float(below), energy), np.full(count, engine.BEGINS)
+    ramp, status = engine.Ramp(factor, each_cycles, float(below), energy), np.full(count, engine.BEGINS)
     known = alike or damper
-    f = flights(known, np.repeat(known.parameters, count), p, amplitudes=_in_one_mode(damper, sweeps.amplitude))
-
-    def work(block: tuple[int, int]) -> None:
-        engine.run_block(block, f.runs, f.systems.flows, tables, ramp, _EVENTS * cycles, status)
-
-    threads = threads or os.cpu_count() or 1
-    in_blocks(work, count, threads, block_size=count if threads == 1 else math.ceil(count / (4 * threads)))
+    f = flights(known, np.repeat(known.parameters, count), p, amplitudes=in_one_mode(damper, amplitude))
+    arguments = f.runs, f.systems.flows, Tables(), ramp, _EVENTS * cycles, status
+    threads = workers(threads)
+    size = count if threads == 1 else math.ceil(count / (4 * threads))
+    in_blocks(engine.run_block, arguments, count, threads, block_size=size)
     laws.check_sweeps(damper, energy, f.runs["axes"]["excursion"])
     self_check.once("sweeps", samples_of)
     return energy
 
 
-def _in_one_mode(damper: ParticleDamper, displacement: Floats) -> Floats | None:
+def in_one_mode(damper: ParticleDamper, displacement: Floats) -> Floats | None:
     """Amplitudes of the modes where the one that yields most along x moves the cavity so, shape (n, k)."""
     if damper.modes is None:
         return None

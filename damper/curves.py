@@ -83,16 +83,20 @@ class DampingCurve:
     amplitude: Floats
     damping_ratio: Floats
     cutoff: float
-    peak: float
-    peak_amplitude: float
-    half: tuple[float, float]
-    error: float
-    half_error: float
+    peak: float = 0.0
+    peak_amplitude: float = math.nan
+    half: tuple[float, float] = (math.nan, math.nan)
+    error: float = 0.0
+    half_error: float = 0.0
     from_above: DampingCurve | None = None
     slow_ramp: DampingCurve | None = None
     abrupt_start: DampingCurve | None = None
     folds: tuple[float, float] = (math.nan, math.nan)
     jump: tuple[float, float] = (math.nan, math.nan)
+
+    def at(self, amplitude: Floats | float) -> Floats:
+        """Damping ratio at amplitudes between the points, and beyond them as at the nearest."""
+        return np.asarray(np.interp(np.log(amplitude), np.log(self.amplitude), self.damping_ratio))
 
     @property
     def range(self) -> tuple[float, float]:
@@ -110,12 +114,7 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
     amplitude, ratio = _points(found)
     if not len(ratio) or ratio.max() < _SMALL:
         return None
-    return at_peak(_bare(amplitude, ratio, cutoff))
-
-
-def _bare(amplitude: Floats, ratio: Floats, cutoff: float) -> DampingCurve:
-    """A curve from which nothing is read yet."""
-    return DampingCurve(amplitude, ratio, cutoff, 0.0, 0.0, (0.0, 0.0), 0.0, 0.0)
+    return at_peak(DampingCurve(amplitude, ratio, cutoff))
 
 
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
@@ -147,9 +146,9 @@ def grown(
         grazes: a sample of it there; none where there is none.
     """
     above, climbing = down.curve, tally(up, down.curve.cutoff)
-    every = [_binned(climbing, slice(k, k + 1)) for k in range(len(climbing.cycles))]
+    every = [_binned(*_points(climbing, slice(k, k + 1))) for k in range(len(climbing.cycles))]
     climbs = [dict(list(each.items())[:-1]) for each in every]  # without the last bin, which a sweep leaves at once
-    rolling, known = _binned(tally(rolls, above.cutoff)), _binned_of(above)
+    rolling, known = _binned(*_points(tally(rolls, above.cutoff))), _binned(above.amplitude, above.damping_ratio)
     begins = min((min(each) for each in (*climbs, rolling) if each), default=min(known))
     known = {k: point for k, point in known.items() if k >= begins}  # hits may take a falling vibration further down
     lowest = _lowest(above, known, climbs, rolling)
@@ -158,7 +157,7 @@ def grown(
         points = _with_rise(lowest, above, meets, float(grazes[0, 0] - grazes[0, 1]) / (2 * math.pi))
     amplitude, ratio = (np.array([getattr(each, name) for each in points]) for name in ("amplitude", "ratio"))
     best = int(np.argmax(ratio))
-    curve = at_bin(replace(_bare(amplitude, ratio, above.cutoff), from_above=above), best)
+    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, from_above=above), best)
     usual = at_peak(replace(curve, damping_ratio=np.array([max(each.ratio, each.usual) for each in points])))
     more = usual.peak / curve.peak - 1 if curve.peak > 0 else 0.0
     curve = with_error(with_error(curve, *moved(curve, usual)), max(more, points[best].spread))
@@ -228,7 +227,7 @@ def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, rol
         return k in lowest and lowest[k].lacks is not None
 
     last = _bins(np.array([meets]))[0]
-    begun = float(np.interp(math.log(meets), np.log(above.amplitude), above.damping_ratio))
+    begun = float(above.at(meets))
     if not (parts(last) or (parts(last - 1) and rolled < (1 - _PARTED) * begun)):
         return [lowest[k] for k in sorted(lowest)]
     begun = min(begun, lowest[last + 1].ratio) if parts(last + 1) else begun
@@ -245,7 +244,7 @@ def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, rol
 def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float]) -> DampingCurve:
     """A curve of the way up, with the errors of what it has of the way down `alone`, at these amplitudes [m]."""
     shown, best = np.isin(curve.amplitude, alone), int(np.argmax(curve.damping_ratio))
-    before = np.interp(np.log(curve.amplitude), np.log(down.before.amplitude), down.before.damping_ratio)
+    before = down.before.at(curve.amplitude)
     faster = at_peak(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio)))
     curve = with_error(with_error(curve, BINNED), *moved(faster, curve))
     if not shown[best]:
@@ -301,7 +300,7 @@ def as_read(curve: DampingCurve) -> DampingCurve:
 
 def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:
     """Whether sweeps show a motion damped less than a curve's somewhere beyond an amplitude."""
-    known, seen = _binned_of(curve), _binned(found)
+    known, seen = _binned(curve.amplitude, curve.damping_ratio), _binned(*_points(found))
     return any(ratio < (1 - _PARTED) * known[k][1] for k, (a, ratio) in seen.items() if k in known and a > amplitude)
 
 
@@ -325,8 +324,7 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
     stops = float(np.median(leaves))
     first = max(each for each in leaves if each <= stops * 2 ** (_NEAR / BINS))
     fallen = (place >= region[0] * _WIDTH) & (above.amplitude < first)
-    below = np.interp(place, np.log(curve.amplitude), curve.damping_ratio)
-    ratio = np.where(fallen, np.minimum(above.damping_ratio, below), above.damping_ratio)
+    ratio = np.where(fallen, np.minimum(above.damping_ratio, curve.at(above.amplitude)), above.damping_ratio)
     above = at_peak(replace(above, damping_ratio=ratio))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
     curve = curve if last == meets else with_error(curve, *_chance(curve, region, joins))
@@ -371,14 +369,10 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     _, number, cycles = np.unique(below[:, 2], return_inverse=True, return_counts=True)
     before, after = (np.bincount(number, below[:, k]) / cycles for k in (0, 1))
     place, ratio = np.exp(0.5 * (before + after)), (before - after) / (2 * math.pi)
-    shown = np.interp(math.log(place[-1]), np.log(curve.amplitude), curve.damping_ratio)
+    shown = curve.at(place[-1])
     if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
         return curve
-    beyond = curve.amplitude > place[-1]
-    amplitude, ratio = (
-        np.concatenate([near, far[beyond]]) for near, far in ((place, curve.amplitude), (ratio, curve.damping_ratio))
-    )
-    return at_peak(replace(curve, amplitude=amplitude, damping_ratio=ratio))
+    return continued(replace(curve, amplitude=place, damping_ratio=ratio), curve)
 
 
 def continued(curve: DampingCurve, other: DampingCurve) -> DampingCurve:
@@ -420,8 +414,7 @@ def _with_step(curve: DampingCurve, amplitude: float) -> DampingCurve:
         return curve
     step = np.array([(1 - _STEP) * amplitude, amplitude])
     places = np.unique([*curve.amplitude, *step])
-    ratio = np.interp(np.log(places), np.log(curve.amplitude), curve.damping_ratio)
-    return replace(curve, amplitude=places, damping_ratio=ratio)
+    return replace(curve, amplitude=places, damping_ratio=curve.at(places))
 
 
 def _bins(amplitude: Floats) -> list[int]:
@@ -429,14 +422,8 @@ def _bins(amplitude: Floats) -> list[int]:
     return [math.floor(place) for place in np.log(amplitude) / _WIDTH]
 
 
-def _binned_of(curve: DampingCurve) -> _Bins:
-    """Points of a curve by their bins."""
-    return dict(zip(_bins(curve.amplitude), zip(curve.amplitude, curve.damping_ratio, strict=True), strict=True))
-
-
-def _binned(found: Tally, sweeps: slice = _ALL) -> _Bins:
-    """Amplitude and damping ratio by the bin's number, of some sweeps."""
-    amplitude, ratio = _points(found, sweeps)
+def _binned(amplitude: Floats, ratio: Floats) -> _Bins:
+    """Points of a curve by the numbers of their bins."""
     return dict(zip(_bins(amplitude), zip(amplitude.tolist(), ratio.tolist(), strict=True), strict=True))
 
 
@@ -557,5 +544,4 @@ def spread(found: Tally, whole: DampingCurve) -> float:
 
 def nothing(cutoff: float) -> DampingCurve:
     """Of a ball that takes nothing."""
-    empty = np.zeros(0)
-    return DampingCurve(empty, empty, cutoff, 0.0, math.nan, (math.nan, math.nan), 0.0, 0.0)
+    return DampingCurve(np.zeros(0), np.zeros(0), cutoff)

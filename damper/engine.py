@@ -16,7 +16,7 @@ from damper.compiled import fused, inlined, kernel, part
 from damper.events import account, narrowed, seek, strongest_drive
 from damper.flight import derivatives, expand, spend, travel
 from damper.impacts import let_go, read, resolve
-from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, SLIPPING, STUCK
+from damper.state import HIT, NOTHING, RELEASE, ROLLING, RUB, STUCK
 
 if TYPE_CHECKING:
     from damper.model import Floats, Integers, Record, Records
@@ -113,12 +113,12 @@ def _twice_the_energy(it: Record, time: float) -> float:
         span, low, c = system.span[g], system.low[g], it.motion.series[g]
         x = (time - it.motion.start[g]) / span
         for m in range(low, system.high[g]):
-            if system.inertia[m] > 0.0:
+            if _of_a_mode(m, system):
                 gain, rate, _, _ = derivatives(c[m - low], x)
                 q = c[m - low, 0] + gain
                 twice += system.spring[m, m] * q * q + system.mass[m, m] * (rate / span) ** 2
                 for n in range(low, m):
-                    if system.inertia[n] > 0.0:
+                    if _of_a_mode(n, system):
                         twice += 2.0 * system.mass[m, n] * rate * derivatives(c[n - low], x)[1] / (span * span)
     return twice
 
@@ -146,8 +146,8 @@ def _speed(it: Record, time: float) -> tuple[float, float]:
     return square, rate
 
 
-DONE, PAUSED, FULL, BEGINS = 0, 1, 2, 3
-"""How a run stands: it is at its end, has had as many events as may be, needs a longer table, is yet to be released."""
+DONE, PAUSED, BEGINS = 0, 1, 2
+"""How a run stands: at its end, with as many events as may be or a full table, or yet to be released."""
 
 DIED_OUT = 1e-6
 """Share of its first velocity maximum at which a vibration is over, whatever the ball does."""
@@ -198,8 +198,8 @@ def _fade(it: Record) -> None:
 
 
 @part
-def count(kind: int, axis: Record, clock: Record) -> None:
-    """Count an event of an axis before the flight to it: the counters of `damper.state.Counts`."""
+def count(kind: int, clock: Record) -> None:
+    """Count an event before the flight to it: the counters of `damper.state.Counts`."""
     clock.events += 1
     if kind == HIT:
         clock.impacts += 1
@@ -227,9 +227,6 @@ def _release(it: Record, flow: Floats, tables: Tables) -> None:
 def restart(g: int, time: float, it: Record, flow: Floats) -> None:
     """Begin the flight that follows an event of a group, or the next step of one, and seek its end."""
     it.motion.start[g] = time
-    for i in range(it.system.first[g], it.system.last[g]):
-        axis = it.axes[i]
-        axis.f = -axis.direction * it.ball.grip if axis.regime == SLIPPING else 0.0
     expand(g, it, flow)
     seek(g, it)
 
@@ -243,7 +240,7 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
         time = min(motion.next[g], clock.end)
         while watch(it, clock.watched, time):
             if not end_cycle(it, tables):
-                return FULL
+                return PAUSED
         clock.watched = time
         if it.axes[0].regime != STUCK or it.axes[1].regime != STUCK:
             clock.last_motion = time
@@ -252,16 +249,14 @@ def _run(it: Record, flow: Floats, tables: Tables, most: int) -> int:
             resume(it.cycle, clock.last_motion)
             clock.time = time
             return DONE
-        if motion.kind[g] != NOTHING and clock.events >= most:
+        if motion.kind[g] != NOTHING and (clock.events >= most or 0 < len(tables.rows) < clock.rows + 2):
             return PAUSED
-        if motion.kind[g] != NOTHING and 0 < len(tables.rows) < clock.rows + 2:
-            return FULL
         advance(g, time, it, flow, tables)
         _rest(it, time)
 
 
 class Ramp(NamedTuple):
-    """How n ring-downs are led through the amplitudes, and what they show.
+    """How n ring-downs are led through the amplitudes, and what they show; `Ramp()`: they are left to themselves.
 
     After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
     whatever the ball took, in the modes that are not damped; the ball's motion in its cavity stays as it is.
@@ -271,15 +266,10 @@ class Ramp(NamedTuple):
     may be.
     """
 
-    factor: Floats
-    cycles: Integers
-    least: float
-    energies: Floats
-
-
-def no_ramp() -> Ramp:
-    """Of ring-downs that are left to themselves."""
-    return Ramp(np.zeros(0), np.zeros(0, np.int64), 0.0, np.zeros((0, 0, 4)))
+    factor: Floats = np.zeros(0)
+    cycles: Integers = np.zeros(0, np.int64)
+    least: float = 0.0
+    energies: Floats = np.zeros((0, 0, 4))
 
 
 @kernel
@@ -324,9 +314,15 @@ def _open(books: Record) -> None:
 
 
 @part
+def _of_a_mode(m: int, system: Record) -> bool:
+    """Whether a coordinate is that of a mode, not of the ball in its cavity."""
+    return bool(m != system.place[0] and m != system.place[1])
+
+
+@part
 def _led(m: int, system: Record) -> bool:
     """Whether a coordinate is led through the amplitudes: a mode without a dashpot."""
-    return bool(m != system.place[0] and m != system.place[1] and system.dashpot[1, m] == 0.0)
+    return bool(_of_a_mode(m, system) and system.dashpot[1, m] == 0.0)
 
 
 @part
@@ -344,13 +340,19 @@ def _scale(scale: float, it: Record, flow: Floats) -> None:
 @part
 def _of_the_structure(it: Record) -> float:
     """Energy of the structure, as far as it is led, the ball counted as stuck to it [J]."""
-    system, motion, twice = it.system, it.motion, 0.0
+    return 0.5 * _twice_stored(it, 0.0, True)
+
+
+@part
+def _twice_stored(it: Record, twice: float, led: bool) -> float:
+    """So much and twice the energy of masses and springs, of all or of what is led [J]."""
+    system, motion = it.system, it.motion
     for m in range(system.coordinates):
         for n in range(system.coordinates):
-            if _led(m, system) and _led(n, system):
+            if not led or (_led(m, system) and _led(n, system)):
                 twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
                 twice += motion.z[m] * system.spring[m, n] * motion.z[n]
-    return 0.5 * twice
+    return twice
 
 
 @part
@@ -362,15 +364,10 @@ def lost(books: Record) -> float:
 @part
 def stored(it: Record) -> float:
     """Energy of structure and ball [J]."""
-    system, motion = it.system, it.motion
     twice = it.ball.spin_mass * (it.axes[0].spin ** 2 + it.axes[1].spin ** 2)
     for i in range(2):
-        twice -= 2.0 * it.ball.mass * system.lateral[i] * motion.z[system.place[i]]
-    for m in range(system.coordinates):
-        for n in range(system.coordinates):
-            twice += motion.rate[m] * system.mass[m, n] * motion.rate[n]
-            twice += motion.z[m] * system.spring[m, n] * motion.z[n]
-    return float(0.5 * twice)
+        twice -= 2.0 * it.ball.mass * it.system.lateral[i] * it.motion.z[it.system.place[i]]
+    return 0.5 * _twice_stored(it, twice, False)
 
 
 @part
@@ -393,7 +390,7 @@ def advance(g: int, time: float, it: Record, flow: Floats, tables: Tables) -> No
         return
     axis, other, apart = it.axes[i], it.axes[1 - i], it.system.groups == 2
     clock.time = time
-    count(kind, axis, clock)
+    count(kind, clock)
     leaves = ball.hold > ball.threshold  # its dent, which held it along the other axis too
     if apart and (leaves or (kind == HIT and ball.friction > 0.0 and other.regime != STUCK)):
         fly(1 - g, (time - it.motion.start[1 - g]) / it.system.span[1 - g], it)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, path_curvature
+from damper.model import Harmonic, in_plane, inertia_ratio, lateral_pull, restoring
 from damper.state import MODES, STEP, SYSTEM, TERMS, Equations, zeros
 
 if TYPE_CHECKING:
@@ -71,10 +71,8 @@ def _structures(damper: ParticleDamper, rows: Parameters) -> Structures:
     mass, spring, dashpot, shape, slope, drawn = (
         _single_modes(rows) if damper.modes is None else _given_modes(rows, damper.modes)
     )
-    spin, load = in_plane(rows), rows["centrifugal_acceleration"][:, None]
-    pull = load[:, :, None] * slope - spin @ shape
-    curve = (load * path_curvature(rows))[:, :, None] * np.eye(2) - spin
-    return Structures(mass, spring, dashpot, shape, drawn, pull, curve)
+    pull = rows["centrifugal_acceleration"][:, None, None] * slope - in_plane(rows) @ shape
+    return Structures(mass, spring, dashpot, shape, drawn, pull, restoring(rows))
 
 
 def _single_modes(rows: Parameters) -> tuple[Floats, ...]:
@@ -224,17 +222,8 @@ def _driven(
     return sway, np.concatenate([modal, ball], axis=1), driven
 
 
-class Swinging(NamedTuple):
-    """`deflection`, `swing`, shape (n, N, N), `reach` and `bias`, shape (n, 2, N), of `damper.state.SYSTEM`."""
-
-    deflection: Floats
-    swing: Floats
-    reach: Floats
-    bias: Floats
-
-
-def swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> Swinging:
-    """In the coordinates (q, s), N of them.
+def _swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> dict[str, Floats]:
+    """`deflection`, `swing`, shape (n, N, N), `reach` and `bias`, shape (n, 2, N), of `damper.state.SYSTEM`.
 
     In the modes v_k of M + m Phi'Phi and K, the structure swings about where the ball's place holds it; its dashpots
     add to the accelerations.
@@ -262,7 +251,7 @@ def swinging(structures: Structures, ball: Floats, members: list[list[int]]) -> 
         still = rate[:, None, :] * (shape @ v) - force @ v / rate[:, None, :]
         moving = shape @ v @ (v.transpose(0, 2, 1) @ (structures.dashpot[:, modes, None] * v))
         reach[:, :, modes] = np.hypot(still, moving)
-    return Swinging(deflection, swing, reach, bias)
+    return {"deflection": deflection, "swing": swing, "reach": reach, "bias": bias}
 
 
 _ROOM = 2**26
@@ -354,7 +343,7 @@ def systems_of(
     compliance = (structures.shape**2 / structures.mass[:, None, :]).sum(axis=2)
     constants = np.zeros(n, SYSTEM)
     for values in (
-        _places(members, k, alone=_alone(structures, members)),
+        _places(structures, members, order),
         _sorted(_inertia(rows, structures, members), order),
         {"power": equations.power[:, order], "mode_shape": equations.shape[..., order]},
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
@@ -367,16 +356,14 @@ def systems_of(
     return Systems(constants, flows_of(equations, members, spans), equations, order)
 
 
-def _alone(structures: Structures, members: list[list[int]]) -> bool:
-    """Whether each axis has one mode, scaled to 1 at the cavity: it is the cavity's displacement itself."""
-    return len(members) == 2 == structures.mass.shape[1] and bool((structures.shape == np.eye(2)).all())
+def _places(structures: Structures, members: list[list[int]], order: list[int]) -> dict[str, Any]:
+    """Which coordinates and axes each group has.
 
-
-def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
-    """Which coordinates and axes each group has."""
+    Where each axis has one mode, scaled to 1 at the cavity, that is the cavity's displacement itself.
+    """
+    k, group = structures.mass.shape[1], [0, len(members) - 1]
     ends, axes = np.cumsum([0, *map(len, members)]), [0, 1, 2] if len(members) == 2 else [0, 2]
-    order = [z for group in members for z in group]
-    group = [0, len(members) - 1]
+    alone = len(members) == 2 == k and bool((structures.shape == np.eye(2)).all())
     return {
         "coordinates": k + 2,
         "groups": len(members),
@@ -394,25 +381,22 @@ def _places(members: list[list[int]], k: int, *, alone: bool) -> dict[str, Any]:
 def _inertia(rows: Parameters, structures: Structures, members: list[list[int]]) -> dict[str, Floats]:
     """What has to do with masses and energies, in the coordinates (q, s)."""
     n = len(rows)
-    ball, none = rows["ball_mass"][:, None, None], np.zeros((n, 2))
+    ball = rows["ball_mass"][:, None, None]
     give = structures.shape / structures.mass[:, None, :]
     mass, spring = _energies(structures, ball)
-    still = swinging(structures, ball, members)
     return {
         "mass": mass,
         "spring": spring,
         "yielding": np.concatenate([give, -structures.shape @ give.transpose(0, 2, 1)], axis=2),
         "dashpot": np.concatenate([_dashpots(structures, ball, rows["printed"][:, None]), np.zeros((n, 2, 2))], axis=2),
-        "inertia": np.concatenate([structures.mass, none], axis=1),
-        **still._asdict(),
+        **_swinging(structures, ball, members),
     }
 
 
 def _sorted(values: dict[str, Floats], order: list[int]) -> dict[str, Floats]:
     """Vectors and matrices with their coordinates in this order."""
-    square = {"mass", "spring", "deflection", "swing"}
-    two = np.ix_(order, order)
-    return {name: each[:, two[0], two[1]] if name in square else each[..., order] for name, each in values.items()}
+    square = len(order), len(order)
+    return {name: (each[:, order] if each.shape[1:] == square else each)[..., order] for name, each in values.items()}
 
 
 def _energies(structures: Structures, ball: Floats) -> tuple[Floats, Floats]:

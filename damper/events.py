@@ -250,12 +250,20 @@ def settled(g: int, it: Record) -> bool:
     for i in range(first, last):
         if axes[i].regime != STUCK or axes[i].spin != 0.0:
             return False
+    stays = True
     for i in range(first, last):
-        bias, swing = largest_drive(i, system, it.motion.z, it.motion.rate)
-        for d in (-1, 1):
-            away = d * it.motion.z[system.place[i]] < axes[i].half_gap
-            if away and d * bias + swing > MARGIN * it.ball.hold:
-                return False
+        stays = stays and stays_stuck(i, it, it.motion.z, it.motion.rate, 0.0)
+    return stays
+
+
+@part
+def stays_stuck(i: int, it: Record, z: Floats, rate: Floats, more: float) -> bool:
+    """Whether the drive by what moves so, and that much more, never sets a ball off that is stuck along an axis."""
+    bias, swing = largest_drive(i, it.system, z, rate)
+    for d in (-1, 1):
+        away = d * it.motion.z[it.system.place[i]] < it.axes[i].half_gap
+        if away and d * bias + swing + more > MARGIN * it.ball.hold:
+            return False
     return True
 
 
@@ -464,7 +472,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     system, axis, guard = it.system, it.axes[i], it.motion.guard[:]
     g = system.group[i]
     s, d, span = it.motion.series[g, system.lane[i]], axis.direction, system.span[g]
-    x, kind = np.inf, HIT
+    x = np.inf
     for side in (-1, 1):
         hit = _hit(s, guard, side, axis.half_gap, min(x, end))
         if hit < x:
@@ -473,9 +481,7 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
     guard[0] = d * (it.motion.rate[system.place[i]] - axis.spin) * span
     guard[1] -= SPIN_UP * it.ball.grip * span * span
     grip = first_zero(guard, min(x, end))
-    if grip < x:
-        x, kind = grip, GRIP
-    return x, kind
+    return (grip, GRIP) if grip < x else (x, HIT)
 
 
 @inlined

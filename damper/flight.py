@@ -397,9 +397,10 @@ def spend(axis: Record, path: float, tau: float, ball: Record, books: Record) ->
         books.rolling += ball.mass * ball.threshold * abs(path)
         axis.spin = axis.w
     elif axis.regime == SLIPPING:
-        slid = path - axis.spin * tau + 0.5 * SPIN_UP * axis.f * tau * tau
+        f = -axis.direction * ball.grip
+        slid = path - axis.spin * tau + 0.5 * SPIN_UP * f * tau * tau
         books.slip += ball.mass * ball.grip * abs(slid)
-        axis.spin -= SPIN_UP * axis.f * tau
+        axis.spin -= SPIN_UP * f * tau
     elif axis.spin != 0.0:
         spin = math.copysign(max(abs(axis.spin) - SPIN_UP * ball.grip * tau, 0.0), axis.spin)
         books.slip += 0.5 * ball.spin_mass * (axis.spin - spin) * (axis.spin + spin)

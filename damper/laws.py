@@ -233,7 +233,7 @@ def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes
     if extremes.driven:
         return
     speed, riding = bounds.speed(books.initial + 0 * present), bounds.mobility
-    if structures.mass.shape[1] > 2:  # velocity maxima then stand for the energy of all modes: `damper.cycles`
+    if structures.mass.shape[1] > 2:  # velocity maxima then stand for the energy of all modes: `damper.engine`
         riding = (1 + rows["ball_mass"] * bounds.mobility) / (rows["modal_mass"] + rows["ball_mass"])
     most = np.where(consistent, np.sqrt(riding) * speed * (1 + EXACT), np.inf)
     require("no velocity exceeds that of the total energy", "velocity maximum [m/s]", extremes.velocity, most, where)
@@ -327,7 +327,7 @@ def check_cutoff(damper: ParticleDamper, velocity: float) -> None:
     """Check the first velocity maximum after the ball's last motion [m/s].
 
     Where one mode moves each axis, abs(omega² - E) A is at most the rolling threshold, plus the floor's slope where the
-    ball rests: A is at most the cut-off of `damping_curve`. The cut-off of a ring-down belongs to the cycle before,
+    ball rests: A is at most the cut-off of `damping_curve`. The cut-off of a ring-down belongs to the cycle
     before, whose decay is its resolution. A ball that keeps bouncing may have a much lower one.
 
     Raises:
@@ -382,9 +382,7 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
     present = swing + abs(before)
 
     def where(index: tuple[int, ...]) -> str:
-        amplitude = math.sqrt(
-            2 * max(float(swing[index[0], index[-1] if len(index) > 1 else 0]), 0.0) / damper.stiffness[0]
-        )
+        amplitude = math.sqrt(2 * max(float(swing[(*index, 0)[:2]]), 0.0) / damper.stiffness[0])
         return f"a sweep {'at' if len(index) > 1 else 'from'} an amplitude of {amplitude:.3g} m"
 
     require(_FINITE, "energy [J]", present + abs(left) + abs(lost), sys.float_info.max, where)

@@ -7,7 +7,7 @@ table (`PARAMETERS`), so that many are computed at once: derived quantities and 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import lru_cache
+from functools import cached_property
 from numbers import Integral, Real
 from typing import Any, TypeAlias
 
@@ -49,6 +49,8 @@ PARAMETERS = np.dtype(
 )
 """One row per damper; the fields are those of `damper.ParticleDamper`, in SI."""
 
+FIELDS = PARAMETERS.names or ()
+
 IMPACT = ("restitution", "restitution_by_speed", "friction", "sticking_ratio")
 """Fields by which the law of impact goes (`damper.impacts`); kernels have them by the same names."""
 
@@ -65,7 +67,7 @@ def ensemble(base: Parameters, size: int, varied: dict[str, Any]) -> Parameters:
     if not varied:
         return rows
     for name, values in varied.items():
-        if name not in (PARAMETERS.names or ()) or name == "printed":
+        if name not in FIELDS or name == "printed":
             raise ValueError(f"{name} is not a field of ParticleDamper that can be varied")
         array = table(name, values)
         if array.shape[:1] != (size,) or array.shape[1:] not in {(), rows[name].shape[1:]}:
@@ -234,8 +236,7 @@ def resting_place(rows: Parameters) -> Floats:
 
     As the speed rises the load draws it there before it is pressed in; a hollow floor may hold it on the way.
     """
-    beyond = np.abs(lateral_pull(rows)) - rolling_threshold(rows)[:, None]
-    steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
+    beyond, steep = np.abs(lateral_pull(rows)) - rolling_threshold(rows)[:, None], bowl(rows)
     with np.errstate(divide="ignore", invalid="ignore"):
         far = np.where(beyond > 0, np.minimum(half_gap(rows), np.where(steep > 0, beyond / steep, np.inf)), 0.0)
     return np.asarray(np.where(rows["break_away"][:, None] > 0, np.sign(lateral_pull(rows)) * far, 0.0))
@@ -247,15 +248,28 @@ def break_away_threshold(rows: Parameters) -> Floats:
     The load's pull along the floor helps it out of the middle, and holds it at a wall. Below 0 the ball is off at once.
     """
     place = resting_place(rows)
-    steep = rows["centrifugal_acceleration"][:, None] * path_curvature(rows)
-    pull = np.abs(lateral_pull(rows)) - steep * np.abs(place)
-    held = rolling_threshold(rows) + rows["break_away"] * rows["centrifugal_acceleration"]
-    return np.asarray(held[:, None] + np.where((place != 0) & (np.abs(place) >= half_gap(rows)), pull, -pull))
+    pull = np.abs(lateral_pull(rows)) - bowl(rows) * np.abs(place)
+    at_wall = (place != 0) & (np.abs(place) >= half_gap(rows))
+    return np.asarray(rim_threshold(rows)[:, None] + np.where(at_wall, pull, -pull))
 
 
-def path_curvature(rows: Parameters) -> Floats:
-    """1 / rho of the path of the ball's centre on the cavity's floor along x and y, shape (n, 2) [1/m]."""
-    return np.asarray(1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None]))
+def rim_threshold(rows: Parameters) -> Floats:
+    """Drive above which a ball climbs the rim of its dent, less the load's pull along the floor, shape (n,) [m/s^2]."""
+    return np.asarray(rolling_threshold(rows) + rows["break_away"] * rows["centrifugal_acceleration"])
+
+
+def bowl(rows: Parameters) -> Floats:
+    """How a hollow floor draws the ball back along x and y, over its distance from the middle, shape (n, 2) [1/s^2].
+
+    Omega² R / rho, with the radius rho of the path of the ball's centre.
+    """
+    curvature = 1.0 / (rows["floor_radius"] - rows["ball_radius"][:, None])
+    return np.asarray(rows["centrifugal_acceleration"][:, None] * curvature)
+
+
+def restoring(rows: Parameters) -> Floats:
+    """D: the load accelerates a ball at a place s in its cavity by -D s, shape (n, 2, 2) [1/s^2]."""
+    return np.asarray(bowl(rows)[:, :, None] * np.eye(2) - in_plane(rows))
 
 
 def in_plane(rows: Parameters) -> Floats:
@@ -362,7 +376,7 @@ class Formulation(StrEnum):
     PRINTED = "printed"
 
 
-_ABSENT = {"printed": False, "floor_friction": 0.0, "floor_radius": np.inf}
+_ABSENT = {"floor_friction": 0.0, "floor_radius": np.inf}
 """Rows' values for what a damper has not."""
 
 
@@ -440,25 +454,35 @@ class ParticleDamper:
         Formulation(self.formulation)
         if self.floor_friction is not None and not number("floor_friction", self.floor_friction) > 0:
             raise ValueError(f"floor_friction must be positive or None, got {self.floor_friction:g}")
-        listed = isinstance(self.modes, tuple | list) and len(self.modes) > 0
-        if self.modes is not None and not (listed and all(isinstance(mode, Mode) for mode in self.modes)):
-            raise ValueError(f"modes must be a tuple of at least one Mode, or None, got {self.modes!r}")
-        if self.modes is not None and not any(any(mode.shape) for mode in self.modes):
-            raise ValueError("modes: none of them moves the cavity")
-        if self.modes is not None and pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
-            raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
-        validate(_row(self))
+        if self.modes is not None:
+            listed = isinstance(self.modes, tuple | list) and len(self.modes) > 0
+            if not (listed and all(isinstance(mode, Mode) for mode in self.modes)):
+                raise ValueError(f"modes must be a tuple of at least one Mode, or None, got {self.modes!r}")
+            if not any(any(mode.shape) for mode in self.modes):
+                raise ValueError("modes: none of them moves the cavity")
+            if pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
+                raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
+            object.__setattr__(self, "modes", tuple(self.modes))
+        validate(self.parameters)
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, pair(name, getattr(self, name)))
-        if self.modes is not None:
-            object.__setattr__(self, "modes", tuple(self.modes))
 
-    @property
+    @cached_property
     def parameters(self) -> Parameters:
         """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
-        return _known_row(self)
+        rows = np.zeros(1, PARAMETERS)
+        rows["printed"] = self.formulation == Formulation.PRINTED
+        rows["restitution_by_speed"] = (math.inf, 0.0)
+        for k, each in enumerate(self.restitution_by_speed):
+            rows["restitution_by_speed"][0, k] = each
+        for name in (name for name in FIELDS if name not in {"printed", "restitution_by_speed"}):
+            value = getattr(self, name)
+            absent = value is None and name in _ABSENT
+            rows[name] = _ABSENT[name] if absent else (pair if rows[name].ndim == 2 else number)(name, value)
+        rows.flags.writeable = False
+        return rows
 
     @property
     def level(self) -> bool:
@@ -483,8 +507,7 @@ class ParticleDamper:
     @property
     def half_gap(self) -> tuple[float, float]:
         """How far the ball's centre can go from the cavity's centre along x and y [m]."""
-        x, y = half_gap(self.parameters)[0]
-        return float(x), float(y)
+        return pair("half_gap", half_gap(self.parameters)[0])
 
     @property
     def tilt_share(self) -> tuple[float, float]:
@@ -511,6 +534,11 @@ class ParticleDamper:
         load = float(self.parameters["centrifugal_acceleration"][0])
         drawn = in_plane(self.parameters)[0] @ shape
         return shape / shape[axis], square, (load * np.array(mode.slope) - drawn) / shape[axis]
+
+    @property
+    def restoring(self) -> Floats:
+        """D: the load accelerates a ball at a place s in its cavity by -D s, shape (2, 2) [1/s^2]."""
+        return np.asarray(restoring(self.parameters)[0])
 
     @property
     def pull(self) -> Floats:
@@ -542,8 +570,7 @@ class ParticleDamper:
     @property
     def lateral_pull(self) -> tuple[float, float]:
         """Constant acceleration of the ball along the floor [m/s^2]."""
-        x, y = lateral_pull(self.parameters)[0]
-        return float(x), float(y)
+        return pair("lateral_pull", lateral_pull(self.parameters)[0])
 
     @property
     def largest_restitution(self) -> float:
@@ -561,8 +588,8 @@ class ParticleDamper:
 
         With a lateral pull that is at a wall, on a hollow floor only if it pulls the ball that far up.
         """
-        restoring = self.centrifugal_acceleration * float(path_curvature(self.parameters)[0, 0]) * self.half_gap[0]
-        return self.rolling_threshold + max(abs(self.lateral_pull[0]) - restoring, 0.0)
+        drawn_back = float(bowl(self.parameters)[0, 0]) * self.half_gap[0]
+        return self.rolling_threshold + max(abs(self.lateral_pull[0]) - drawn_back, 0.0)
 
     @property
     def break_away_threshold(self) -> float:
@@ -608,24 +635,3 @@ def _speed_pairs(pairs: object) -> tuple[tuple[float, float], ...]:
     if not isinstance(pairs, tuple | list | np.ndarray) or len(pairs) > PAIRS:
         raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {pairs!r}")
     return tuple(pair(name, each) for each in pairs)
-
-
-def _row(damper: ParticleDamper) -> Parameters:
-    """The fields of a damper as one row, shape (1,)."""
-    rows = np.zeros(1, PARAMETERS)
-    for name in PARAMETERS.names or ():
-        if name == "printed" or (name in _ABSENT and getattr(damper, name) is None):
-            rows[name] = _ABSENT[name]
-            continue
-        if name == "restitution_by_speed":
-            rows[name] = (math.inf, 0.0)
-            for k, each in enumerate(damper.restitution_by_speed):
-                rows[name][0, k] = each
-            continue
-        rows[name] = (pair if rows[name].ndim == 2 else number)(name, getattr(damper, name))
-    rows["printed"] = damper.formulation == Formulation.PRINTED
-    rows.flags.writeable = False
-    return rows
-
-
-_known_row = lru_cache(maxsize=256)(_row)

@@ -20,14 +20,13 @@ from damper.model import (
     Floats,
     Harmonic,
     Records,
-    alike,
     half_gap,
     number,
     stuck_decay,
     stuck_frequency,
     table,
 )
-from damper.state import FLYING, RUN, Counts, balls_of, zeros
+from damper.state import FLYING, RUN, SHARED, Counts, balls_of, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,16 +49,12 @@ class Flights:
     runs: Records
     systems: Systems
 
-    def modal_energies(self, damper: ParticleDamper, rows: Parameters) -> Floats:
+    def modal_energies(self, damper: ParticleDamper) -> Floats:
         """Kinetic and elastic energy of each mode, shape (n, k) [J]."""
-        structures = structures_by(damper, rows)
+        structures = structures_by(damper, damper.parameters)
         back = np.argsort(self.systems.order)[: structures.mass.shape[1]]
         z, rate = self.runs["motion"]["z"][:, back], self.runs["motion"]["rate"][:, back]
         return np.asarray(0.5 * (structures.spring * z**2 + structures.mass * rate**2))
-
-    def state(self) -> Records:
-        """Where the runs are, dtype `damper.state.RUN`."""
-        return _copied(self.runs, RUN)
 
 
 def kinds(damper: ParticleDamper, rows: Parameters, harmonic: Harmonic | None = None) -> Integers:
@@ -81,14 +76,16 @@ def flights(
     Several modes that a displacement of the cavity leaves open are displaced as by a force there, and set going as by a
     blow; `amplitudes`, shape (k,) or (n, k), are theirs instead.
     """
-    together = harmonic is None or isinstance(harmonic, Harmonic)
-    first, which = _distinct(rows) if together else (np.arange(len(rows)), np.arange(len(rows)))
+    first = which = np.arange(len(rows))
+    if harmonic is None or isinstance(harmonic, Harmonic):  # rows that are equal share a system
+        every = rows.view(f"V{rows.itemsize}")
+        first, which = np.unique(every, return_index=True, return_inverse=True)[1:]
     if harmonic is None and len(first) == 1 and rows[0].tobytes() == damper.parameters[0].tobytes():
         systems = _free(damper)
     else:
         systems = systems_of(rows[first], structures_by(damper, rows[first]), harmonic)
-    runs, axes = _copied(prepared, FLYING), prepared["axes"]
-    runs["system"] = systems.constants[which]
+    runs, axes = zeros(len(rows), FLYING), prepared["axes"]
+    runs[SHARED], runs["system"] = prepared, systems.constants[which]
     n, k = len(rows), len(systems.order) - 2
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
     if damper.modes is None:
@@ -101,38 +98,16 @@ def flights(
         z[:, :k] = amplitudes
     z[:, k:], rate[:, k:] = axes["s"], axes["w"]
     runs["motion"]["z"][:, : k + 2], runs["motion"]["rate"][:, : k + 2] = z[:, systems.order], rate[:, systems.order]
-    if isinstance(harmonic, Harmonic):
-        _watch(runs["cycle"], harmonic)
+    if isinstance(harmonic, Harmonic):  # its cycles are those of what drives it
+        cycles, period = runs["cycle"], 2 * math.pi / harmonic.frequency
+        cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
     return Flights(runs, systems)
-
-
-def _copied(runs: Records, kind: np.dtype[np.record]) -> Records:
-    """What a run begins with and leaves, in records of a kind that has it."""
-    copies = zeros(len(runs), kind)
-    for name in RUN.names or ():
-        copies[name] = runs[name]
-    return copies
 
 
 @lru_cache(maxsize=4)
 def _free(damper: ParticleDamper) -> Systems:
     """The system of a damper that nothing drives, worked out once for all that is let go on it."""
     return systems_of(damper.parameters, structures_by(damper, damper.parameters))
-
-
-def _distinct(rows: Parameters) -> tuple[Integers, Integers]:
-    """Where each of the rows that differ stands first, and which of these every row is."""
-    if alike(rows):
-        return np.zeros(1, np.int64), np.zeros(len(rows), np.int64)
-    numbers: dict[bytes, int] = {}
-    which = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in rows], np.int64)
-    return np.unique(which, return_index=True)[1], which
-
-
-def _watch(cycles: Records, harmonic: Harmonic) -> None:
-    """Seek the velocity maxima of driven motion once per cycle of what drives it."""
-    period = 2 * math.pi / harmonic.frequency
-    cycles["period"], cycles["wait"], cycles["closes"] = period, 0.75 * period, 0.5 * period
 
 
 def moved_by(damper: ParticleDamper, amplitudes: npt.ArrayLike, count: int) -> tuple[Floats, Floats]:
@@ -251,13 +226,17 @@ _LARGEST = 1e150
 """Largest displacement, speed and acceleration at release [SI]: the square of a larger one may overflow."""
 
 
-def prepare(rows: Parameters, start: Floats, cycles: float | None, max_cycles: float) -> Records:
+def prepare(
+    rows: Parameters, start: Floats, cycles: float | None, max_cycles: float, harmonic: Harmonic | None = None
+) -> Records:
     """Set up n ring-downs, dtype `damper.state.RUN`, from `start`, shape (n, 5, 2): u, v, s, w and spin along x and y.
 
     Raises:
         ValueError: a number is not finite, or its square is not; the number of cycles is not positive, or a ball is
             outside its cavity.
     """
+    if harmonic is not None and cycles is None:
+        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
     if cycles is not None and not 0 < number("cycles", cycles) < math.inf:
         raise ValueError(f"cycles must be positive, got {cycles:g}")
     if not (math.isfinite(number("max_cycles", max_cycles)) or cycles is not None) or not max_cycles > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -79,14 +79,12 @@ def ringdown(
         named["release"] = displacement[0]
     start = np.array([[pair(name, value) for name, value in named.items()]])
     most = whole("max_events", max_events)
-    if harmonic is not None and cycles is None:
-        raise ValueError("cycles must be given where a harmonic force drives the motion: it never comes to rest")
-    one = prepare(rows, start, cycles, max_cycles)
+    one = prepare(rows, start, cycles, max_cycles, harmonic)
     kind = kinds(damper, rows, harmonic)
     flying = flights(damper, rows, one, harmonic, modal)
     done, tables = _followed(flying, most, keep_events, progress)
     outcome = outcome_of(done, cycles is not None, flying.runs["clock"][0])
-    result = replace(_gathered(damper, flying, outcome, tables), harmonic=harmonic)
+    result = _gathered(damper, harmonic, flying, outcome, tables)
     longest = (max_cycles if cycles is None else cycles) * 2 * math.pi / damper.stuck_frequency
     _check(result, flying.runs, kind, start, longest)
     self_check.once("ring-downs", ringdown)
@@ -100,7 +98,7 @@ def _followed(
     from damper import engine
 
     run, size = flying.runs[0], 1024 if keep_events else 0
-    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.no_ramp()
+    clock, status, ramp = run["clock"], np.full(1, engine.BEGINS), engine.Ramp()
     more = int(run["system"]["coordinates"]) if run["system"]["cavity"].any() else 0
     tables = Tables(np.zeros((1024, 2)), np.zeros(size, EVENT), np.zeros((size, 2, more)))
     while True:
@@ -117,7 +115,9 @@ def _followed(
     return done, Tables(tables.peaks[: clock["peaks"]].copy(), tables.rows[:count].copy(), tables.states[:count].copy())
 
 
-def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables: Tables) -> RingDown:
+def _gathered(
+    damper: ParticleDamper, harmonic: Harmonic | None, flying: Flights, outcome: Outcome, tables: Tables
+) -> RingDown:
     clock, books, axes = (flying.runs[name][0] for name in ("clock", "books", "axes"))
     load = damper.centrifugal_acceleration
     moved = math.isfinite(clock["last_motion"])
@@ -133,9 +133,10 @@ def _gathered(damper: ParticleDamper, flying: Flights, outcome: Outcome, tables:
         rested=math.isfinite(clock["rest"]) and clock["trembles"] != 2,
         energy=EnergyBooks(**{name: float(books[name]) for name in BOOKS.names or ()}),
         largest_rolling_demand=float(axes["demand"].max()) / load if load > 0 else None,
+        harmonic=harmonic,
         rows=tables.rows if len(tables.rows) else None,
         states=tables.states if len(tables.states) else None,
-        modal_energies=None if damper.modes is None else flying.modal_energies(damper, damper.parameters)[0],
+        modal_energies=None if damper.modes is None else flying.modal_energies(damper)[0],
     )
 
 
@@ -158,11 +159,7 @@ def _check(result: RingDown, runs: Records, kind: Integers, start: Floats, longe
 
 def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     """The table, twice as long if it is full."""
-    if len(table) == 0 or used < len(table):
-        return table
-    bigger = np.zeros((2 * len(table), *table.shape[1:]), table.dtype)
-    bigger[: len(table)] = table
-    return bigger
+    return table if used < len(table) else np.concatenate([table, np.zeros_like(table)])
 
 
 @dataclass(frozen=True)

@@ -57,45 +57,15 @@ def leave(path: Path) -> None:
 EXACT = 1e-9
 """Most that a figure may differ from its reference, relative where that exceeds 1: what is left to rounding."""
 
-STARTS = 2
-"""Sweeps of a `Sweep`."""
-
 
 class Motion(NamedTuple):
-    """A ring-down for so many cycles; energies in its figures are shares of the initial one."""
+    """A reference motion: the damper, what else its family's function is called with, and figures of the result.
+
+    Energies are shares of the initial one, losses of sweeps logarithmic decrements.
+    """
 
     damper: ParticleDamper
-    release: tuple[float, float]
-    cycles: float
-    figures: dict[str, float]
-    harmonic: Harmonic | None = None
-    amplitudes: tuple[float, ...] | None = None
-
-
-class Sweep(NamedTuple):
-    """Two sweeps down from an amplitude to another, so many cycles an octave; the losses are logarithmic decrements."""
-
-    damper: ParticleDamper
-    high: float
-    low: float
-    stay: int
-    figures: dict[str, float]
-
-
-class Curve(NamedTuple):
-    """What `damper.curve_measurement.falling` returns for so many sweeps and cycles an octave."""
-
-    damper: ParticleDamper
-    sweeps: int
-    stay: int
-    figures: dict[str, float]
-
-
-class SteadyState(NamedTuple):
-    """A motion that a force keeps up."""
-
-    damper: ParticleDamper
-    harmonic: Harmonic
+    arguments: dict[str, Any]
     figures: dict[str, float]
 
 
@@ -134,33 +104,44 @@ _DAMPED = replace(_TILTING, damping_ratio=0.02)
 _ANSWER_AT_REST, _ANSWER_ALONE = (0.04 / (1.02 - mass + 0.04j * math.sqrt(1.02)) for mass in (1.02, 1.0))
 """F / (K - M nu² + i c nu) at nu = 1."""
 
-_PUSH = Harmonic(0.97, (0.05, 0.02), phase=0.4)
+_PAPERS = {"release": (20e-3, 5e-3), "cycles": 20}
 
 RINGDOWNS = {
-    "level floor": Motion(
-        _PAPER, (20e-3, 5e-3), 20, {"hits": 164, "energy left": 0.99138562833, "rolling work": 0.00506813179}
-    ),
+    "level floor": Motion(_PAPER, _PAPERS, {"hits": 164, "energy left": 0.99138562833, "rolling work": 0.00506813179}),
     "printed equations": Motion(
-        replace(_PAPER, formulation=Formulation.PRINTED), (20e-3, 5e-3), 20, {"hits": 165, "energy left": 1.0680097305}
+        replace(_PAPER, formulation=Formulation.PRINTED), _PAPERS, {"hits": 165, "energy left": 1.0680097305}
     ),
     "slip after hits": Motion(
-        replace(_PAPER, floor_friction=0.3), (20e-3, 5e-3), 6, {"hits": 39, "energy left": 0.99732487634}
+        replace(_PAPER, floor_friction=0.3), _PAPERS | {"cycles": 6}, {"hits": 39, "energy left": 0.99732487634}
     ),
-    "tilting, hollow floor": Motion(_TILTING, (1.0, 0.4), 6, {"hits": 23, "energy left": 0.83789618141}),
-    "three modes": Motion(_COUPLED, (0.0, 0.0), 5, {"hits": 21, "energy left": 0.6307570328}, None, (0.8, 0.5, 0.3)),
+    "tilting, hollow floor": Motion(
+        _TILTING, {"release": (1.0, 0.4), "cycles": 6}, {"hits": 23, "energy left": 0.83789618141}
+    ),
+    "three modes": Motion(
+        _COUPLED,
+        {"release": (0.0, 0.0), "cycles": 5, "amplitudes": (0.8, 0.5, 0.3)},
+        {"hits": 21, "energy left": 0.6307570328},
+    ),
     "harmonic force": Motion(
-        _DAMPED, (0.6, 0.0), 6, {"hits": 11, "energy left": 0.94540234479, "work": 1.46256317602}, _PUSH
+        _DAMPED,
+        {"release": (0.6, 0.0), "cycles": 6, "harmonic": Harmonic(0.97, (0.05, 0.02), phase=0.4)},
+        {"hits": 11, "energy left": 0.94540234479, "work": 1.46256317602},
     ),
 }
+"""By `damper.ringdown`."""
+
+_DOWN = {"high": 1.0, "low": 0.27, "sweeps": 2, "stay": 8, "threads": 1}
 SWEEPS = {
-    "sweeps on a level floor": Sweep(_LEVEL, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.96454254615}),
-    "sweeps on a tilting floor": Sweep(_TILTING, 1.0, 0.27, 8, {"cycles": 20, "decrements": 0.67000214447}),
+    "sweeps on a level floor": Motion(_LEVEL, _DOWN, {"cycles": 20, "decrements": 0.96454254615}),
+    "sweeps on a tilting floor": Motion(_TILTING, _DOWN, {"cycles": 20, "decrements": 0.67000214447}),
 }
+"""By `damper.curve_measurement.samples_of`."""
+
+_FEW = {"sweeps": 2, "stay": 28, "threads": 1}
 CURVES = {
-    "curve on a level floor": Curve(
+    "curve on a level floor": Motion(
         replace(_LEVEL, restitution=0.3),
-        2,
-        28,
+        _FEW,
         {
             "cut-off": 0.1,
             "peak": 0.00907194034972,
@@ -169,10 +150,9 @@ CURVES = {
             "half above": 0.85749475943,
         },
     ),
-    "curve on a tilting floor": Curve(
+    "curve on a tilting floor": Motion(
         replace(_TILTING, restitution=0.3),
-        2,
-        28,
+        _FEW,
         {
             "cut-off": 1 / 7,
             "peak": 0.00566664831756,
@@ -182,10 +162,12 @@ CURVES = {
         },
     ),
 }
+"""By `damper.curve_measurement.falling`."""
+
 STEADY = {
-    "steady state": SteadyState(
+    "steady state": Motion(
         _DAMPED,
-        Harmonic(1.0, (0.04, 0.0)),
+        {"harmonics": [Harmonic(1.0, (0.04, 0.0))], "threads": 1},
         {
             "hits a cycle": 2,
             "mean amplitude": 0.89706037588,
@@ -196,14 +178,31 @@ STEADY = {
         },
     )
 }
+"""By `damper.forced`."""
 
-FAMILIES: dict[str, dict[str, Any]] = {
-    "ring-downs": RINGDOWNS,
-    "sweeps": SWEEPS,
-    "curves": CURVES,
-    "forced": STEADY,
-}
+FAMILIES = {"ring-downs": RINGDOWNS, "sweeps": SWEEPS, "curves": CURVES, "forced": STEADY}
 """Families of kernels, and what they must reproduce."""
+
+_READ: dict[str, Callable[[Any], Any]] = {
+    "hits": lambda run: run.impacts,
+    "energy left": lambda run: run.energy.final / run.energy.initial,
+    "rolling work": lambda run: run.energy.rolling / run.energy.initial,
+    "work": lambda run: run.energy.work / run.energy.initial,
+    "cycles": len,
+    "decrements": lambda samples: np.sum(samples[:, 0] - samples[:, 1]),
+    "cut-off": lambda curve: curve.cutoff,
+    "peak": lambda curve: curve.peak,
+    "amplitude of the peak": lambda curve: curve.peak_amplitude,
+    "half below": lambda curve: curve.half[0],
+    "half above": lambda curve: curve.half[1],
+    "hits a cycle": lambda state: state.hits_per_cycle[0, 0],
+    "mean amplitude": lambda state: state.mean[0, 0],
+    "power": lambda state: state.power_in[0, 0],
+    "amplitude with the ball at rest": lambda state: abs(state.linear[0]),
+    "amplitude without the ball": lambda state: abs(state.without[0]),
+    "its phase": lambda state: cmath.phase(state.without[0]),
+}
+"""How each figure is read off a result."""
 
 checked: set[str] = set()
 """Families that this process need not check any more."""
@@ -279,33 +278,7 @@ def _check(family: str, run: Callable[..., Any]) -> None:
         raise
 
 
-def figures_of(motion: Motion | Sweep | Curve | SteadyState, run: Callable[..., Any]) -> dict[str, float]:
+def figures_of(motion: Motion, run: Callable[..., Any]) -> dict[str, float]:
     """Figures of a reference motion as computed here; see `once`."""
-    damper = motion.damper
-    if isinstance(motion, Motion):
-        result = run(damper, motion.release, motion.cycles, harmonic=motion.harmonic, amplitudes=motion.amplitudes)
-        energy = result.energy
-        shares = {"energy left": energy.final, "rolling work": energy.rolling, "work": energy.work}
-        return {"hits": float(result.impacts)} | {name: value / energy.initial for name, value in shares.items()}
-    if isinstance(motion, Sweep):
-        samples = run(damper, motion.low, motion.high, STARTS, motion.stay, 1)
-        return {"cycles": float(len(samples)), "decrements": float(np.sum(samples[:, 0] - samples[:, 1]))}
-    if isinstance(motion, Curve):
-        curve = run(damper, threads=1, sweeps=motion.sweeps, stay=motion.stay)
-        return {
-            "cut-off": curve.cutoff,
-            "peak": curve.peak,
-            "amplitude of the peak": curve.peak_amplitude,
-            "half below": curve.half[0],
-            "half above": curve.half[1],
-        }
-    state = run(damper, [motion.harmonic], threads=1)
-    hits, amplitude, power = (float(each[0, 0]) for each in (state.hits_per_cycle, state.mean, state.power_in))
-    return {
-        "hits a cycle": hits,
-        "mean amplitude": amplitude,
-        "power": power,
-        "amplitude with the ball at rest": abs(state.linear[0]),
-        "amplitude without the ball": abs(state.without[0]),
-        "its phase": cmath.phase(state.without[0]),
-    }
+    result = run(motion.damper, **motion.arguments)
+    return {figure: float(_READ[figure](result)) for figure in motion.figures}

@@ -116,7 +116,7 @@ def motions_of(
     repeated = {name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()}
     all_starts = Motions(flows=f.systems.flows, **repeated)
     for column, start in enumerate(starts):
-        _begin(start, slice(column, None, len(starts)), all_starts, begun, first)
+        _begin(start, slice(column, None, len(starts)), all_starts, begun, resting_place(rows), first)
     return all_starts
 
 
@@ -128,24 +128,16 @@ def together(groups: Sequence[Motions]) -> Motions:
         here = (slice(first, first + len(group.flows)), *map(slice, group.flows.shape[1:]))
         flows[here], group.runs["run"]["system"]["flow"] = group.flows, group.runs["run"]["system"]["flow"] + first
         first += len(group.flows)
-    rest = {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[:1]}
-    rest |= {f.name: np.concatenate([getattr(each, f.name) for each in groups]) for f in fields(Motions)[2:]}
+    names = [f.name for f in fields(Motions) if f.name != "flows"]
+    rest = {name: np.concatenate([getattr(each, name) for each in groups]) for name in names}
     return Motions(flows=flows, **rest)
 
 
-@dataclass(frozen=True)
-class _Begun:
-    """What starts are measured by.
-
-    `z`, `cavity`: the linear answer, capped, of the coordinates (n, N) and the cavity (n, 2) [m]; `rest`, `gap`: where
-    the ball rests at first, and how far it can go, (n, 2) [m].
-    """
+class _Answers(NamedTuple):
+    """What starts are measured by: the linear answers, capped, of the coordinates (n, N) and the cavity (n, 2) [m]."""
 
     z: Complex
     cavity: Floats
-    frequency: Floats
-    rest: Floats
-    gap: Floats
 
 
 def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
@@ -161,7 +153,7 @@ def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | 
     return np.concatenate([weights, [0.0, 0.0]])
 
 
-def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Begun]:
+def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Answers]:
     """Records of the motions to come, and what they begin with."""
     systems, (n, size) = all_of.constants, answer.z.shape
     nu, spring = systems["frequency"], np.einsum("nii->ni", systems["spring"][:, :size, :size]).copy()
@@ -182,7 +174,7 @@ def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, lo
     traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
     traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
     traces["patience"] = _patience(forgets(all_of), traces["period"], longest)
-    return traces, _Begun(z, cavity, nu, resting_place(rows), half_gap(rows))
+    return traces, _Answers(z, cavity)
 
 
 def _patience(rate: float, period: Floats, longest: int) -> Floats:
@@ -192,22 +184,23 @@ def _patience(rate: float, period: Floats, longest: int) -> Floats:
     return np.asarray(np.maximum(np.ceil(cycles / BATCHES), 1) * BATCHES)
 
 
-def _begin(start: Start, here: slice, m: Motions, begun: _Begun, first: int) -> None:
-    """Put motions into the states of a start."""
+def _begin(start: Start, here: slice, m: Motions, begun: _Answers, rest: Floats, first: int) -> None:
+    """Put motions into the states of a start; `rest`: where their balls rest at first, shape (n, 2) [m]."""
     runs = m.runs[here]
     systems, motions = runs["run"]["system"], runs["run"]["motion"]
+    frequency, gap = systems["frequency"][:, None], runs["run"]["axes"]["half_gap"]
     n, size = begun.z.shape
     z, s, w = np.zeros((n, size), complex), np.zeros((n, 2)), np.zeros((n, 2))
     if start is Start.UP:
-        s = begun.rest
+        s = rest
         runs["envelope"]["verdict"] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
     elif start is Start.DOWN:
-        z, w = begun.z, begun.frequency[:, None] * begun.cavity
+        z, w = begun.z, frequency * begun.cavity
     else:
         draws = np.array([np.random.default_rng([first + k, 1]).uniform(-1, 1, 6) for k in range(n)])
         z = begun.z * (0.5 + 0.5 * draws[:, :1]) * np.exp(1j * math.pi * draws[:, 1:2])
-        s, w = draws[:, 2:4] * begun.gap, draws[:, 4:] * begun.frequency[:, None] * begun.cavity
-    motions["z"][:, :size], motions["rate"][:, :size] = z.real, -begun.frequency[:, None] * z.imag
+        s, w = draws[:, 2:4] * gap, draws[:, 4:] * frequency * begun.cavity
+    motions["z"][:, :size], motions["rate"][:, :size] = z.real, -frequency * z.imag
     np.put_along_axis(motions["z"], systems["place"], s, axis=1)
     np.put_along_axis(motions["rate"], systems["place"], w, axis=1)
     runs["run"]["axes"]["spin"] = w

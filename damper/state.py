@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from damper.model import IMPACT, PARAMETERS, inertia_ratio, rolling_threshold, spin_mass, stuck_frequency
+from damper.model import IMPACT, PARAMETERS, inertia_ratio, rim_threshold, rolling_threshold, spin_mass, stuck_frequency
 
 if TYPE_CHECKING:
     from damper.model import Floats, Parameters, Records
@@ -75,15 +75,13 @@ BALL = record(
 )
 
 AXIS = record(
-    ("start", "f8"),  # time of its last event, in time histories
-    ("u", "f8"),  # structure: displacement and velocity then
+    ("u", "f8"),  # structure: displacement and velocity at its last event
     ("v", "f8"),
     ("s", "f8"),  # ball relative to the structure: position and velocity then
     ("w", "f8"),
     ("spin", "f8"),  # surface speed of the ball, equal to w while it rolls
     ("regime", "i8"),
     ("direction", "i8"),  # of the relative motion, or of the sliding of the contact: -1, 0 (stuck), 1
-    ("f", "f8"),  # acceleration by sliding on the floor
     ("half_gap", "f8"),
     ("heading", "i8"),  # direction in which a stuck ball will set off, or side of the wall that will be hit
     ("demand", "f8"),  # largest rolling force on the ball so far, per unit of its mass
@@ -152,6 +150,9 @@ _SHARED = (("clock", CLOCK), ("axes", AXIS, 2), ("ball", BALL), ("books", BOOKS)
 RUN = record(*_SHARED)
 """What a run begins with and leaves."""
 
+SHARED = list(RUN.names or ())
+"""That, as fields of a run on its way."""
+
 EVENT = record(
     ("time", "f8"),
     ("axis", "i8"),
@@ -170,11 +171,11 @@ EVENT = record(
 
 def balls_of(rows: Parameters, reach: Floats) -> Records:
     """Constants of the balls, shape (n,); `reach` [m], shape (n,), the largest release, sets the sticking floor."""
-    beta, threshold = inertia_ratio(rows), rolling_threshold(rows)
     balls = np.zeros(len(rows), BALL)
     balls["host_mass"], balls["mass"] = rows["modal_mass"], rows["ball_mass"]
-    balls["spin_mass"], balls["inertia_ratio"], balls["threshold"] = spin_mass(rows), beta, threshold
-    balls["hold"] = threshold + rows["break_away"] * rows["centrifugal_acceleration"]
+    balls["spin_mass"], balls["inertia_ratio"] = spin_mass(rows), inertia_ratio(rows)
+    balls["threshold"] = rolling_threshold(rows)
+    balls["hold"] = rim_threshold(rows)
     balls["grip"] = rows["floor_friction"] * rows["centrifugal_acceleration"]
     for name in IMPACT:
         balls[name] = rows[name]
@@ -261,7 +262,6 @@ SYSTEM = record(
     ("cavity", "i8", 2),  # and which is that of the cavity's displacement along it
     ("flow", "i8"),  # which terms its flights have
     ("damped", "i8"),
-    ("inertia", "f8", _N),  # of the modes [kg]
     ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
 )
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
@@ -290,16 +290,14 @@ FLYING = lines(("motion", MOTION), *_SHARED, ("system", SYSTEM))
 
 
 class Tables(NamedTuple):
-    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N), N = 0: as in events."""
+    """Times and speeds of velocity maxima (n, 2); events (m,); z and its rate there (m, 2, N), N = 0: as in events.
 
-    peaks: Floats
-    rows: Records
-    states: Floats
+    `Tables()` are those of a run that leaves nothing.
+    """
 
-
-def nothing_kept() -> Tables:
-    """Tables of a run that leaves nothing."""
-    return Tables(np.zeros((0, 2)), np.zeros(0, EVENT), np.zeros((0, 2, 0)))
+    peaks: Floats = np.zeros((0, 2))
+    rows: Records = np.zeros(0, EVENT)
+    states: Floats = np.zeros((0, 2, 0))
 
 
 BATCHES = 32

@@ -21,10 +21,10 @@ import numpy as np
 
 from damper.compiled import kernel, part
 from damper.engine import advance, arrive, earliest, lost, restart, stored
-from damper.events import largest_drive, narrowed
+from damper.events import narrowed, stays_stuck
 from damper.flight import derivatives
 from damper.impacts import let_go
-from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, MARGIN, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
+from damper.state import APERIODIC, BATCHES, GOES_ON, LOCKED, NOTHING, PERIODIC, STUCK, TIRED, UNSETTLED
 
 if TYPE_CHECKING:
     from damper.model import Floats, Record, Records
@@ -334,13 +334,10 @@ def _locked(it: Record) -> bool:
     for m in range(system.coordinates):
         trace.away[0, m] = motion.z[m] - trace.still[0, m]
         trace.away[1, m] = motion.rate[m] - trace.still[1, m]
+    stays = True
     for i in range(2):
-        bias, swing = largest_drive(i, system, trace.away[0], trace.away[1])
-        for d in (-1, 1):
-            free = d * motion.z[system.place[i]] < axes[i].half_gap
-            if free and d * bias + swing + trace.drive[i] > MARGIN * it.run.ball.hold:
-                return False
-    return True
+        stays = stays and stays_stuck(i, it.run, trace.away[0], trace.away[1], trace.drive[i])
+    return stays
 
 
 @kernel

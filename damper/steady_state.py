@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from damper import laws, self_check
-from damper.batch import further, in_blocks
+from damper.batch import further, in_blocks, workers
 from damper.equations import at_once
 from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
 from damper.starts import Complex, Motions, Start, motions_of, together
-from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, nothing_kept
+from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,12 +120,12 @@ def _regimes(verdict: Integers, divergence: Floats) -> npt.NDArray[np.object_]:
     from damper import steady_motion
 
     chaotic = divergence * steady_motion.TOGETHER > math.log(steady_motion.APART / steady_motion.NUDGE)
-    known = {LOCKED: Regime.LOCKED, PERIODIC: Regime.PERIODIC}
-    aperiodic = {False: Regime.MODULATED, True: Regime.CHAOTIC}
-    regimes = np.empty(len(verdict), object)
-    for k, one in enumerate(verdict):
-        regimes[k] = aperiodic[bool(chaotic[k])] if one == APERIODIC else known.get(one, Regime.UNSETTLED)
-    return regimes
+    known = {LOCKED: Regime.LOCKED, PERIODIC: Regime.PERIODIC, APERIODIC: Regime.MODULATED}
+    regimes = [
+        Regime.CHAOTIC if parts else known.get(one, Regime.UNSETTLED)
+        for one, parts in zip(verdict, chaotic, strict=True)
+    ]
+    return np.array(regimes, object)
 
 
 _AT_ONCE = 2048
@@ -173,54 +172,51 @@ def forced(
     columns = tuple(Start(start) for start in starts)
     if not columns:
         raise ValueError("starts must be at least one")
-    workers = (os.cpu_count() or 1) if threads is None else whole("threads", threads)
-    how = _How(columns, probe, accuracy, whole("max_cycles", max_cycles), workers)
+    most, cores = whole("max_cycles", max_cycles), workers(threads)
     modes = max(2 if one.modes is None else len(one.modes) for one in dampers)
-    size, parts = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True))), []
-    for begin in range(0, len(dampers), size):
+    size = max(1, min(_AT_ONCE // len(columns), at_once(modes, coupled=True)))
+
+    def part(begin: int) -> dict[str, npt.NDArray[Any]]:
         here = slice(begin, begin + size)
-        parts.append(_part(dampers[here], harmonics[here], begin, how, further(progress, begin * len(columns))))
+        m = _begun(dampers[here], harmonics[here], columns, probe, begin, most)
+        return _followed(m, accuracy, most, cores, further(progress, begin * len(columns)))
+
+    parts = [part(begin) for begin in range(0, len(dampers), size)]
     self_check.once("forced", forced)
-    return Forced(columns, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    figures = {name: np.concatenate([each[name] for each in parts]).reshape(-1, len(columns)) for name in parts[0]}
+    figures |= {name: figures[name][:, 0] for name in ("linear", "without", "moves_from")}
+    return Forced(columns, **figures)
 
 
-class _How(NamedTuple):
-    """What all motions of a call have in common."""
-
-    starts: tuple[Start, ...]
-    probe: Sequence[float] | int
-    accuracy: float
-    most: int
-    threads: int
-
-
-def _part(
+def _begun(
     dampers: Sequence[ParticleDamper],
     harmonics: Sequence[Harmonic],
+    starts: tuple[Start, ...],
+    probe: Sequence[float] | int,
     first: int,
-    how: _How,
-    progress: Callable[[int], None] | None,
-) -> dict[str, npt.NDArray[Any]]:
-    """The fields of `Forced` for some of the points, the first of them numbered so."""
-    from damper import steady_motion
-
+    longest: int,
+) -> Motions:
+    """The motions of some of the points at their start, the first of them numbered so."""
     groups, at = [], 0
     for _, same in itertools.groupby(dampers, key=id):
         one = list(same)
         here = harmonics[at : at + len(one)]
-        groups.append(motions_of(one[0], here, how.starts, how.probe, first + at, how.most))
+        groups.append(motions_of(one[0], here, starts, probe, first + at, longest))
         at += len(one)
-    m, tables = together(groups), nothing_kept()
+    return together(groups)
 
-    def work(block: tuple[int, int]) -> None:
-        steady_motion.run_block(block, m.runs, m.flows, tables, how.accuracy, how.most)
 
-    in_blocks(work, len(m.runs), how.threads, progress, _BLOCK)
-    shape = len(dampers), len(how.starts)
-    figures = summary(m, _divergence(m, how.threads))
+def _followed(
+    m: Motions, accuracy: float, most: int, threads: int, progress: Callable[[int], None] | None
+) -> dict[str, npt.NDArray[Any]]:
+    """The fields of `Forced` for motions, which are followed to their steady states."""
+    from damper import steady_motion
+
+    arguments = m.runs, m.flows, Tables(), accuracy, most
+    in_blocks(steady_motion.run_block, arguments, len(m.runs), threads, progress, _BLOCK)
+    figures = summary(m, _divergence(m, threads))
     laws.check_steady_states(m, figures)
-    shaped = {name: value.reshape(shape) for name, value in figures.items()}
-    return shaped | {name: getattr(m, name).reshape(shape)[:, 0] for name in ("linear", "without", "moves_from")}
+    return figures | {"linear": m.linear, "without": m.without, "moves_from": m.moves_from}
 
 
 def _divergence(m: Motions, threads: int) -> Floats:
@@ -229,15 +225,13 @@ def _divergence(m: Motions, threads: int) -> Floats:
 
     exponents = np.full(len(m.runs), np.nan)
     which = np.flatnonzero(m.runs["envelope"]["verdict"] == APERIODIC)
-    pairs, growth, tables = np.stack([m.runs[which]] * 2, axis=1), np.full(len(which), np.nan), nothing_kept()
+    pairs, growth = np.stack([m.runs[which]] * 2, axis=1), np.full(len(which), np.nan)
     motions = pairs["run"]["motion"]
     structure = 1 - np.eye(motions["z"].shape[-1])[pairs["run"]["system"]["place"][:, 0]].sum(axis=1)
     for name in ("z", "rate"):
         motions[name][:, 1] *= 1 + steady_motion.NUDGE * structure
 
-    def work(block: tuple[int, int]) -> None:
-        steady_motion.run_together(block, pairs, m.flows, tables, growth)
-
-    in_blocks(work, len(which), threads, None, _BLOCK)
+    arguments = pairs, m.flows, Tables(), growth
+    in_blocks(steady_motion.run_together, arguments, len(which), threads, None, _BLOCK)
     exponents[which] = growth
     return exponents

@@ -21,27 +21,30 @@ SAMPLES = (1024, 1500)
 
 def ringdown(name: str, samples: int) -> dict[str, float]:
     """The figures of a ring-down."""
-    motion = self_check.RINGDOWNS[name]
-    run = Reference(motion.damper, motion.amplitudes or motion.release, motion.cycles, samples, motion.harmonic)
+    damper, given, _ = self_check.RINGDOWNS[name]
+    release = given.get("amplitudes", given["release"])
+    run = Reference(damper, release, given["cycles"], samples, given.get("harmonic"))
     shares = {"energy left": run.final, "rolling work": run.rolling, "work": run.work}
     return {"hits": run.impacts} | {figure: share / run.initial for figure, share in shares.items()}
 
 
 def sweeps(name: str, samples: int) -> dict[str, float]:
     """Of sweeps: the structure led down between cycles."""
-    sweep, lost = self_check.SWEEPS[name], []
-    for n in range(self_check.STARTS):
-        first, place = sweep.high * 2 ** ((n + 1) / self_check.STARTS), 1 - n / self_check.STARTS
-        lost += [each for _, each in descent(sweep, first, place, samples)]
+    damper, given, _ = self_check.SWEEPS[name]
+    lost = [each for _, each in descents(damper, samples, given["high"], given["low"], given["sweeps"], given["stay"])]
     return {"cycles": len(lost), "decrements": math.fsum(lost)}
 
 
-def descent(sweep: self_check.Sweep, first: float, place: float, samples: int) -> list[tuple[float, float]]:
-    """Amplitude and decrement of each cycle of a sweep down, as `damper.engine.Ramp` describes it."""
-    cycles = SETTLING + math.ceil(sweep.stay * (math.log2(sweep.high / sweep.low) + 1))
-    each = ramp(sweep.damper, first, place, 4 ** (-1 / sweep.stay), samples)
-    reached = itertools.takewhile(lambda cycle: cycle[0] >= sweep.low, itertools.islice(each, cycles))
-    return list(reached)[SETTLING:]
+def descents(
+    damper: ParticleDamper, samples: int, high: float, low: float, sweeps: int, stay: int
+) -> list[tuple[float, float]]:
+    """Amplitude and decrement of each cycle of sweeps down, as `damper.engine.Ramp` describes it."""
+    cycles, found = SETTLING + math.ceil(stay * (math.log2(high / low) + 1)), []
+    for n in range(sweeps):
+        each = ramp(damper, high * 2 ** ((n + 1) / sweeps), 1 - n / sweeps, 4 ** (-1 / stay), samples)
+        reached = itertools.takewhile(lambda cycle: cycle[0] >= low, itertools.islice(each, cycles))
+        found += list(reached)[SETTLING:]
+    return found
 
 
 def ramp(
@@ -75,16 +78,13 @@ def ramp(
 
 def damping_curve(name: str, samples: int) -> dict[str, float]:
     """What is read off the curve of sweeps at the slowest pace, as the fields of `DampingCurve` are described."""
-    curve = self_check.CURVES[name]
-    damper, gap = curve.damper, curve.damper.half_gap[0]
+    damper, given, _ = self_check.CURVES[name]
+    gap = damper.half_gap[0]
     square = damper.stiffness[0] / (damper.modal_mass + damper.ball_mass)
     held = abs(square - damper.centrifugal_acceleration * damper.floor_tilt[0])
     cutoff = damper.rolling_friction / damper.ball_radius * damper.centrifugal_acceleration / held
-    slow = self_check.Sweep(damper, 8 * gap * square / held, cutoff, 4 * curve.stay, {})
-    cycles: list[tuple[float, float]] = []
-    for n in range(curve.sweeps):
-        cycles += descent(slow, slow.high * 2 ** ((n + 1) / curve.sweeps), 1 - n / curve.sweeps, samples)
-    place, ratio = binned(cycles)
+    high = 8 * gap * square / held
+    place, ratio = binned(descents(damper, samples, high, cutoff, given["sweeps"], 4 * given["stay"]))
     best = ratio.index(max(ratio))
     peak, amplitude = ratio[best], 2 ** place[best]
     crossed = [k for k in range(len(ratio) - 1) if (ratio[k] > peak / 2) != (ratio[k + 1] > peak / 2)]
@@ -123,16 +123,17 @@ def binned(cycles: list[tuple[float, float]]) -> tuple[list[float], list[float]]
 
 def steady(name: str, samples: int) -> dict[str, float]:
     """Of a steady state, once the structure has forgotten how it began."""
-    motion = self_check.STEADY[name]
-    ratio, settling, parts = motion.damper.stuck_frequency / motion.harmonic.frequency, 240, 500
-    run = Reference(motion.damper, (0.0, 0.0), settling * ratio, samples, motion.harmonic)
+    damper, given, _ = self_check.STEADY[name]
+    (harmonic,) = given["harmonics"]
+    ratio, settling, parts = damper.stuck_frequency / harmonic.frequency, 240, 500
+    run = Reference(damper, (0.0, 0.0), settling * ratio, samples, harmonic)
     impacts, work, seen = run.impacts, run.work, [run.x[0]]
     for k in range(1, parts + 1):
         run.cycles = (settling + k / parts) * ratio
         run.go_on()
         seen.append(run.x[0])
     amplitude = 0.5 * (crest(seen) + crest([-u for u in seen]))
-    power = (run.work - work) / (2 * math.pi / motion.harmonic.frequency)
+    power = (run.work - work) / (2 * math.pi / harmonic.frequency)
     return {"hits a cycle": run.impacts - impacts, "mean amplitude": amplitude, "power": power}
 
 

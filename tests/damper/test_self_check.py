@@ -59,15 +59,15 @@ def test_it_runs_once_for_a_machine(
     """Before the first result of a family, in this process and, by its stamp, in others; again for other versions."""
     motion = self_check.RINGDOWNS["level floor"]
     for _ in range(2):
-        ringdown(motion.damper, motion.release, 1)
+        ringdown(motion.damper, motion.arguments["release"], 1)
     assert nothing_checked == list(self_check.RINGDOWNS)
     assert [path.name.split(".")[0] for path in tmp_path.iterdir()] == ["kernels-ring-downs"]
     monkeypatch.setattr(self_check, "checked", set())
-    ringdown(motion.damper, motion.release, 1)
+    ringdown(motion.damper, motion.arguments["release"], 1)
     assert nothing_checked == list(self_check.RINGDOWNS)
     monkeypatch.setattr(self_check, "checked", set())
     monkeypatch.setattr(compiled, "versions", lambda: ("a new one",))
-    ringdown(motion.damper, motion.release, 1)
+    ringdown(motion.damper, motion.arguments["release"], 1)
     assert nothing_checked == 2 * list(self_check.RINGDOWNS)
     assert len(list(tmp_path.iterdir())) == 1
 
@@ -82,7 +82,7 @@ def test_nothing_leaves_kernels_that_fail(
         with pytest.raises(
             LawViolation, match=r"'level floor' comes out as computed independently.* energy left"
         ) as caught:
-            ringdown(motion.damper, motion.release, 1)
+            ringdown(motion.damper, motion.arguments["release"], 1)
         assert caught.value.__notes__ == ["in the self-check of the compiled kernels"]
     assert not list(tmp_path.iterdir())
 

@@ -13,7 +13,7 @@ import pytest
 
 import spindamp
 from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, forced, work_bound
-from damper.curve_measurement import _ramped, settled, sweeps_from, undamped
+from damper.curve_measurement import Sweeps, _ramped, settled, undamped
 from fem.rotor import from_rpm
 from tests.workflows.browser import findings
 from tests.workflows.conftest import BALL, KNOWN, changed, on_mesh, refused, shipped_scene, write
@@ -172,7 +172,7 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     assert 0.85 * found.value < min(runs) <= max(runs) < 1.15 * max(found.greatest, found.value)
     bare = undamped(fan)
     at, ball = np.full(16, 1e-3), np.random.default_rng(0).uniform(-1, 1, (2, 16))
-    energy = _ramped(bare, sweeps_from(at, 1200, 1.0, 5e-4 * ball[0], 2 * ball[1]), None)[:, 700:]
+    energy = _ramped(bare, Sweeps(at, 1200, 1.0, 5e-4 * ball[0], 2 * ball[1]), None)[:, 700:]
     held = float(-np.log(energy[..., 1] / energy[..., 0]).mean()) / (4 * math.pi)
     assert held > 0.95 * found.value
     assert held == pytest.approx(settled(fan, 1e-3), rel=0.05)

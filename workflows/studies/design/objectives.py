@@ -440,7 +440,7 @@ def hitting(figures: DampingCurve, own: float, resting: float) -> float:
     if not figures.amplitude.size:
         return resting
     scan = np.geomspace(resting * own / (own + figures.peak), resting, _SCAN)
-    ratio = np.interp(np.log(scan), np.log(figures.amplitude), figures.damping_ratio)
+    ratio = figures.at(scan)
     ratio *= np.minimum(1.0, figures.amplitude[-1] / scan) ** (4 / 3)
     ratio[scan <= figures.cutoff] = 0.0
     return _greatest(scan, ratio, own, resting)

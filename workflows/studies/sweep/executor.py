@@ -211,8 +211,8 @@ def ready() -> None:
 def _compile() -> None:
     """Run everything once, on level and on tilting floors, without forces and with one."""
     for name in ("level floor", "tilting, hollow floor"):
-        damper, release, *_ = RINGDOWNS[name]
+        damper, given, _ = RINGDOWNS[name]
         damping_curve(damper, threads=1, sweeps=2, stay=1)
-        ringdowns(damper, [release], 1, threads=1)
+        ringdowns(damper, [given["release"]], 1, threads=1)
         backbone(damper, threads=1)
         forced(damper, [Harmonic(damper.stuck_frequency, force=(1.0, 0.0))], threads=1, max_cycles=32)
