@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,7 @@ from workflows.versions import versions
 if TYPE_CHECKING:
     from workflows.io.files import StudyResult
     from workflows.scene.load import SceneFile
+    from workflows.studies.sweep.executor import Workers
 
 Scene = Annotated[
     str,
@@ -227,12 +229,14 @@ def design(
     from workflows.studies.design import report, study
     from workflows.studies.sweep.executor import workers_of
 
+    def solve(source: SceneFile, stages: Stages) -> report.DesignResult:
+        pool = _announced(workers_of(workers, dask))
+        return study.design(source, seed=seed, pool=pool, stages=stages, partial_results=partial_results)
+
     source = _load(scene)
     out = _folder(out, json, "spindamp-design", source)
     partial_results = None if out is None else out.with_name(f"{out.name}.partial")
-    pool = workers_of(workers, dask)
-    solve = partial(study.design, seed=seed, pool=pool, partial_results=partial_results)
-    best = _study(lambda source, stages: solve(source, stages=stages), out, json, source)
+    best = _study(partial(solve, source), out, json, damper=False)
     if out is not None and not json and best.toml:
         typer.echo(f"or spindamp run {out / 'best.toml'}")
     if not best.optimum.evaluation.works:
@@ -413,13 +417,13 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
-def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: SceneFile) -> Result:
+def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: SceneFile, damper: bool = True) -> Result:
     """Solve, write into `out` if there is one, and print the result, which is returned; `of`: a study of one scene."""
     from workflows.io import files, folder
 
     if out is not None:
         folder.check(out, files.FILES_OF_STUDIES)
-    if all(source.scene.damper is not None for source in of):
+    if damper and all(source.scene.damper is not None for source in of):
         _announce_compiler()
     with Stages(lines=True) as stages:
         result = solve(*of, stages)
@@ -441,6 +445,14 @@ def _folder(out: Path | None, json: bool, prefix: str, source: SceneFile) -> Pat
     from workflows.scene.load import slug
 
     return out if out is not None or json else Path(f"{prefix}-{slug(source.scene.title)}")
+
+
+@contextmanager
+def _announced(pool: AbstractContextManager[Workers]) -> Iterator[Workers]:
+    """Workers, announced before the first of them starts; a design that needs none does not load the compiler."""
+    _announce_compiler()
+    with pool as workers:
+        yield workers
 
 
 def _announce_compiler() -> None:
