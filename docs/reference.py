@@ -26,30 +26,25 @@ def setup(app: Any) -> dict[str, bool]:
 def page() -> str:
     """The page as Markdown."""
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
-    parts = [HEAD]
+    parts, tables = [HEAD], schema["$defs"]
     for name, key in schema["properties"].items():
-        table = _table(schema, key)
-        if table is None:
-            parts.append(f"## `{name}`\n\n{_words(key.get('description', ''))}\n\n")
-            continue
-        parts.append(f"## `[{name}]`\n\n{_words(table.get('description', ''))}\n\n{_rows(schema, table)}\n")
-    used = {_name(schema, key) for key in schema["properties"].values()}
-    for name, table in schema["$defs"].items():
-        if name not in used and "properties" in table:
-            parts.append(f"## {name}\n\n{_words(table.get('description', ''))}\n\n{_rows(schema, table)}\n")
-    return "".join(parts)
+        table = tables.get(_name(key), key)
+        parts.append(_section(schema, f"`[{name}]`" if "properties" in table else f"`{name}`", table))
+    used = {_name(key) for key in schema["properties"].values()}
+    rest = {name: table for name, table in tables.items() if name not in used and "properties" in table}
+    return "".join([*parts, *(_section(schema, name, table) for name, table in rest.items())])
 
 
-def _name(schema: dict[str, Any], key: dict[str, Any]) -> str | None:
+def _name(key: dict[str, Any]) -> str | None:
+    """The definition that a key refers to."""
     options = [key, *key.get("anyOf", []), *key.get("allOf", [])]
-    found = [option["$ref"].rsplit("/", 1)[1] for option in options if "$ref" in option]
-    return found[0] if found else None
+    return next((option["$ref"].rsplit("/", 1)[1] for option in options if "$ref" in option), None)
 
 
-def _table(schema: dict[str, Any], key: dict[str, Any]) -> dict[str, Any] | None:
-    name = _name(schema, key)
-    table = schema["$defs"].get(name, {})
-    return table if "properties" in table else None
+def _section(schema: dict[str, Any], title: str, table: dict[str, Any]) -> str:
+    """A table, or a key outside of all tables."""
+    rows = f"{_rows(schema, table)}\n" if "properties" in table else ""
+    return f"## {title}\n\n{_words(table.get('description', ''))}\n\n{rows}"
 
 
 def _rows(schema: dict[str, Any], table: dict[str, Any]) -> str:

@@ -25,32 +25,31 @@ HOLE, RADIUS = np.array([0.17, 0.0]), 0.006
 """Centre and radius of the hole in the paper's plate."""
 
 
-def quads(nx: int, ny: int) -> np.ndarray:
-    """Cells of a grid of nx by ny quadrilaterals whose points run along x first."""
+def grid(length: float, width: float, nx: int, ny: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 2) of a rectangle with its root's middle at 0, along x first, and its nx by ny cells (m, 4)."""
+    x, y = np.meshgrid(np.linspace(0.0, length, nx + 1), np.linspace(-width / 2, width / 2, ny + 1))
     corner = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
-    return np.column_stack([corner, corner + 1, corner + nx + 2, corner + nx + 1])
+    cells = np.column_stack([corner, corner + 1, corner + nx + 2, corner + nx + 1])
+    return np.column_stack([x.ravel(), y.ravel()]), cells
 
 
 def plate(nx: int, ny: int) -> meshio.Mesh:
     """Mesh the paper's plate by nx by ny quadrilaterals."""
-    x, y = np.meshgrid(np.linspace(0.0, LENGTH, nx + 1), np.linspace(-WIDTH / 2, WIDTH / 2, ny + 1))
-    return surface(np.column_stack([x.ravel(), y.ravel()]), "quad", quads(nx, ny))
+    return surface(*grid(LENGTH, WIDTH, nx, ny))
 
 
 def blade(nx: int = 24, ny: int = 8) -> meshio.Mesh:
     """Mesh a tapered, slightly swept blade by quadrilaterals."""
-    s, t = np.meshgrid(np.linspace(0.0, 1.0, nx + 1), np.linspace(-0.5, 0.5, ny + 1))
+    square, cells = grid(1.0, 1.0, nx, ny)
+    s, t = square.T
     chord = BLADE["root"] + (BLADE["tip"] - BLADE["root"]) * s
-    points = np.column_stack([(BLADE["length"] * s).ravel(), (BLADE["sweep"] * s**2 + chord * t).ravel()])
-    return surface(points, "quad", quads(nx, ny))
+    return surface(np.column_stack([BLADE["length"] * s, BLADE["sweep"] * s**2 + chord * t]), cells)
 
 
 def plate_with_hole(rings: int = 6) -> meshio.Mesh:
     """Mesh the paper's plate with a round hole near its tip by triangles: a ring of cells in a grid."""
     step, edge = 0.01, 0.14
-    nx, ny = round(edge / step), round(WIDTH / step)
-    x, y = np.meshgrid(np.linspace(0.0, edge, nx + 1), np.linspace(-WIDTH / 2, WIDTH / 2, ny + 1))
-    grid, cells = np.column_stack([x.ravel(), y.ravel()]), quads(nx, ny)
+    inside, cells = grid(edge, WIDTH, round(edge / step), round(WIDTH / step))
 
     low, high = np.array([edge, -WIDTH / 2]), np.array([LENGTH, WIDTH / 2])
     corners = [low, [high[0], low[1]], high, [low[0], high[1]], low]
@@ -64,14 +63,14 @@ def plate_with_hole(rings: int = 6) -> meshio.Mesh:
     # Rings grow outwards so that the cells at the hole are as wide as they are long.
     growth = (np.geomspace(1.0, 4.0, rings + 1) - 1.0) / 3.0
     ring = np.vstack([around + (inner - around) * g for g in 1.0 - growth[::-1]])
-    n, start = len(around), len(grid)
+    n, start = len(around), len(inside)
     k = np.arange(n)
     ring_cells = [
         np.column_stack([r * n + k, r * n + (k + 1) % n, (r + 1) * n + (k + 1) % n, (r + 1) * n + k]) + start
         for r in range(rings)
     ]
-    points, merged = merge(np.vstack([grid, ring]), np.vstack([cells, *ring_cells]))
-    return surface(points, "triangle", split(points, merged))
+    points, merged = merge(np.vstack([inside, ring]), np.vstack([cells, *ring_cells]))
+    return surface(points, split(points, merged))
 
 
 def merge(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,8 +88,9 @@ def split(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return np.hstack([one, two]).T
 
 
-def surface(points: np.ndarray, kind: str, cells: np.ndarray) -> meshio.Mesh:
-    """Lay a mesh at z = 0, its cells counter-clockwise."""
+def surface(points: np.ndarray, cells: np.ndarray) -> meshio.Mesh:
+    """Lay a mesh of triangles or quadrilaterals at z = 0, its cells counter-clockwise."""
+    kind = {3: "triangle", 4: "quad"}[cells.shape[1]]
     x, y = points[cells].transpose(2, 0, 1)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
     upright = np.where(area[:, None] > 0.0, cells, cells[:, ::-1])

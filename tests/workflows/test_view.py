@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -127,7 +128,7 @@ def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Comman
     x, area = ends.mean(axis=1), np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]) / 2
     known = {"tetra10": 1 / 6, "hexahedron20": 1.0, "wedge15": 1 / 2}[kind]
     assert abs((x * area).sum() / 3) == pytest.approx(known * SIDE**3), "the volume within, by Gauss' theorem"
-    drawn = json.loads(viewer.view(data).data)
+    drawn = json.loads(data.view.data)
     parts = {"tetra10": 2 * 6, "hexahedron20": 2 * 12, "wedge15": 2 * 9}[kind]
     assert len(base64.b64decode(drawn["edges"])) == 4 * parts, "the edges of faces, each in two parts"
     assert drawn["axes"] == {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
@@ -168,7 +169,7 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
     found = viewer.of(str(finished))
-    data = json.loads(viewer.view(found, 2, 2).data)
+    data = json.loads(replace(found, first=(2, 2)).view.data)
     assert data["first"] == [2, 2]
     assert [each["rpm"] for each in data["speeds"]] == [each["rpm"] for each in document["speeds"]]
     shown = [[(mode["hz"], mode["family"]) for mode in each["modes"]] for each in data["speeds"]]
@@ -253,7 +254,7 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     view_data = viewer.of(str(turning))
     kept = load_results(turning).surface
     assert np.abs(kept.behind).max() > 1e-3 * np.abs(kept.shapes).max()
-    data = json.loads(viewer.view(view_data).data)
+    data = json.loads(view_data.view.data)
     assert data["behind"]
 
 

@@ -10,6 +10,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -322,25 +323,25 @@ def view(
             raise BadInput(f"holds a study, whose page is {page}: omit --json and --out", file=what)
         typer.echo(f"open {page}")
         return
-    omega, first, number = None if rpm is None else omega_of(rpm), 0, 0
+    omega = None if rpm is None else omega_of(rpm)
     data = viewer.of(what, omega, unit)
     if data.surface.at:
         row = figures.chosen(data.surface, data.speeds, omega, mode, ("--rpm", "--mode"))
-        first, number = data.surface.at[row], mode - 1
+        data = replace(data, first=(data.surface.at[row], mode - 1))
     elif rpm is not None:
         raise BadInput("a mesh alone has no speeds: leave it out", key="--rpm", value=as_typed(rpm))
     if json:
         if out is not None:
-            viewer.write(data, out, first, number)
-        shown = {"rpm": data.speeds[first].rpm, "mode": number + 1} if data.surface.at else {}
+            viewer.write(data, out)
+        shown = {"rpm": data.speeds[data.first[0]].rpm, "mode": mode} if data.surface.at else {}
         typer.echo(as_json({"title": data.title, "file": out and str(out), **shown, **data.numbers}))
         return
     for name, words in data.facts:
         typer.echo(f"{name:<14} {words}")
-    if remark := viewer.thinned(viewer.view(data, first, number)):
-        typer.echo(remark)
+    if data.thinned:
+        typer.echo(data.thinned)
     path = out or Path(f"spindamp-view-{slug(data.title)}.html")
-    viewer.write(data, path, first, number)
+    viewer.write(data, path)
     if out is None and mode_viewer.screen_exists():
         webbrowser.open(path.resolve().as_uri())
     typer.echo(f"\nopen {path}")
@@ -448,7 +449,7 @@ def _folder(out: Path | None, json: bool, prefix: str, source: SceneFile) -> Pat
 
 @contextmanager
 def _announced(pool: AbstractContextManager[Workers]) -> Iterator[Workers]:
-    """Workers, announced before the first of them starts."""
+    """Workers, announced before the first of them starts; a design that needs none does not load the compiler."""
     _announce_compiler()
     with pool as workers:
         yield workers

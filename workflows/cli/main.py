@@ -69,9 +69,12 @@ def _run(arguments: list[str] | None) -> int:
         _silence("stdout")
         return _fail(f"cannot write or read: {error.strerror or error}", BAD_INPUT)
     except Exception as error:
-        if os.environ.get("SPINDAMP_DEBUG") and _usage(error) is None:
+        if (usage := _usage(error)) is not None:
+            return _fail(usage, BAD_INPUT)
+        if os.environ.get("SPINDAMP_DEBUG"):
             raise
-        return _misused_or_defect(error)
+        problem = f"an internal error: {type(error).__name__}: {one_line(str(error))}"
+        return _fail(f"{problem}; please report it with the scene and what SPINDAMP_DEBUG=1 shows", DEFECT)
     return status if isinstance(status, int) else DONE
 
 
@@ -79,13 +82,6 @@ def _usage(error: Exception) -> str | None:
     """What typer says of options and arguments that make no sense; None where that is not what is wrong."""
     formatter = getattr(error, "format_message", None)
     return one_line(formatter()) if formatter is not None and getattr(error, "exit_code", DEFECT) == BAD_INPUT else None
-
-
-def _misused_or_defect(error: Exception) -> int:
-    if (usage := _usage(error)) is not None:
-        return _fail(usage, BAD_INPUT)
-    problem = f"an internal error: {type(error).__name__}: {one_line(str(error))}"
-    return _fail(f"{problem}; please report it with the scene and what SPINDAMP_DEBUG=1 shows", DEFECT)
 
 
 def _fail(message: str, status: int) -> int:

@@ -174,28 +174,22 @@ def radii(
 
 def as_toml(scene: Scene, effects: dict[str, Effect], theory: Theory | None) -> str:
     """The resolved scene as TOML, the reasons in comments."""
-    lines: list[str] = []
     data = resolved_scene(scene, effects, theory)
     data["rotor"]["speeds"] = [f"{speed!r} rad/s" for speed in scene.rotor.speeds]
     reasons = _sources(scene) | {("effects", name): effect.why for name, effect in effects.items()}
     reasons["rotor", "speeds"] = revolutions(scene.rotor.speeds)
     if theory is not None:
         reasons["plate", "theory"] = theory.why
-    for key, value in data.items():
-        if isinstance(value, dict):
-            lines += _table(key, value, reasons)
-        else:
-            lines.append(_line(key, value, None))
-    return "\n".join(lines)
+    return "\n".join(_lines(data, reasons))
 
 
-def _table(key: str, table: dict[str, Any], reasons: dict[tuple[str, str], str]) -> list[str]:
-    """A table with its keys, and then those in it."""
+def _lines(table: dict[str, Any], reasons: dict[tuple[str, str], str], key: str = "") -> list[str]:
+    """The keys of a table, and then the tables in it; `key`: of the table, empty of the whole scene."""
     inner = {name: item for name, item in table.items() if isinstance(item, dict)}
-    lines = ["", f"[{key}]"]
-    lines += [_line(name, item, reasons.get((key, name))) for name, item in table.items() if name not in inner]
+    lines = [_line(name, item, reasons.get((key, name))) for name, item in table.items() if name not in inner]
     for name, item in inner.items():
-        lines += _table(f"{key}.{name}", item, reasons)
+        within = f"{key}.{name}" if key else name
+        lines += ["", f"[{within}]", *_lines(item, reasons, within)]
     return lines
 
 

@@ -11,9 +11,9 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
-from itertools import chain
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +25,7 @@ from workflows import docstrings
 from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.scene.load import non_file_kind, parse
-from workflows.solve.results import OTHER_WAYS, Results, SpeedPoint, VibrationReduction, copy_fields, require_results
+from workflows.solve.results import Results, SpeedPoint, VibrationReduction, copy_fields, require_results
 from workflows.versions import versions
 
 if TYPE_CHECKING:
@@ -172,6 +172,14 @@ class Quantity:
             value = None if value is None else value.get(key)
         return value if value is None or self.end is None else value[self.end]
 
+    def table(self, shape: tuple[int, ...], values: Mapping[_Place, Any]) -> npt.NDArray[Any]:
+        """Values in an array, each in its place, with NaN, or no text, where there is none."""
+        table: npt.NDArray[Any] = np.full(shape, "", object) if self.kind == "string" else np.full(shape, np.nan)
+        for place, value in values.items():
+            if value is not None:
+                table[place] = value if self.end is None else value[self.end]
+        return table
+
 
 @cache
 def quantities(kind: type) -> tuple[Quantity, ...]:
@@ -215,54 +223,12 @@ def _quantities(
         yield from _quantities(inner, known, (*path, key), (*dims, *along), prefix + annotation.get("prefix", ""), mine)
 
 
-_NO_HEADLINES: Any = {
-    "modes": True,
-    "cavity_modes": True,
-    "damping_curve": {"curve": True} | {way: {"curve"} for way in OTHER_WAYS},
-    "level": True,
-    "damper": {"cycles"},
-}
-"""Lists, which no headline stands in."""
-
-
 def headlines(point: SpeedPoint) -> Iterator[tuple[str, Any]]:
     """The quantities of a speed that sweeps have, each by its name with its value, where it has one."""
-    values = adapter(SpeedPoint).dump_python(point, by_alias=True, exclude_defaults=True, exclude=_NO_HEADLINES)
+    values = adapter(SpeedPoint).dump_python(point, by_alias=True, exclude_defaults=True)
     for each in quantities(SpeedPoint):
         if each.headline and (value := each.of(values)) is not None:
             yield each.name, value
-
-
-@dataclass(frozen=True, eq=False)
-class _Listed:
-    """Published records of a kind, or values, from anywhere in lists of lists, and where each stood.
-
-    Attributes:
-        each: those that there are.
-        at: their places, an array for each dimension.
-    """
-
-    each: list[Any]
-    at: tuple[npt.NDArray[np.int64], ...]
-
-    def of(self, key: str) -> _Listed:
-        """What stands in each under a key, where something does."""
-        values = [record.get(key) for record in self.each]
-        present = [place for place, value in enumerate(values) if value is not None]
-        return _Listed([values[place] for place in present], tuple(places[present] for places in self.at))
-
-    def within(self) -> _Listed:
-        """What stands in each of lists, one dimension more."""
-        lengths = np.fromiter(map(len, self.each), np.int64, len(self.each))
-        inner = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
-        outer = (np.repeat(places, lengths) for places in self.at)
-        return _Listed(list(chain.from_iterable(self.each)), (*outer, inner))
-
-    def table(self, shape: tuple[int, ...], quantity: Quantity) -> npt.NDArray[Any]:
-        """The values of a quantity as one array, with NaN, or no text, where there is none."""
-        table: npt.NDArray[Any] = np.full(shape, "", object) if quantity.kind == "string" else np.full(shape, np.nan)
-        table[self.at] = self.each if quantity.end is None else [pair[quantity.end] for pair in self.each]
-        return table
 
 
 Variable = tuple[tuple[str, ...], Any, dict[str, str]]
@@ -278,28 +244,32 @@ def variables(kind: type, records: Sequence[Any], along: str) -> dict[str, Varia
         along: the name of that dimension; where a record has fewer of something than others, NaN fills it up.
     """
     rows = [adapter(kind).dump_python(record, by_alias=True, exclude_defaults=True) for record in records]
-    owners: dict[tuple[str, ...], _Listed] = {(): _Listed(rows, (np.arange(len(rows)),))}
-    sizes, known = {along: len(rows)}, list[tuple[Quantity, tuple[str, ...], _Listed]]()
-    for quantity in quantities(kind):
-        *path, key = quantity.path
-        owner = _owner(owners, tuple(path))
-        if any(key in record for record in owner.each):
-            dims = (along, *quantity.dims)
-            ends = (int(places.max(initial=-1)) + 1 for places in owner.at)
-            sizes |= {name: max(sizes.get(name, 0), end) for name, end in zip(dims, ends, strict=True)}
-            known.append((quantity, dims, owner.of(key)))
+    sizes, known = {along: len(rows)}, list[tuple[Quantity, tuple[str, ...], dict[_Place, Any]]]()
+    for path, members in groupby(quantities(kind), key=lambda each: each.path[:-1]):
+        owners = dict(_owners(rows, path))
+        lasts = [max(places) for places in zip(*owners, strict=True)]
+        for quantity in members:
+            key, dims = quantity.path[-1], (along, *quantity.dims)
+            if values := {place: owner[key] for place, owner in owners.items() if key in owner}:
+                sizes |= {name: max(sizes.get(name, 0), last + 1) for name, last in zip(dims, lasts, strict=True)}
+                known.append((quantity, dims, values))
     return {
-        each.name: (dims, listed.table(tuple(sizes[name] for name in dims), each), each.attributes)
-        for each, dims, listed in known
+        each.name: (dims, each.table(tuple(sizes[name] for name in dims), values), each.attributes)
+        for each, dims, values in known
     }
 
 
-def _owner(owners: dict[tuple[str, ...], _Listed], path: tuple[str, ...]) -> _Listed:
-    """The records that a path leads to."""
-    if path not in owners:
-        owner = _owner(owners, path[:-1]).of(path[-1])
-        owners[path] = owner.within() if owner.each and isinstance(owner.each[0], list | tuple) else owner
-    return owners[path]
+_Place: TypeAlias = tuple[int, ...]
+"""In the lists on the way to a published record, the outermost first."""
+
+
+def _owners(published: Any, path: tuple[str, ...], place: _Place = ()) -> Iterator[tuple[_Place, dict[str, Any]]]:
+    """The records that a path leads to, each with its place."""
+    if isinstance(published, list | tuple):
+        for k, each in enumerate(published):
+            yield from _owners(each, path, (*place, k))
+    elif published is not None:
+        yield from _owners(published.get(path[0]), path[1:], place) if path else [(place, published)]
 
 
 _FORMAT = 3

@@ -311,25 +311,21 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     figure, (axes,) = plots.canvas(3.1, target=target)
     top = 100 * limits.AIR[1]
     for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
-        shown = line.y > 0
-        axes.plot(1e3 * line.x[shown], 100 * line.y[shown], color=colour, lw=1.3, label=line.label)
+        plots.damping_curve(axes, line.x, line.y, color=colour, lw=1.3, label=line.label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
         for way, style in _OTHER_WAYS.items() if figures.ways_differ else ():
             other: Figures = getattr(figures, way)
             place = other.amplitude
-            apart = (
-                (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN) & (other.damping_ratio > 0)
-            )
-            axes.plot(1e3 * place[apart], 100 * other.damping_ratio[apart], color=colour, lw=1.0, ls=style)
+            apart = (place > figures.folds[0] / _MARGIN) & (place < figures.folds[1] * _MARGIN)
+            plots.damping_curve(axes, place[apart], other.damping_ratio[apart], color=colour, lw=1.0, ls=style)
             top = max(top, 100 * float(other.damping_ratio.max(initial=0.0)))
         if figures.cutoff > 0:
             axes.axvline(1e3 * figures.cutoff, ymax=0.035, color=colour, lw=1.6)
     peaks = [100 * figures.peak for figures in ranges]
     top = max(top, *peaks)
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
-    axes.set(xscale="log", yscale="log", ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
-    axes.set_xlim(_from_to(lines, ranges))
-    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    plots.damping_axes(axes)
+    axes.set(xlim=_from_to(lines, ranges), ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
     _beside(axes, limits.endured(results))
     plots.legend(figure, axes, target, title="speed")
     return figure
@@ -344,16 +340,14 @@ def _from_to(lines: list[files.Curve], ranges: list[OwnFigures]) -> tuple[float,
 
 
 def _beside(axes: Axes, limit: float) -> None:
-    """What the air does, and the amplitude [m] up to which the plate endures; the words do not meet its line."""
-    low, high = (100 * ratio for ratio in limits.AIR)
-    axes.axhspan(low, high, color=plots.RULE, lw=0)
+    """The amplitude [m] up to which the plate endures, and words on what the air does, which do not meet its line."""
     end, (left, right) = 0.99, np.log(axes.get_xlim())
     if np.log(1e3 * limit) < right:
         axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
         share = (np.log(1e3 * limit) - left) / (right - left)
         end = share - 0.01 if share > _MIDDLE else end
     words, look = "air alone, turbine blades", {"ha": "right", "va": "bottom", "color": plots.MUTED}
-    plots.note(axes, words, (end, high), (0, 3), ("axes fraction", "data"), **look)
+    plots.note(axes, words, (end, 100 * limits.AIR[1]), (0, 3), ("axes fraction", "data"), **look)
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:

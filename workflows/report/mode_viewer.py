@@ -75,9 +75,14 @@ def view(results: Results) -> View | None:
     """The viewer of a run, within the room a report has; None without a plate."""
     if results.surface is None:
         return None
-    plate, mark = results.scene.plate, damper_mark(results.scene, results.surface)
-    thickness = None if plate is None or not isinstance(plate.thickness, float) else plate.thickness
-    return of_surface(results.surface, results.speeds, mark, thickness, (middle_speed(results.speeds), 0))
+    mark, even = damper_mark(results.scene, results.surface), even_thickness(results.scene)
+    return of_surface(results.surface, results.speeds, mark, even, (middle_speed(results.speeds), 0))
+
+
+def even_thickness(scene: Scene) -> float | None:
+    """Of the whole plate [m]; None where it varies, or where there is no plate."""
+    thickness = None if scene.plate is None else scene.plate.thickness
+    return thickness if isinstance(thickness, float) else None
 
 
 def damper_mark(scene: Scene, surface: Surface) -> tuple[float, ...] | None:
@@ -198,18 +203,16 @@ class Thinned:
 
 def thinned(surface: Surface, most: int) -> Thinned:
     """The mesh itself where it has at most so many points, or else about as many of its points in triangles."""
-    cells = surface.cells[1]
-    triangles = cells if cells.shape[1] == 3 else np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     if len(surface.points) > most:
-        return _decimated(surface, triangles, most)
-    edges = surface.lines
+        return _decimated(surface, most)
+    cells, edges = surface.cells[1], surface.lines
     if edges is None:
         sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
         edges = np.asarray(np.unique(np.sort(sides, axis=1), axis=0))
-    return Thinned(np.arange(len(surface.points)), triangles, edges, surface.outline, surface.root)
+    return Thinned(np.arange(len(surface.points)), surface.triangles, edges, surface.outline, surface.root)
 
 
-def _decimated(surface: Surface, triangles: Indices, most: int) -> Thinned:
+def _decimated(surface: Surface, most: int) -> Thinned:
     """The triangles that the curvature of a surface needs, between about so many of its points.
 
     A plate is laid on a paraboloid for it, which is as curved everywhere: else a flat part would need no point.
@@ -223,7 +226,7 @@ def _decimated(surface: Surface, triangles: Indices, most: int) -> Thinned:
     if surface.frame is None:
         square = ((points - points.mean(axis=0)) ** 2).sum(axis=1)
         points = np.column_stack([points[:, :2], _BENT * square / np.ptp(points, axis=0).max()])
-    whole = pv.PolyData.from_regular_faces(points, triangles)
+    whole = pv.PolyData.from_regular_faces(points, surface.triangles)
     left = whole.decimate_pro(1.0 - most / len(points), feature_angle=_FOLD, preserve_topology=True)
     triangles = np.asarray(left.regular_faces, dtype=np.int64)
     nodes = np.asarray(KDTree(points).query(left.points)[1], dtype=np.int64)

@@ -20,6 +20,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from workflows.solve.limits import AIR
+from workflows.solve.results import Floats
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -143,6 +146,23 @@ def legend(figure: Figure, axes: Axes, target: Target = PAGE, **how: Any) -> Non
     figure.legend(*curves, loc=loc, ncols=ncols, alignment="left", **how)
 
 
+def air(axes: Axes) -> None:
+    """What the air does on turbine blades, as a band of damping ratios in %."""
+    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=RULE, lw=0)
+
+
+def damping_axes(axes: Axes) -> None:
+    """Logarithmic axes of the damping ratio by the ball [%] over the amplitude [mm], beside what the air does."""
+    axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    air(axes)
+
+
+def damping_curve(axes: Axes, amplitude: Floats, damping_ratio: Floats, **how: Any) -> None:
+    """A curve in such axes, where it damps: amplitudes [m] and damping ratios, (n,)."""
+    shown = damping_ratio > 0
+    axes.plot(1e3 * amplitude[shown], 100 * damping_ratio[shown], **how)
+
+
 def note(
     axes: Axes, text: str, place: tuple[float, float], offset: tuple[float, float], coords: Any = "data", **how: Any
 ) -> None:
@@ -198,7 +218,7 @@ def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (
 def standalone(drawn: str, count: int = 1) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page, `count` of them shades."""
     light = _LIGHT | {"--sans": "sans-serif"}
-    light |= dict(re.findall(r"(--shade-\d+):(#\w+);", shades_css(count).partition("@")[0]))
+    light |= {f"--shade-{i}": colour for i, colour in enumerate(_plasma(*_ON_LIGHT, count))}
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)
     width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
@@ -212,7 +232,7 @@ def coloured(drawn: Figure | Axes, count: int) -> None:
     from matplotlib.colors import to_hex, to_rgba
 
     known = {place: _LIGHT[_VARIABLES[place]] for place in (INK, MUTED, RULE, PAPER)}
-    known |= dict(zip(shades(count), _plasma(0.05, 0.76, count), strict=False))
+    known |= dict(zip(shades(count), _plasma(*_ON_LIGHT, count), strict=False))
     for artist in drawn.findobj():
         for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
             colour: Any = getattr(artist, f"get_{part}", lambda: None)()
@@ -233,6 +253,10 @@ def shades(count: int) -> list[str]:
     return [f"#0203{i:02x}" for i in range(min(count, 256))] + ["#0203ff"] * (count - 256)
 
 
+_ON_LIGHT = 0.05, 0.76
+"""Part of the map of colours whose shades are told apart on a light page."""
+
+
 def shades_css(count: int) -> str:
     """The variables behind :func:`shades`, for a light and for a dark page."""
 
@@ -240,7 +264,7 @@ def shades_css(count: int) -> str:
         colours = _plasma(low, high, count)
         return ":root{" + "".join(f"--shade-{i}:{colour};" for i, colour in enumerate(colours)) + "}"
 
-    return f"{block(0.05, 0.76)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
+    return f"{block(*_ON_LIGHT)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
 
 
 def _plasma(low: float, high: float, count: int) -> list[str]:
@@ -289,8 +313,7 @@ def _for_a_page(text: str, name: str) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.S)
     text = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href", "href")
-    text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
-    text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r' (?:width|height)="[^"]*"', "", text, count=2)  # the first are those of the whole
     text = re.sub(r"'DejaVu Sans'(?:, sans-serif)?", "var(--sans)", text)
     text = re.sub(r' (?:d|x|y)="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), text)
     text = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z\n])\s*", r"\1", path[0].strip()), text)

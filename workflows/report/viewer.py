@@ -1,6 +1,7 @@
 """What `view` shows: the surface, the modes and the facts of results, scenes and mesh files, as a page."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,10 @@ from workflows.solve.results import Diagram, Floats, SpeedPoint, Surface, Theory
 
 _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
+
+
+_ROOM = mode_viewer.Room(12_000, 600_000)
+"""What a page of its own has room for."""
 
 
 def facts(text: str, values: dict[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -74,6 +79,7 @@ class ViewData:
         thickness: of the whole plate [m]; None where it varies or is not known.
         root: what the root is, in words; empty where none is known.
         facts: what was understood, name and words of each; `numbers` the same for programs.
+        first: which of the speeds is shown first, and which of its modes, both from 0.
     """
 
     title: str
@@ -84,6 +90,18 @@ class ViewData:
     speeds: tuple[SpeedPoint, ...] = ()
     mark: tuple[float, ...] | None = None
     thickness: float | None = None
+    first: tuple[int, int] = (0, 0)
+
+    @cached_property
+    def view(self) -> mode_viewer.View:
+        """The viewer's data, within the room that a page of its own has."""
+        return mode_viewer.of_surface(self.surface, self.speeds, self.mark, self.thickness, self.first, _ROOM)
+
+    @property
+    def thinned(self) -> str:
+        """What to say where points were left out; nothing where none were."""
+        drawn, of = whole(self.view.points), whole(self.view.of)
+        return f"drawn with {drawn} of {of} points, all corners of the boundary kept" if self.view.thinned else ""
 
     @property
     def carrier(self) -> str:
@@ -95,7 +113,6 @@ def of_plate(
     scene: Scene, surface: Surface, speeds: tuple[SpeedPoint, ...], known: tuple[tuple[str, str], ...]
 ) -> ViewData:
     """The plate of a scene that has one, as it was solved; `known` stands before what is said of its mesh."""
-    thickness = None if scene.plate is None else scene.plate.thickness
     known_of = {"points": len(surface.points)} if surface.frame is not None else numbers(surface)
     words = facts("surface", known_of) if surface.frame is None else ()
     mark = mode_viewer.damper_mark(scene, surface)
@@ -104,7 +121,7 @@ def of_plate(
         told = f"at {', '.join(map(in_mm, place))} mm"
         known = (*known, ("damper", "; ".join([told, *remarks.misfit(scene, speeds)])))
     root = figures.held(scene) if len(surface.root) else ""
-    even = thickness if isinstance(thickness, float) else None
+    even = mode_viewer.even_thickness(scene)
     return ViewData(scene.title, surface, (*known, *words), {"damper": place, **known_of}, root, speeds, mark, even)
 
 
@@ -251,38 +268,18 @@ def of(target: str, omega: float | None = None, unit: str | None = None) -> View
     return data_of_scene(target, omega)
 
 
-_ROOM = mode_viewer.Room(12_000, 600_000)
-"""What a page of its own has room for."""
-
-
-def view(view_data: ViewData, first: int = 0, mode: int = 0) -> mode_viewer.View:
-    """The viewer's data, that shows a mode (from 0) at a speed of the run first."""
-    return mode_viewer.of_surface(
-        view_data.surface, view_data.speeds, view_data.mark, view_data.thickness, (first, mode), _ROOM
-    )
-
-
-def page(view_data: ViewData, first: int = 0, mode: int = 0) -> str:
+def page(view_data: ViewData) -> str:
     """The page as text."""
-    seen = view(view_data, first, mode)
     with plots.style():
         figure = figures.mesh_of(view_data.surface, view_data.mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    return from_template("view.html.j2", view_data=view_data, view=seen, still=still)
+    return from_template("view.html.j2", view_data=view_data, view=view_data.view, still=still)
 
 
-def thinned(seen: mode_viewer.View) -> str:
-    """What to say where points were left out; nothing where none were."""
-    if not seen.thinned:
-        return ""
-    drawn, of = whole(seen.points), whole(seen.of)
-    return f"drawn with {drawn} of {of} points, all corners of the boundary kept"
-
-
-def write(view_data: ViewData, path: Path, first: int = 0, mode: int = 0) -> Path:
+def write(view_data: ViewData, path: Path) -> Path:
     """Put the page into a file, whole or not at all, and return the file.
 
     Raises:
         BadInput: it cannot be written.
     """
-    return put(path, lambda fresh: fresh.write_text(page(view_data, first, mode), encoding="utf-8"), "--out")
+    return put(path, lambda fresh: fresh.write_text(page(view_data), encoding="utf-8"), "--out")

@@ -287,14 +287,12 @@ def _hung(results: Results) -> tuple[tuple[float, float], float] | None:
             return None
         heights = np.full(len(results.surface.points), plate.thickness)
     # Each cell as triangles about its first corner, exact for even thickness.
-    surface = results.surface
-    points, cells = surface.points[:, :2], surface.cells[1]
+    points, triangles = results.surface.points[:, :2], results.surface.triangles
     x = points[:, 0] - points[:, 0].min()
-    triangles = np.vstack([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])
     one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
     volumes = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2 * heights[triangles].mean(axis=1)
-    lengths = np.linalg.norm(np.diff(points[surface.root], axis=1)[:, 0], axis=1)
-    section = float((lengths * heights[surface.root].mean(axis=1)).sum())
+    lengths = np.linalg.norm(np.diff(points[results.surface.root], axis=1)[:, 0], axis=1)
+    section = float((lengths * heights[results.surface.root].mean(axis=1)).sum())
     return (float(volumes.sum()), float((volumes * x[triangles].mean(axis=1)).sum())), section
 
 

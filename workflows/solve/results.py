@@ -840,6 +840,12 @@ class Surface:
     axis: Floats | None = field(default=None, repr=False)
     origin: Floats | None = field(default=None, repr=False)
 
+    @property
+    def triangles(self) -> Ints:
+        """The cells, (k, 3), those of four corners cut in two from their first."""
+        cells = self.cells[1]
+        return np.vstack([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])
+
     def row(self, number: int) -> int:
         """Which of the speeds with shapes is nearest to number `number` of the run."""
         return int(np.argmin(np.abs(np.asarray(self.at) - number)))

@@ -18,7 +18,6 @@ from workflows.report.templates import from_template
 from workflows.report.text import COLUMNS, wrapped
 from workflows.report.text import run as solved
 from workflows.scene.load import SceneFile, SceneLike, as_scene_file, keys
-from workflows.solve import limits
 from workflows.solve.results import Results, SpeedPoint
 from workflows.studies.sweep import plan
 
@@ -226,8 +225,7 @@ def draw(comparison: Comparison) -> str:
         look: dict[str, Any] = {"color": colour, "ms": 3.5}
         right.plot(rpm, peaks, "o-", label=name, markevery=[not each for each in marked], **look)
         right.plot(rpm, peaks, "o", mfc="none", markevery=marked, **look)
-    air = [100 * ratio for ratio in limits.AIR]
-    right.axhspan(*air, color=plots.RULE, lw=0)
+    plots.air(right)
     right.set(xlabel="rotation speed, rpm", title="largest damping ratio by the ball, %", yscale="log")
     left.set(xlabel="rotation speed, rpm", title="natural frequencies, Hz", ylim=(0, None))
     plots.legend(figure, right)

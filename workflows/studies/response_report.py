@@ -127,17 +127,14 @@ def damping(result: Response) -> str:
         return ""
     figure, (axes,) = plots.canvas(3.0)
     for (c, own), colour in zip(shown, plots.shades(len(shown)), strict=True):
-        some = own.damping_ratio > 0
         label = f"order {c.order}, {whole(c.rpm)} rpm"
-        axes.plot(1e3 * own.amplitude[some], 100 * own.damping_ratio[some], color=colour, label=label)
+        plots.damping_curve(axes, own.amplitude, own.damping_ratio, color=colour, label=label)
         low, high = (1e3 * end for end in own.range)
         if np.isfinite(low) and np.isfinite(high):
             axes.plot([low, high], [50 * own.peak] * 2, color=colour, lw=3, alpha=0.35)
-    air = [100 * ratio for ratio in AIR]
-    axes.axhspan(*air, color=plots.RULE, lw=0)
     least = 100 * min(figures.peak for _, figures in shown) / 30
-    axes.set(xscale="log", yscale="log", ylim=(min(least, air[0] / 2), None))
-    axes.set(xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
+    plots.damping_axes(axes)
+    axes.set_ylim(min(least, 50 * AIR[0]), None)
     plots.legend(figure, axes, ncols=1)
     return plots.svg(figure, "zeta", "Damping ratio by the ball over amplitude")
 

@@ -382,15 +382,13 @@ def _curves(goal: LeastDamping, curves: list[tuple[DamperCase, DampingCurve]]) -
     figure, (axes,) = plots.canvas(3.1)
     grid = np.geomspace(goal.low, goal.high, 30)
     for (case, curve), colour in zip(curves, map_spread(len(curves) + 1), strict=False):
-        shown = curve.damping_ratio > 0
         label = turning(case.point.omega)
-        axes.plot(1e3 * curve.amplitude[shown], 100 * curve.damping_ratio[shown], color=colour, label=label)
+        plots.damping_curve(axes, curve.amplitude, curve.damping_ratio, color=colour, label=label)
         bound = [objectives.bound_of(case.verdict_damper, float(amplitude)) for amplitude in grid]
         axes.plot(1e3 * grid, [100 * b if math.isfinite(b) else math.nan for b in bound], ":", color=colour, lw=1.0)
-    axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
+    plots.damping_axes(axes)
     for end in (goal.low, goal.high):
         axes.axvline(1e3 * end, color=plots.INK, lw=0.8, ls=plots.DASHED)
-    axes.set(xscale="log", yscale="log", xlabel="amplitude at the cavity, mm", ylabel="damping ratio by the ball, %")
     top = max(100 * curve.peak for _, curve in curves)
     axes.set_ylim(1e-3 * top, 4 * max(top, 100 * AIR[1]))
     plots.legend(figure, axes, title="speed")

@@ -279,7 +279,7 @@ def _curves(data: xr.Dataset, quantity: str, x: str, series: str | None) -> str:
         label = _at(data, series, k) or None
         axes.plot(_along(data, x), np.where(values > 0, values, np.nan), label=label, **look)
     if quantity == HEADLINE:
-        axes.axhspan(100 * AIR[0], 100 * AIR[1], color=plots.RULE, lw=0)
+        plots.air(axes)
     axes.set(xlabel=_label(data, x), ylabel=named, xscale=scale(_along(data, x)))
     axes.set_yscale(_value_scale(data[quantity].isel(fixed).values))
     if series is not None:
