@@ -1,21 +1,62 @@
-"""Plates that several tests share."""
+"""Plates that several tests share, and what is asked of them."""
 
-import csv
 from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+import scipy.linalg
+from scipy.optimize import brentq
 
 from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, solve_modes
+from fem.rotor import from_rpm
+from fem.theory.fields import gram
+from tests.benchmarks.calculix import rows
 
+rpm = from_rpm
 DATA = Path(__file__).parent / "data"
 STEEL = Material(2e11, 0.3, 7850.0)
+STRIP = Material(2e11, 0.0, 7850.0)
+"""Of strips, which are beams."""
+FLAT, BENT = Effects(), Effects(large_deflection=True)
 AT_REST = Effects(stress_stiffening=False, spin_softening=False)
 """Of plates that are looked at at rest alone: a prestress would be solved for and not used."""
 
+# Wright, Smith, Thresher and Wang, J. Appl. Mech. 49 (1982) 197, beam without a hub: first flap at gamma 0 to 12.
+WRIGHT = np.array(
+    [3.5160, 3.6816, 4.1373, 4.7973, 5.5850, 6.4495, 7.3604, 8.2996, 9.2568, 10.2257, 11.2023, 12.1843, 13.1702]
+)
 
-def rpm(value):
-    return value * np.pi / 30.0
+
+def frequencies(plate, rotor=None, effects=FLAT, theory="mindlin", omega=0.0, count=6):
+    """In Hz, of a plate at a speed in rad/s."""
+    return solve_modes(assemble(plate, rotor or Rotor(), effects, theory), omega, count).frequencies_hz
+
+
+def unit_of(height):
+    """sqrt(EI / rho A L^4) of a strip of length 1."""
+    return np.sqrt(STRIP.youngs_modulus * height**2 / 12.0 / STRIP.density)
+
+
+def zeros(function, places):
+    """Where a function changes its sign between some places."""
+    signs = np.sign([function(x) for x in places])
+    return np.array([brentq(function, *places[n : n + 2], xtol=1e-13) for n in np.flatnonzero(np.diff(signs))])
+
+
+def complex_rates(operators, omega):
+    """All circular frequencies with Coriolis forces, ascending, by a dense solver of the states."""
+    stiffness, mass, turning = (a.toarray() for a in (operators.at(omega), operators.mass, operators.gyroscopic))
+    turned = np.block([[-1j * omega * turning, mass], [mass, np.zeros_like(mass)]])
+    inverse = scipy.linalg.eigh(turned, scipy.linalg.block_diag(stiffness, mass), eigvals_only=True)
+    return 1.0 / inverse[: len(mass) - 1 : -1]
+
+
+def check_tangent(model, size, step, tolerance, seed):
+    """That the stiffness is the force's derivative, by differences over a step, at a random state of a size."""
+    state, step = np.random.default_rng(seed).standard_normal((2, model.dofs)) * [[size], [step]]
+    forces = [sum(part.at(state + sign * step).force() for part in model.energies) for sign in (1.0, -1.0)]
+    expected = gram(*(term for part in model.energies for term in part.at(state).terms())) @ step
+    np.testing.assert_allclose(0.5 * (forces[0] - forces[1]), expected, atol=tolerance * np.abs(expected).max())
 
 
 def paper_plate(nx=20, ny=8, material=STEEL, **keys):
@@ -33,12 +74,9 @@ def distorted(mesh, amount, seed=0):
 
 def beam_rates(theory, family, gammas, *, stagger=0.0, hub=0.0, width=0.01, height=0.001, nx=40, ny=1, triangles=False):
     """Frequencies of a narrow plate of length 1 with nu = 0, in units of sqrt(EI / rho A L^4), at speeds gamma."""
-    material = Material(2e11, 0.0, 7850.0)
-    inertia = height**2 / 12.0 if family == "flap" else width**2 / 12.0
-    unit = np.sqrt(material.youngs_modulus * inertia / material.density)
-    mesh = rectangle(1.0, width, nx, ny)
-    plate = Plate(mesh.to_meshtri() if triangles else mesh, height, material)
-    operators = assemble(plate, Rotor(hub, stagger), Effects(), theory)
+    unit, mesh = unit_of(height if family == "flap" else width), rectangle(1.0, width, nx, ny)
+    plate = Plate(mesh.to_meshtri() if triangles else mesh, height, STRIP)
+    operators = assemble(plate, Rotor(hub, stagger), FLAT, theory)
     for gamma in gammas:
         modes = solve_modes(operators, gamma * unit, 8)
         named = zip(modes.frequencies_hz, families(operators, modes), strict=True)
@@ -64,19 +102,17 @@ def promise_kept(choice, build, finer, tolerance, order=None):
 
 def calculix_cases():
     """CalculiX's other plates: name -> (row of the first mode, frequencies)."""
-    rows, found = {}, defaultdict(list)
-    with (DATA / "calculix_cases.csv").open() as lines:
-        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
-            rows.setdefault(row["case"], row)
-            found[row["case"]].append(float(row["frequency_hz"]))
-    return {name: (rows[name], np.array(found[name])) for name in rows}
+    first, found = {}, defaultdict(list)
+    for row in rows(DATA / "calculix_cases.csv"):
+        first.setdefault(row["case"], row)
+        found[row["case"]].append(float(row["frequency_hz"]))
+    return {name: (first[name], np.array(found[name])) for name in first}
 
 
 def calculix():
     """CalculiX's frequencies by (stagger in degrees, with softening, rpm)."""
     table = defaultdict(list)
-    with (DATA / "calculix_paper_plate.csv").open() as lines:
-        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
-            key = float(row["stagger_deg"]), row["softening"] == "1", int(row["rpm"])
-            table[key].append(float(row["frequency_hz"]))
+    for row in rows(DATA / "calculix_paper_plate.csv"):
+        key = float(row["stagger_deg"]), row["softening"] == "1", int(row["rpm"])
+        table[key].append(float(row["frequency_hz"]))
     return {key: np.array(values) for key, values in table.items()}
