@@ -86,10 +86,10 @@ def test_a_plate_in_its_plane_is_hardly_moved():
 
 
 def test_past_the_critical_speed_a_lower_one_tells():
-    """In the plane of rotation and without a hub a plate's twist diverges; slower speeds still have modes."""
+    """In the plane of rotation and without a hub a plate diverges; 2000 rpm is the last with modes."""
     thin = Plate(Rectangle(0.2, 0.2).mesh(1), 0.001, STEEL)
     speeds = tuple(rpm(value) for value in (500, 1000, 2000, 40000, 80000))
-    assert bent(thin, Rotor(0.0, np.pi / 2), FLAT, speeds, 3).omega in speeds
+    assert bent(thin, Rotor(0.0, np.pi / 2), FLAT, speeds, 3).omega == speeds[2]
 
 
 NEAR = 0.17061176, 0.03356962, 0.00131759, Material(1e9, 0.49, 1000.0), Rotor(0.17061176, np.radians(3.05030255))

@@ -27,11 +27,7 @@ READ = {
     "files in files": ["*Include, input='outer.inc'", *ROOT],
     "set of a set": [*MESH, "*NSET,NSET=FACE", ",".join(FACE), "*NSET,NSET=NROOT", "FACE"],
     "set of a set and nodes": [
-        *MESH,
-        "*NSET,NSET=F",
-        ",".join(FACE[:3]),
-        "*NSET,NSET=NROOT",
-        f"f,{','.join(FACE[3:])}",
+        *(*MESH, "*NSET,NSET=F", ",".join(FACE[:3]), "*NSET,NSET=NROOT", f"f,{','.join(FACE[3:])}"),
     ],
     "set in two parts": [*MESH, "*NSET,NSET=NROOT", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])],
     "generated set": [*MESH, "*NSET,NSET=G,GENERATE", f"{FACE[0]},{FACE[-1]}", "*NSET,NSET=NROOT", "G"],
@@ -82,10 +78,7 @@ REFUSED = {
     "generated elements": ([*MESH, "*ELGEN,ELSET=EALL", "1,2,1,1"], r"line \d+: \*ELGEN generates elements"),
     "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
     "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
-    "no such set": (
-        [*MESH, "*NSET,NSET=NROOT", "FACE"],
-        r"line \d+: a set of nodes holds 'FACE', which is neither a number",
-    ),
+    "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"a set of nodes holds 'FACE', which is neither a number"),
     "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
     "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
@@ -122,21 +115,19 @@ ORDER = {
 """Nastran's names, and its order of nodes: those between bottom and top before those of the top."""
 
 
-def bulk(kind, style, nodes=()):
+def bulk(kind, style):
     """A mesh as Nastran's cards: of fixed width with or without marks, or free."""
     mesh, (card, order) = box(kind, (2, 1, 1), (0.2, 0.04, 0.02)), ORDER[kind]
     lines = [f"GRID    {n:>8}        " + "".join(f"{x:8.5f}" for x in at) for n, at in enumerate(mesh.points, 1)]
     for number, cell in enumerate(mesh.cells[0][1], 1):
         own = [str(each) for each in (number, 1, *(cell[order] + 1))]
-        rows = [own[:8], own[8:16], own[16:]] if len(own) > 16 else [own[:8], own[8:]]
-        for k, row in enumerate(rows):
-            if style == "free":
-                lines.append(",".join([card if k == 0 else "", *row]))
-            else:
-                mark = "+" if style == "marks" else ""
-                after = mark if k + 1 < len(rows) else ""
-                lines.append(f"{card if k == 0 else mark:<8}" + "".join(f"{n:>8}" for n in row) + after)
-    return mesh, ["SOL 103", "CEND", "BEGIN BULK", *nodes, *lines, "ENDDATA"]
+        mark = "+" if style == "marks" else ""
+        for k in range(0, len(own), 8):
+            row, first = own[k : k + 8], mark if k else card
+            after = mark if k + 8 < len(own) else ""
+            free, fixed = ",".join([first, *row]), f"{first:<8}" + "".join(f"{n:>8}" for n in row) + after
+            lines.append(free if style == "free" else fixed)
+    return mesh, ["SOL 103", "CEND", "BEGIN BULK", *lines, "ENDDATA"]
 
 
 @pytest.mark.parametrize("style", ["marks", "blanks", "free"])

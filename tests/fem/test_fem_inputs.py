@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, distorted, paper_plate
+from fem_cases import FLAT, STEEL, distorted, paper_plate
 
 import fem
 from fem import (
@@ -44,7 +44,7 @@ def plate(**keys):
 
 
 def skew(theory):
-    return assemble(Plate(distorted(rectangle(0.2, 0.08, 4, 3), 0.004), 0.01, STEEL), Rotor(), Effects(), theory)
+    return assemble(Plate(distorted(rectangle(0.2, 0.08, 4, 3), 0.004), 0.01, STEEL), Rotor(), FLAT, theory)
 
 
 def reduced(at=(0.2, 0.0), **keys):
@@ -99,9 +99,7 @@ REFUSED = {
     "must be positive and finite": [
         lambda bad=bad: choose_theory(paper_plate(2, 1), accuracy=bad) for bad in (0.0, -1.0, np.nan, np.inf)
     ],
-    "tolerance must be above 0": [
-        lambda: choose_mesh(Rectangle(0.2, 0.08), lambda size: small(), (0.0,), 3, 0.0),
-    ],
+    "tolerance must be above 0": [lambda: choose_mesh(Rectangle(0.2, 0.08), lambda size: small(), (0.0,), 3, 0.0)],
     "one finite speed": [
         lambda: equilibrium(small(large_deflection=True), np.nan),
         *(lambda bad=bad: solve_modes(small(), bad) for bad in (np.nan, np.inf, np.array([1.0, 2.0]))),
@@ -156,9 +154,8 @@ def test_what_is_of_another_type(make, message):
 
 
 def test_divergence_with_a_ball_says_a_negative_eigenvalue():
-    operators = assemble(paper_plate(4, 2), Rotor(0.1, 0.3), Effects())
     with pytest.raises(Divergence) as caught:
-        reduce_at(operators, 10.0, (0.2, 0.0), mass_ratio=1e9)
+        reduce_at(assemble(paper_plate(4, 2), Rotor(0.1, 0.3), FLAT), 10.0, (0.2, 0.0), mass_ratio=1e9)
     assert caught.value.eigenvalue < 0.0
 
 
@@ -185,7 +182,7 @@ def test_matrices_are_read_only():
 def test_displacement_at_the_vertices(theory):
     """Shapes at the mesh's own vertices, whatever the theory's unknowns; zero at the root, one of many alike."""
     plate = Plate(rectangle(0.2, 0.08, 4, 2).to_meshtri(), 0.01, STEEL)
-    operators = assemble(plate, Rotor(), Effects(), theory)
+    operators = assemble(plate, Rotor(), FLAT, theory)
     modes = solve_modes(operators, 0.0, 2)
     moved = displacement(operators, modes.shapes[:, 0])
     assert moved.shape == (plate.mesh.p.shape[1], 3)
