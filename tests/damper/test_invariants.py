@@ -77,6 +77,7 @@ def test_events_are_ordered_and_continuous(seed: int) -> None:
     run = run_of(seed)
     times = run.rows["time"]
     assert (np.diff(times) >= 0).all()
+    assert (np.diff(run.peak_times) > 0).all()
     inside = times[(times > 0) & (times < run.duration)]
     before = sample(run, np.nextafter(inside, 0))
     after = sample(run, inside)

@@ -68,7 +68,6 @@ def test_a_ball_sets_off_at_its_threshold(zeta: float, formulation: Formulation)
     dashpot = 2 * zeta * math.sqrt(damper.stiffness[0] * damper.modal_mass)
     v = 20.0 * damper.rolling_threshold / damper.stuck_frequency
     run = ringdown(damper, (-dashpot * v / damper.stiffness[0], 0.0), 1, velocity=(v, 0.0), keep_events=True)
-    assert run.rows is not None
     start = run.rows[run.rows["kind"] == START][0]
     drive = (damper.stiffness[0] * start["u"] + dashpot * start["v"]) / damper.stuck_mass
     assert drive == pytest.approx(damper.rolling_threshold, rel=1e-11)
@@ -109,7 +108,6 @@ def test_a_reversal_in_a_dying_vibration_is_seen() -> None:
     """Once the structure rests, its acceleration is exactly zero, and no longer of either sign."""
     damper = afloat(1 - 5.2e-13, 1.7e-4, cavity=(2.0615e-3, 3.353e-3), restitution=1.0)
     run = ringdown(damper, (7.87e-4, 2.36e-4), 200, keep_events=True)
-    assert run.rows is not None
     moving = run.rows[(run.rows["regime"] == ROLLING) & (run.rows["w"] != 0.0)]
     assert (np.sign(moving["w"]) == moving["direction"]).all()
     assert abs(run.energy.residual) <= 1e-12 * run.energy.initial
