@@ -8,19 +8,7 @@ import pytest
 from fem_cases import AT_REST, FLAT, STEEL, frequencies, promise_kept, rpm
 from scipy.optimize import fsolve
 
-from fem import (
-    Divergence,
-    Effects,
-    Given,
-    Material,
-    Plate,
-    Rectangle,
-    Rotor,
-    assemble,
-    choose_mesh,
-    rectangle,
-    solve_modes,
-)
+from fem import Divergence, Given, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
 from fem.meshes.mesh_sequence import crowded, root_order
 from fem.theory import mindlin
@@ -139,8 +127,7 @@ def test_divergence_at_the_highest_speed_leaves_the_lowest():
     soft = Material(2e9, 0.3, 7850.0)
 
     def build(size):
-        effects = Effects(stress_stiffening=False)
-        return assemble(Plate(planform.mesh(size), 0.001, soft), rotor, effects)
+        return assemble(Plate(planform.mesh(size), 0.001, soft), rotor, replace(FLAT, stress_stiffening=False))
 
     choice = choose_mesh(planform, build, (0.0, rpm(20000)), 2, 1e-2)
     assert choice.probes.tolist() == [0.0]
