@@ -1,6 +1,7 @@
 """Plates that several tests share, and what is asked of them."""
 
 from collections import defaultdict
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,8 @@ import scipy.linalg
 from scipy.optimize import brentq
 
 from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, solve_modes
+from fem.meshes.cells import cell
+from fem.meshes.volume import VolumeMesh
 from fem.rotor import from_rpm
 from fem.theory.fields import gram
 from tests.benchmarks.calculix import rows
@@ -116,3 +119,25 @@ def calculix():
         key = float(row["stagger_deg"]), row["softening"] == "1", int(row["rpm"])
         table[key].append(float(row["frequency_hz"]))
     return {key: np.array(values) for key, values in table.items()}
+
+
+def box(kind, n=(2, 2, 2), sides=(1.0, 0.8, 0.6), distorted=0.0):
+    """A box of cells of a kind, its inner corners moved, middles of edges, faces and cells between their corners."""
+    grid = np.stack(np.meshgrid(*(np.arange(k + 1) for k in n), indexing="ij"), axis=-1).reshape(-1, 3)
+    inner = ((grid > 0) & (grid < n)).all(axis=1)
+    points = grid / n * sides
+    points[inner] += distorted * np.random.default_rng(0).uniform(-1, 1, (inner.sum(), 3)) * np.array(sides) / n
+    at = {tuple(place): number for number, place in enumerate(grid)}
+    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    hexes = [[at[tuple(np.add(cell, k))] for k in cube] for cell in product(*(range(k) for k in n))]
+    parts = {
+        "hexahedron": [range(8)],
+        "wedge": [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)],
+        "tetra": [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)],
+    }
+    base = next(name for name in parts if kind.startswith(name))
+    corners = np.array([[own[k] for k in part] for own in hexes for part in parts[base]])
+    shape = cell(base).shape(cell(kind).nodes)  # the nodes of the kind between its corners
+    every = np.einsum("nk,ckd->cnd", shape, points[corners])
+    _, first, number = np.unique(np.round(every.reshape(-1, 3), 9), axis=0, return_index=True, return_inverse=True)
+    return VolumeMesh(every.reshape(-1, 3)[first], ((kind, number.reshape(every.shape[:2])),))

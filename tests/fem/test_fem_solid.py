@@ -6,7 +6,7 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
-from fem_cases import DATA, rpm
+from fem_cases import DATA, box, rpm
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
@@ -29,28 +29,6 @@ STEEL = Material(2.1e11, 0.3, 7850.0)
 TITANIUM = Material(113.8e9, 0.342, 4430.0)
 INCONEL = Material(2e11, 0.29, 8220.0)
 AXIS, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
-
-
-def box(kind, n=(2, 2, 2), sides=(1.0, 0.8, 0.6), distorted=0.0):
-    """A box of cells of a kind, its inner corners moved, middles of edges, faces and cells between their corners."""
-    grid = np.stack(np.meshgrid(*(np.arange(k + 1) for k in n), indexing="ij"), axis=-1).reshape(-1, 3)
-    inner = ((grid > 0) & (grid < n)).all(axis=1)
-    points = grid / n * sides
-    points[inner] += distorted * np.random.default_rng(0).uniform(-1, 1, (inner.sum(), 3)) * np.array(sides) / n
-    at = {tuple(place): number for number, place in enumerate(grid)}
-    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    hexes = [[at[tuple(np.add(cell, k))] for k in cube] for cell in product(*(range(k) for k in n))]
-    parts = {
-        "hexahedron": [range(8)],
-        "wedge": [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)],
-        "tetra": [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)],
-    }
-    base = next(name for name in parts if kind.startswith(name))
-    corners = np.array([[own[k] for k in part] for own in hexes for part in parts[base]])
-    shape = cell(base).shape(cell(kind).nodes)  # the nodes of the kind between its corners
-    every = np.einsum("nk,ckd->cnd", shape, points[corners])
-    _, first, number = np.unique(np.round(every.reshape(-1, 3), 9), axis=0, return_index=True, return_inverse=True)
-    return VolumeMesh(every.reshape(-1, 3)[first], ((kind, number.reshape(every.shape[:2])),))
 
 
 def part(whole, kept):
@@ -618,71 +596,6 @@ def test_a_broken_mesh_is_one_clear_line(case):
     with pytest.raises(MeshError, match=problem) as refused:
         VolumeMesh(points, cells)
     assert "\n" not in str(refused.value)
-
-
-DECK = box("hexahedron20", (2, 1, 1), (0.2, 0.04, 0.02))
-
-
-def scaled(factor):
-    return [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(factor * DECK.points, 1)]
-
-
-NODES = scaled(1.0)
-CELLS = [[n, *(nodes + 1)] for n, nodes in enumerate(DECK.cells[0][1], 1)]
-
-
-def deck(nodes=NODES, cells=CELLS, kind="C3D20R", more=()):
-    """A mesh as Abaqus and CalculiX write it."""
-    listed = [",".join(map(str, each)) for each in cells]
-    return "\n".join(["*NODE", *nodes, f"*ELEMENT,TYPE={kind},ELSET=EALL", *listed, *more]) + "\n"
-
-
-FILES = {
-    "empty": ("", "no cells with a volume"),
-    "no mesh": ("these are\nwords\n", "no cells with a volume"),
-    "nodes alone": ("*NODE\n" + "\n".join(NODES), "no cells with a volume"),
-    "cells alone": (deck(nodes=()), "an id while no ids were defined"),
-    "not a number": (deck([NODES[0].replace("0,0,0", "0,0,nan"), *NODES[1:]]), "line 2: node 1 has coordinates that"),
-    "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
-    "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
-    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
-    "one missing": (deck([*NODES[:-1], NODES[-1].rsplit(",", 1)[0]]), "line 33: node 32 has 2 coordinates, not 3$"),
-    "two missing": (deck([*NODES[:4], "5,1.", *NODES[5:]]), "line 6: node 5 has 1 coordinate, not 3$"),
-    "one left empty": (deck([*NODES[:4], "5,1.,,1.", *NODES[5:]]), "line 6: expected .* coordinates, not '5,1.,,1.'$"),
-    "one decimal comma": (
-        deck([*NODES[:4], "5,1.0,1,5,0.0", *NODES[5:]]),
-        "line 6: node 5 has 4 .* are commas decimal",
-    ),
-    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
-    "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
-    "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
-    "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
-    "decimal commas": (deck([each.replace(".", ",") for each in NODES]), "line 3: node 2 has 4 coordinates, not 3"),
-    "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
-    "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
-    "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
-    "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
-    "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
-    "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
-    "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
-    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
-    "in a point": (deck(scaled(0.0)), "measures 0 m"),
-    "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
-    "cut": (deck()[:-40], "not a (readable )?mesh file"),
-}
-
-
-@pytest.mark.parametrize("case", FILES)
-def test_a_broken_file_is_one_clear_line(case, tmp_path):
-    text, problem = FILES[case]
-    path = tmp_path / "blade.inp"
-    path.write_text(text)
-    with pytest.raises(MeshError, match=problem) as refused:
-        read_volume(path)
-    assert str(refused.value).startswith(f"{path}: ")
-    assert "\n" not in str(refused.value)
-    path.write_text(deck())
-    assert read_volume(path).count == 2
 
 
 def test_roots_that_hold_nothing():
