@@ -17,11 +17,6 @@ def paper(load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.0
     return replace(base, **changes)
 
 
-def paper_like(formulation: Formulation) -> ParticleDamper:
-    """The same by either formulation."""
-    return paper(formulation=formulation)
-
-
 def simple(**changes: Any) -> ParticleDamper:
     """A ball that nothing presses, in 1 m of room to either side, on a structure of 1 kg and 1 rad/s."""
     base = ParticleDamper(1.0, (1.0, 1.0), 0.05, 1.0, (4.0, 4.0), 0.0, 0.6)

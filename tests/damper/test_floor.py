@@ -25,10 +25,10 @@ from damper import (
 )
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler, some
-from tests.damper.scenes import paper_like, random_scene
+from tests.damper.scenes import paper, random_scene
 from tests.damper.test_work_bound import largest_bound
 
-PAPER = paper_like(Formulation.CONSISTENT)
+PAPER = paper()
 LEVELLING = {
     "tilt": {"floor_tilt": (1e-13, 1e-13)},
     "bowl": {"floor_radius": (1e16, 1e16)},
@@ -429,7 +429,7 @@ def test_let_go_at_rest_under_coupled_modes() -> None:
     ids=lambda listed: f"{type(next(iter(listed.values()))).__name__} of {next(iter(listed))}",
 )
 def test_lists_and_arrays_are_as_good_as_tuples(listed: dict[str, Any]) -> None:
-    plain = replace(paper_like(Formulation.CONSISTENT), stiffness=(2e3, 2e3), cavity=(4e-3, 4e-3), modal_mass=0.02)
+    plain = paper(stiffness=(2e3, 2e3), cavity=(4e-3, 4e-3), modal_mass=0.02)
     plain = replace(plain, floor_radius=(0.1, 0.1), floor_tilt=(0.0, 0.0))
     if "modes" in listed:
         plain = replace(plain, modes=(Mode(0.02, 2e3, (1.0, 0.0), drawn=(0.02, 0.0)),))

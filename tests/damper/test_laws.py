@@ -38,10 +38,10 @@ from damper.motion import APART
 from damper.state import HIT, RUB, STUCK, TIRED
 from tests.benchmarks.broken_kernels import ROOT, breaks
 from tests.compiler import needs_compiler
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 from tests.damper.test_linear import scene
 
-DAMPER = paper_like(Formulation.CONSISTENT)
+DAMPER = paper()
 RELEASE = (20e-3, 5e-3)
 MOTION = ringdown(DAMPER, RELEASE, 20, keep_events=True)
 EXTREMES = laws.Extremes(

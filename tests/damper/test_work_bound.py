@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from damper import Formulation, ParticleDamper, ringdown, work_bound
+from damper import ParticleDamper, ringdown, work_bound
 from tests.compiler import needs_compiler
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 
-BASE = paper_like(Formulation.CONSISTENT)
+BASE = paper()
 LIGHT = 1e-4
 """m_p / M2: the bound holds to leading order in it."""
 

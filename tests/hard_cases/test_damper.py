@@ -9,9 +9,9 @@ import pytest
 from damper import Formulation, Outcome, ParticleDamper, RingDown, capacity, ringdown, ringdowns, sample
 from damper.state import HIT
 from tests.compiler import needs_compiler
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 
-BASE = paper_like(Formulation.CONSISTENT)
+BASE = paper()
 RELEASE = (20e-3, 5e-3)
 
 
