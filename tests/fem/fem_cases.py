@@ -141,3 +141,29 @@ def box(kind, n=(2, 2, 2), sides=(1.0, 0.8, 0.6), distorted=0.0):
     every = np.einsum("nk,ckd->cnd", shape, points[corners])
     _, first, number = np.unique(np.round(every.reshape(-1, 3), 9), axis=0, return_index=True, return_inverse=True)
     return VolumeMesh(every.reshape(-1, 3)[first], ((kind, number.reshape(every.shape[:2])),))
+
+
+def beam(length, thickness, at, speed=0.0, hub=0.0, parts=200):
+    """First flap frequency [Hz] of a turning beam of steel; strain along it and motion of its tip over w at a place.
+
+    By Euler and Bernoulli's elements under the pull of what lies farther out, turns times their size.
+    """
+    size, places = length / parts, np.linspace(0.0, length, parts + 1)
+    middle = places[:-1] + 0.5 * size
+    height, rho = thickness(middle), STEEL.density
+    load = rho * speed**2 * height * (hub + middle) * size
+    pull = np.cumsum(load[::-1])[::-1] - 0.5 * load
+    bending = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]) / size**3
+    tension = np.array([[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]]) / (30 * size)
+    inertia = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) * size / 420
+    stiffness, mass = np.zeros((2, 2 * parts + 2, 2 * parts + 2))
+    for k in range(parts):
+        own = slice(2 * k, 2 * k + 4)
+        stiffness[own, own] += STEEL.youngs_modulus * height[k] ** 3 / 12 * bending + pull[k] * tension
+        mass[own, own] += rho * height[k] * inertia
+    squares, shape = scipy.linalg.eigh(stiffness[2:, 2:], mass[2:, 2:], subset_by_index=[0, 0])
+    w, turn = np.append([0.0, 0.0], shape[:, 0]).reshape(-1, 2).T
+    moment = height**3 * (6 * np.diff(w) - 4 * turn[:-1] - 2 * turn[1:]) / size**2  # at the beginning of each
+    moved = np.interp(at, places, w)
+    strain = np.abs(0.5 * moment / thickness(places[:-1]) ** 2 / moved)
+    return np.sqrt(squares[0]) / (2 * np.pi), strain, abs(w[-1] / moved)
