@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import scipy.linalg
-from scipy.optimize import brentq
 
 from fem import Effects, Material, Plate, Rotor, assemble, families, rectangle, solve_modes
 from fem.meshes.cells import cell
@@ -38,12 +37,6 @@ def frequencies(plate, rotor=None, effects=FLAT, theory="mindlin", omega=0.0, co
 def unit_of(height):
     """sqrt(EI / rho A L^4) of a strip of length 1."""
     return np.sqrt(STRIP.youngs_modulus * height**2 / 12.0 / STRIP.density)
-
-
-def zeros(function, places):
-    """Where a function changes its sign between some places."""
-    signs = np.sign([function(x) for x in places])
-    return np.array([brentq(function, *places[n : n + 2], xtol=1e-13) for n in np.flatnonzero(np.diff(signs))])
 
 
 def complex_rates(operators, omega):

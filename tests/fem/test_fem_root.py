@@ -1,8 +1,11 @@
 """A root on springs: the exact beam, the clamp as their limit, and the theories among each other."""
 
+from itertools import islice, pairwise
+
 import numpy as np
 import pytest
-from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, check_tangent, frequencies, unit_of, zeros
+from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, check_tangent, frequencies, unit_of
+from scipy.optimize import brentq
 
 from fem import ElasticRoot, Plate, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
@@ -33,7 +36,9 @@ def beam(translation, rotation, count):
         rows = np.array([*at_root, [-c, -s, ch, sh], [s, -c, sh, ch]])  # of cos, sin, cosh, sinh
         return np.linalg.det(rows / np.abs(rows).max(axis=1)[:, None])
 
-    return zeros(mismatch, np.linspace(0.05, 12.0, 2000))[:count]
+    pairs = pairwise(np.linspace(0.05, 12.0, 2000))
+    crossed = (pair for pair in pairs if mismatch(pair[0]) * mismatch(pair[1]) < 0)
+    return np.array([brentq(mismatch, *pair, xtol=1e-13) for pair in islice(crossed, count)])
 
 
 def test_the_equation_has_its_limits():
