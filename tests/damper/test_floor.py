@@ -157,7 +157,8 @@ def test_a_hinged_blade_never_drives_the_ball(release: float, rolling_friction: 
     assert (run.impacts, run.events) == (0, 0)
     assert run.energy.final == pytest.approx(run.energy.initial, rel=1e-13)
     assert ringdown(damper, (release, 0.0)).outcome is Outcome.AT_REST
-    assert damping_curve(damper).peak == 0.0
+    nothing = damping_curve(damper)
+    assert (nothing.peak, nothing.cutoff) == (0.0, math.inf)
     assert work_bound(damper, (release, 0.0)) <= 1e-12
 
 
@@ -208,22 +209,6 @@ def test_the_linear_absorber_is_met(frequency: float) -> None:
     history = sample(run, times)
     np.testing.assert_allclose(history.displacement[:, 0], size * u * np.cos(nu * times), atol=1e-12)
     np.testing.assert_allclose(history.relative_position[:, 0], size * s * np.cos(nu * times), atol=1e-12)
-
-
-def test_the_two_peaks_of_the_absorber() -> None:
-    """Driven from rest at the two frequencies that have no steady state, the answer grows; elsewhere it beats."""
-    damper = absorber()
-    scan = 2 * math.pi * np.linspace(200, 340, 4001)
-    inverse = np.array([1 / steady(damper, nu)[0] for nu in scan])
-    peaks = scan[:-1][(inverse[:-1] > 0) & (inverse[1:] <= 0)]
-    assert len(peaks) == 2
-    size = 1e-6 * damper.stiffness[0]
-    sizes = {}
-    for nu in (*peaks, peaks.mean(), 0.8 * peaks[0], 1.2 * peaks[1]):
-        run = ringdown(damper, (0.0, 0.0), 40, harmonic=Harmonic(float(nu), (size, 0.0)), keep_events=True)
-        sizes[nu] = np.abs(sample(run, np.linspace(0, run.duration * 0.999, 4000)).displacement).max() * 1e6
-        assert abs(run.energy.residual) <= 1e-12 * (abs(run.energy.work) + run.energy.final)
-    assert min(sizes[nu] for nu in peaks) > 3 * max(size for nu, size in sizes.items() if nu not in peaks)
 
 
 def test_harmonic_force_on_a_stuck_ball() -> None:

@@ -644,12 +644,6 @@ def test_the_slope_scales_the_drive(share: float) -> None:
     assert tilting.cutoff == pytest.approx(found.cutoff / left, rel=1e-9)
 
 
-def test_a_slope_that_takes_all_of_the_drive() -> None:
-    level = paper()
-    nothing = curve(tilted(level, 1.0))
-    assert (nothing.peak, nothing.cutoff) == (0.0, math.inf)
-
-
 def tilted(damper: ParticleDamper, share: float) -> ParticleDamper:
     """The damper on a floor whose slope takes a share of the ball's drive."""
     slope = share * damper.stuck_frequency**2 / damper.centrifugal_acceleration
