@@ -14,11 +14,10 @@ from fem.assembly import point_rows, with_coriolis
 CORIOLIS = Effects(coriolis=True)
 
 
-@pytest.mark.parametrize("stagger", [0.0, 0.7, np.pi / 2])
-@pytest.mark.parametrize("rotary", [True, False])
-def test_dense_reference(stagger, rotary):
-    effects = Effects(coriolis=True, rotary_inertia=rotary)
-    operators = assemble(paper_plate(4, 2), Rotor(0.1, stagger), effects)
+@pytest.mark.parametrize("stagger", [0.0, 0.7])
+def test_dense_reference(stagger):
+    """Of a mass without rotary inertia; with it, of all theories, in test_fem_laws.py."""
+    operators = assemble(paper_plate(4, 2), Rotor(0.1, stagger), Effects(coriolis=True, rotary_inertia=False))
     omega = 1800.0
     found = 2.0 * np.pi * solve_modes(operators, omega, 6).frequencies_hz
     m, g, k = (a.toarray() for a in (operators.mass, omega * operators.gyroscopic, operators.at(omega)))
