@@ -34,6 +34,12 @@ def test_examples_assert_what_they_show():
         assert any(isinstance(node, ast.Assert) for node in nodes), path.name
 
 
+def said(line, capsys):
+    """What a command prints."""
+    assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
+    return capsys.readouterr().out
+
+
 def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     text = (DOCS / "tour.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -43,10 +49,7 @@ def test_the_tour_works_word_for_word(tmp_path, monkeypatch, capsys):
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")
     lines = [line for block in re.findall(r"```\n(spindamp .*?)```", text, flags=re.S) for line in block.splitlines()]
     assert len(lines) >= 4
-    printed = {}
-    for line in lines:
-        assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
-        printed[line] = capsys.readouterr().out
+    printed = {line: said(line, capsys) for line in lines}
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"```toml\n{scene}```" in readme
     (shown,) = re.findall(r"```\n(My blade: .*?)```", readme, flags=re.S)
@@ -98,12 +101,11 @@ def test_the_page_on_known_modes_works_word_for_word(tmp_path, monkeypatch, caps
     (measured,) = (code for code in codes if "import" in code and code.count("import") == 1)
     exec(measured, {"__name__": "__main__"})
     for line in re.findall(r"^spindamp .*mine.toml$", text, flags=re.M):
-        assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr().err)
-        said = capsys.readouterr().out
+        last = said(line, capsys)
         if " check " in line:
-            mass = float(re.search(r"^# +1 +310 +flap +(\S+)", said, re.M)[1])
+            mass = float(re.search(r"^# +1 +310 +flap +(\S+)", last, re.M)[1])
             assert abs(mass - 1e3 / 2.27**2) < 0.02 * mass
-    assert "the ball adds an equivalent damping ratio" in " ".join(said.split())
+    assert "the ball adds an equivalent damping ratio" in " ".join(last.split())
 
 
 def test_the_reference_of_scenes_names_every_key():

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from damper import Formulation, ringdown
-from fem import solve_modes
+from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
 from tests.compiler import COMPILED
 from tests.soak import plates, rings
 
@@ -57,29 +56,11 @@ def test_ring_downs(scene: rings.Scene) -> None:
     assert rings.overlap(scene, cycles=5.0) <= rings.INSIDE
 
 
-@ringdowns
-@given(ring_scenes())
-def test_event_times_and_peaks_are_in_order(scene: rings.Scene) -> None:
-    damper, release, cycles = rings.damper_of(scene)
-    run = ringdown(damper, release, min(cycles or 5.0, 5.0), keep_events=True, max_events=5000)
-    assert (np.diff(run.rows["time"]) >= 0).all()
-    assert (np.diff(run.peak_times) > 0).all()
-    assert (run.peak_velocities >= 0).all()
-    if damper.formulation is Formulation.CONSISTENT:  # energy at a peak bounds its speed
-        assert (0.5 * damper.modal_mass * run.peak_velocities**2 <= run.energy.initial * (1 + 1e-9)).all()
-
-
 @slow
 @given(plate_scenes())
 def test_plates(drawn: tuple[plates.Scene, object]) -> None:
     """Frequencies real and ordered, or Divergence; independent of how many are asked for."""
-    scene, mesh = drawn
-    operators, omega = plates.operators_of(scene, mesh), scene["rotor"]["speeds"][0]
-    assert (operators.mass.diagonal() >= 0.0).all()
-    found, ending = plates.faults(scene, mesh)
-    assert found == []
-    if ending == "modes":
-        assert (solve_modes(operators, omega, 3).eigenvalues > 0.0).all()
+    assert plates.faults(*drawn)[0] == []
 
 
 @slow
@@ -97,8 +78,6 @@ def test_speed_to_zero(drawn: tuple[plates.Scene, object]) -> None:
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff"])
 def test_thickness_to_zero(theory: str) -> None:
     """h -> 0: at speed a plate becomes a membrane, whose frequencies no longer depend on its thickness."""
-    from fem import Effects, Plate, Rotor, assemble, rectangle
-
     found = []
     for thickness in (1e-4, 1e-5, 1e-6):
         plate = Plate(rectangle(0.2, 0.08, 8, 3), thickness, plates.Material(2e11, 0.3, 7850.0))

@@ -27,40 +27,28 @@ def imports():
 
 @pytest.mark.parametrize("package", ROOMS)
 def test_rooms_import_downwards(imports, package):
-    rooms = ROOMS[package]
-    for number, room in enumerate(rooms):
-        above = {f"{package}.{name}" for name in rooms[:number]}
-        for module in inside(imports, f"{package}.{room}"):
-            up = {found for found in imports.find_modules_directly_imported_by(module) if within(found, above)}
-            assert not up, f"{module} imports {up}, which is above it"
+    rooms = [f"{package}.{room}" for room in ROOMS[package]]
+    assert not [found for number, room in enumerate(rooms) for found in imported(imports, room, rooms[:number])]
 
 
 def test_packages_import_in_one_direction(imports):
     """`fem` and `damper` know of nothing else; `workflows` of both."""
-    for package, others in (("fem", {"damper", "workflows"}), ("damper", {"fem", "workflows"})):
-        for module in inside(imports, package):
-            assert not {name for name in imports.find_modules_directly_imported_by(module) if within(name, others)}
+    assert not imported(imports, "fem", {"damper", "workflows"})
+    assert not imported(imports, "damper", {"fem", "workflows"})
 
 
 def test_numbers_need_no_prose(imports):
     """Sentences are made at output: of studies by their reports, of a run by the command line and by Python's call."""
     makers = {name for name in inside(imports, "workflows.studies") if name.endswith(("report", ".comparison"))}
-    for module in ({"workflows.pipeline"} | inside(imports, "workflows.studies")) - makers:
-        prose = {
-            found
-            for found in imports.find_modules_directly_imported_by(module)
-            if within(found, {"workflows.report.remarks", "workflows.report.verdict"})
-        }
-        assert not prose, f"{module} imports {prose}"
+    prose = {"workflows.report.remarks", "workflows.report.verdict"}
+    found = imported(imports, "workflows.pipeline", prose) + imported(imports, "workflows.studies", prose)
+    assert not [each for each in found if each[0] not in makers]
 
 
 @pytest.mark.parametrize("package", GROUND)
 def test_the_ground_floor_imports_no_room(imports, package):
     rooms = {f"{package}.{room}" for room in ROOMS[package]}
-    for name in GROUND[package]:
-        for module in inside(imports, f"{package}.{name}"):
-            up = {found for found in imports.find_modules_directly_imported_by(module) if within(found, rooms)}
-            assert not up, f"{module} imports {up}"
+    assert not [found for name in GROUND[package] for found in imported(imports, f"{package}.{name}", rooms)]
 
 
 @pytest.mark.parametrize("package", ["fem", "damper", "workflows"])
@@ -89,5 +77,11 @@ def inside(imports, name):
     return {name, *imports.find_descendants(name)}
 
 
-def within(module, rooms):
-    return any(module == room or module.startswith(f"{room}.") for room in rooms)
+def imported(imports, name, rooms):
+    """By whom of a module and all below it, and what, of modules within some rooms."""
+    return [
+        (module, found)
+        for module in inside(imports, name)
+        for found in imports.find_modules_directly_imported_by(module)
+        if any(found == room or found.startswith(f"{room}.") for room in rooms)
+    ]

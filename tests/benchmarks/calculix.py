@@ -4,6 +4,7 @@
 step with PERTURBATION, so that stress stiffening and spin softening are in, and Coriolis is not.
 """
 
+import csv
 import re
 import shutil
 import subprocess
@@ -18,6 +19,12 @@ COMMAND = "ccx"
 def available():
     """Whether `ccx` is installed."""
     return shutil.which(COMMAND) is not None
+
+
+def rows(path):
+    """Of a table of answers, beside comments."""
+    with path.open() as lines:
+        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def frequencies_on(

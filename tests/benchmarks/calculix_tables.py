@@ -7,7 +7,6 @@ towards the edges. Theories' frequencies are extrapolated at the third order, an
 others are those of the finer mesh, and `error` is how much the two differ.
 """
 
-import csv
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,11 +113,10 @@ def solve(case, rpm, fineness, layers):
 def stored(table):
     """Frequencies in Hz and their relative errors, each (2, COUNT), at rest and at speed, by case of a table."""
     found = {name: np.full((2, 2, COUNT), np.nan) for name in TABLES[table]}
-    with (DATA / f"calculix_{table}.csv").open() as lines:
-        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
-            place = int(float(row["rpm"]) > 0), int(row["mode"]) - 1
-            for values, key in zip(found[row["case"]], ("frequency_hz", "error"), strict=True):
-                values[place] = float(row[key])
+    for row in calculix.rows(DATA / f"calculix_{table}.csv"):
+        place = int(float(row["rpm"]) > 0), int(row["mode"]) - 1
+        for values, key in zip(found[row["case"]], ("frequency_hz", "error"), strict=True):
+            values[place] = float(row[key])
     return {name: tuple(both) for name, both in found.items()}
 
 

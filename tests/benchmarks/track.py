@@ -103,8 +103,6 @@ def opened(tree: Path) -> subprocess.Popen[str]:
 
 def asked(process: subprocess.Popen[str], task: str) -> float:
     """Seconds of one task."""
-    assert process.stdin is not None
-    assert process.stdout is not None
     process.stdin.write(task + "\n")
     process.stdin.flush()
     return float(process.stdout.readline())
@@ -113,8 +111,6 @@ def asked(process: subprocess.Popen[str], task: str) -> float:
 def beside(tree: Path) -> None:
     """This tree and another in turns."""
     with opened(Path()) as mine, opened(tree) as other:
-        assert mine.stdout is not None
-        assert other.stdout is not None
         names, _ = json.loads(mine.stdout.readline()), other.stdout.readline()
         for name in names:
             asked(mine, name), asked(other, name)

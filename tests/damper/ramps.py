@@ -5,17 +5,13 @@ in closed form. While it rolls, its speed has its extremes where cos(theta) = a_
 these a bisection finds the only zero there can be, and before that zero its place is monotone.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from damper import ParticleDamper
+from damper import ParticleDamper
 
 Floats = npt.NDArray[np.float64]
 _BETA = 5 / 7
@@ -138,6 +134,5 @@ def led(damper: ParticleDamper, amplitudes: npt.ArrayLike, place: float = 0.0, s
     half, each = damper.half_gap[0], np.array(amplitudes, dtype=float)
     given = [damper.modal_mass, damper.ball_mass, damper.stiffness[0], damper.rolling_threshold, half]
     decrements = np.zeros(len(each))
-    given += [damper.restitution, damper.sticking_ratio]
-    _led(each, place * half, speed, np.array(given), decrements)
+    _led(each, place * half, speed, np.array([*given, damper.restitution, damper.sticking_ratio]), decrements)
     return decrements

@@ -19,8 +19,8 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from damper import Formulation, Harmonic, Mode, ParticleDamper, RingDown
-from workflows.solve.results import Floats
 
+Floats = np.ndarray
 Event = tuple[float, int, str]
 """Time [periods 2 pi / omega_1], axis and kind."""
 
@@ -427,7 +427,6 @@ def _powers(matrix: bytes, dt: float) -> np.ndarray:
 
 def events(run: RingDown) -> list[Event]:
     """Those of a ring-down, as a `Reference` lists them."""
-    assert run.rows is not None
     period = 2 * math.pi / run.damper.stuck_frequency
     names = {**KINDS, "pulled from a wall": "away"}
     return [

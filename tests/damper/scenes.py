@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from damper import Formulation, ParticleDamper
+from damper import Formulation, ParticleDamper, RingDown, ringdown
 
 
 def paper(load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.006, **changes: Any) -> ParticleDamper:
@@ -17,15 +17,16 @@ def paper(load: float = 21932, frequency: float = 269.5, mass_ratio: float = 0.0
     return replace(base, **changes)
 
 
-def paper_like(formulation: Formulation) -> ParticleDamper:
-    """The same by either formulation."""
-    return paper(formulation=formulation)
-
-
 def simple(**changes: Any) -> ParticleDamper:
     """A ball that nothing presses, in 1 m of room to either side, on a structure of 1 kg and 1 rad/s."""
     base = ParticleDamper(1.0, (1.0, 1.0), 0.05, 1.0, (4.0, 4.0), 0.0, 0.6)
     return replace(base, **changes)
+
+
+def let_go(damper: ParticleDamper, amplitudes: tuple[float, ...], cycles: float, **more: Any) -> RingDown:
+    """A ring-down with its events, of a damper with modes or without."""
+    release = {"release": amplitudes} if damper.modes is None else {"release": (0.0, 0.0), "amplitudes": amplitudes}
+    return ringdown(damper, cycles=cycles, keep_events=True, **release, **more)
 
 
 def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:

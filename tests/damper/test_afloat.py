@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from damper import Mode, ParticleDamper, RingDown, ringdown
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler
-from tests.damper.scenes import simple
+from tests.damper.scenes import let_go, simple
 
 STILL = (1e-9, 1e-16, 1e-20, 1e-40, 0.0)
 """Speeds to set off at; rounding leaves one like them to a ball that a structure draws off its wall."""
@@ -104,9 +104,7 @@ def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...]]:
 
 
 def follow(damper: ParticleDamper, amplitudes: tuple[float, ...], cycles: float = CYCLES) -> RingDown:
-    if damper.modes is None:
-        return ringdown(damper, amplitudes, cycles, keep_events=True, max_events=100_000)
-    return ringdown(damper, (0.0, 0.0), cycles, amplitudes=amplitudes, keep_events=True, max_events=100_000)
+    return let_go(damper, amplitudes, cycles, max_events=100_000)
 
 
 def fault(motion: RingDown) -> float:

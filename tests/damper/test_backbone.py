@@ -124,13 +124,8 @@ def test_peaks_are_the_largest_answers_at_any_frequency(clearance: float) -> Non
     nearly, turns = 0.997 * rolls.range[1], rolls.frequency[-1]  # a force beyond meets the end at two frequencies alone
     lost = nearly * (found.dashpot * turns + 2 * found.stiffness * rolls.damping_ratio[-1])
     flanks = np.sqrt(np.maximum(forces**2 - lost**2, 0.0)) / (found.mass * nearly)
-    frequencies = np.concatenate(
-        [
-            damper.stuck_frequency * np.linspace(1 - width, 1 + width, 100),
-            *(each.frequency for each in found.branches),
-            *(np.sqrt(turns**2 + side * flanks) for side in (-1, 1)),
-        ]
-    )
+    about, own = damper.stuck_frequency * np.linspace(1 - width, 1 + width, 100), [b.frequency for b in found.branches]
+    frequencies = np.concatenate([about, *own, *(np.sqrt(turns**2 + side * flanks) for side in (-1, 1))])
     largest = [max((a for nu in frequencies for a, _ in found.answers(force, nu)), default=0.0) for force in forces]
     np.testing.assert_allclose(found.peaks(forces), largest, rtol=1e-2)  # a peak lies between two frequencies
     assert found.peaks(forces)[0] == pytest.approx(forces[0] / (found.dashpot * damper.stuck_frequency), rel=1e-9)

@@ -25,9 +25,10 @@ from damper import (
 )
 from damper.state import HIT, REVERSAL
 from tests.compiler import needs_compiler, some
-from tests.damper.scenes import paper_like, random_scene
+from tests.damper.scenes import paper, random_scene
+from tests.damper.test_work_bound import largest_bound
 
-PAPER = paper_like(Formulation.CONSISTENT)
+PAPER = paper()
 LEVELLING = {
     "tilt": {"floor_tilt": (1e-13, 1e-13)},
     "bowl": {"floor_radius": (1e16, 1e16)},
@@ -156,7 +157,8 @@ def test_a_hinged_blade_never_drives_the_ball(release: float, rolling_friction: 
     assert (run.impacts, run.events) == (0, 0)
     assert run.energy.final == pytest.approx(run.energy.initial, rel=1e-13)
     assert ringdown(damper, (release, 0.0)).outcome is Outcome.AT_REST
-    assert damping_curve(damper).peak == 0.0
+    nothing = damping_curve(damper)
+    assert (nothing.peak, nothing.cutoff) == (0.0, math.inf)
     assert work_bound(damper, (release, 0.0)) <= 1e-12
 
 
@@ -185,12 +187,13 @@ def absorber() -> ParticleDamper:
     return replace(damper, stiffness=(stiffness, stiffness), floor_radius=(bowl, bowl))
 
 
-def steady(damper: ParticleDamper, nu: float) -> tuple[float, float]:
-    """Displacement of structure and ball per unit of a harmonic force, of the linear absorber."""
+def steady(damper: ParticleDamper, nu: Any) -> tuple[Any, Any]:
+    """Displacement of structure and ball per unit of a harmonic force, of the linear absorber, complex where damped."""
     m, load, tilt = damper.ball_mass, damper.centrifugal_acceleration, damper.floor_tilt[0]
     pendulum = 5 / 7 * load / (damper.floor_radius[0] - damper.ball_radius)
-    drive = nu**2 - load * tilt
-    u = 1 / (damper.stiffness[0] - damper.stuck_mass * nu**2 - 5 / 7 * m * drive**2 / (pendulum - nu**2))
+    drive, c = nu**2 - load * tilt, 2 * damper.damping_ratio * math.sqrt(damper.stiffness[0] * damper.modal_mass)
+    spring = damper.stiffness[0] + 1j * c * nu if c else damper.stiffness[0]
+    u = 1 / (spring - damper.stuck_mass * nu**2 - 5 / 7 * m * drive**2 / (pendulum - nu**2))
     return u, 5 / 7 * drive * u / (pendulum - nu**2)
 
 
@@ -200,29 +203,12 @@ def test_the_linear_absorber_is_met(frequency: float) -> None:
     damper, nu = absorber(), 2 * math.pi * frequency
     u, s = steady(damper, nu)
     size = 1e-3 / max(abs(u), abs(s))
-    run = ringdown(
-        damper, (size * u, 0.0), 30, ball_position=(size * s, 0.0), harmonic=Harmonic(nu, (size, 0.0)), keep_events=True
-    )
+    start = {"ball_position": (size * s, 0.0), "harmonic": Harmonic(nu, (size, 0.0))}
+    run = ringdown(damper, (size * u, 0.0), 30, **start, keep_events=True)
     times = np.linspace(0, run.duration * (1 - 1e-12), 2000)
     history = sample(run, times)
     np.testing.assert_allclose(history.displacement[:, 0], size * u * np.cos(nu * times), atol=1e-12)
     np.testing.assert_allclose(history.relative_position[:, 0], size * s * np.cos(nu * times), atol=1e-12)
-
-
-def test_the_two_peaks_of_the_absorber() -> None:
-    """Driven from rest at the two frequencies that have no steady state, the answer grows; elsewhere it beats."""
-    damper = absorber()
-    scan = 2 * math.pi * np.linspace(200, 340, 4001)
-    inverse = np.array([1 / steady(damper, nu)[0] for nu in scan])
-    peaks = scan[:-1][(inverse[:-1] > 0) & (inverse[1:] <= 0)]
-    assert len(peaks) == 2
-    size = 1e-6 * damper.stiffness[0]
-    sizes = {}
-    for nu in (*peaks, peaks.mean(), 0.8 * peaks[0], 1.2 * peaks[1]):
-        run = ringdown(damper, (0.0, 0.0), 40, harmonic=Harmonic(float(nu), (size, 0.0)), keep_events=True)
-        sizes[nu] = np.abs(sample(run, np.linspace(0, run.duration * 0.999, 4000)).displacement).max() * 1e6
-        assert abs(run.energy.residual) <= 1e-12 * (abs(run.energy.work) + run.energy.final)
-    assert min(sizes[nu] for nu in peaks) > 3 * max(size for nu, size in sizes.items() if nu not in peaks)
 
 
 def test_harmonic_force_on_a_stuck_ball() -> None:
@@ -231,7 +217,8 @@ def test_harmonic_force_on_a_stuck_ball() -> None:
     damper = replace(PAPER, damping_ratio=zeta, rolling_friction=10.0)
     m, k = damper.stuck_mass, damper.stiffness[0]
     c = 2 * zeta * math.sqrt(k * damper.modal_mass)
-    run = ringdown(damper, (0.0, 0.0), 30, harmonic=Harmonic(nu, (size, 0.0), phase=phase), keep_events=True)
+    force = Harmonic(nu, (size, 0.0), phase=phase)
+    run = ringdown(damper, (0.0, 0.0), 30, harmonic=force, keep_events=True)
     z = size * np.exp(1j * phase) / (k - m * nu**2 + 1j * c * nu)
     roots = np.roots([m, c, k])
     a = np.linalg.solve(np.array([[1, 1], roots]), [-z.real, -(1j * nu * z).real])
@@ -244,15 +231,14 @@ def test_harmonic_force_on_a_stuck_ball() -> None:
     work = np.trapezoid(size * np.cos(nu * fine + phase) * speed, fine)
     assert run.energy.work == pytest.approx(work, rel=1e-6)
     assert abs(run.energy.residual) <= 1e-13 * run.energy.work
-    late = ringdown(damper, (0.0, 0.0), 200, harmonic=Harmonic(nu, (size, 0.0), phase=phase))
+    late = ringdown(damper, (0.0, 0.0), 200, harmonic=force)
     lag = -np.angle(1j * nu * z * np.exp(-1j * phase))
     # of the force at the velocity maxima: by so much the velocity, or its opposite, lags behind it
     phases = (nu * late.peak_times[-20:] + phase + 0.5 * np.pi) % np.pi - 0.5 * np.pi
     assert phases == pytest.approx(lag, abs=1e-6)
     assert late.peak_velocities[-20:] == pytest.approx(nu * abs(z), rel=1e-9)
-    moved = ringdown(
-        damper, (0.0, 0.0), 30, harmonic=Harmonic(nu, base=(-size / m, 0.0), phase=phase), keep_events=True
-    )
+    shaken = Harmonic(nu, base=(-size / m, 0.0), phase=phase)
+    moved = ringdown(damper, (0.0, 0.0), 30, harmonic=shaken, keep_events=True)
     np.testing.assert_allclose(sample(moved, t).displacement[:, 0], expected, atol=1e-12 * np.abs(expected).max())
 
 
@@ -263,7 +249,6 @@ def test_energy_scatters_into_higher_modes() -> None:
         Mode(1.0, PAPER.stiffness[0] * 31, (-0.8, 0.3), (40.0, 0.0)),
     )
     run = ringdown(replace(PAPER, modes=modes), (0.0, 0.0), 20, amplitudes=(20e-3, 0.0, 0.0))
-    assert run.modal_energies is not None
     assert run.modal_energies.shape == (3,)
     assert run.modal_energies[0] == pytest.approx(run.energy.final, rel=0.01)
     assert 1e-9 < run.modal_energies[2] / run.energy.final < 1e-2
@@ -281,7 +266,6 @@ def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     system, shares = replace(damper, modes=(*as_modes(damper), third)), []
     for k in range(8):  # how much the third mode holds at last is chance
         run = ringdown(system, (0.0, 0.0), 600, amplitudes=((1 + 1e-9 * k) * 3e-4, 0.0, 0.0))
-        assert run.modal_energies is not None
         shares.append(run.modal_energies[2] / run.energy.initial)
         told = 0.5 * damper.modal_mass * run.peak_velocities**2 / run.energy.initial
         share = damper.ball_mass / damper.modal_mass
@@ -306,8 +290,7 @@ def test_work_bound_with_tilt(share: float) -> None:
     expected = abs(1 - share) * work_bound(PAPER, (5e-3, 0.0))
     assert work_bound(damper, (5e-3, 0.0)) == pytest.approx(expected, rel=1e-12)
     assert work_bound(replace(damper, floor_radius=(1.0, 1.0)), (5e-3, 0.0)) == pytest.approx(expected, rel=1e-12)
-    every = [work_bound(damper, (5e-3 * math.cos(a), 5e-3 * math.sin(a))) for a in np.linspace(0, math.pi / 2, 2001)]
-    assert work_bound(damper, 5e-3) == pytest.approx(max(every), rel=1e-6)
+    assert work_bound(damper, 5e-3) == pytest.approx(largest_bound(damper, 5e-3), rel=1e-6)
 
 
 def test_a_batch_that_shares_what_its_damper_has_not() -> None:
@@ -338,11 +321,8 @@ def test_batches_of_linear_flights(kind: str) -> None:
     for k in range(0, n, 7):
         one = replace(damper, **{name: _plain(values[k]) for name, values in varied.items()})
         run = ringdown(one, tuple(release[k]), 6)
-        assert (run.energy.final, run.impacts, run.energy.initial) == (
-            batch.final[k],
-            batch.impacts[k],
-            batch.initial[k],
-        )
+        assert (run.energy.final, run.energy.initial) == (batch.final[k], batch.initial[k])
+        assert run.impacts == batch.impacts[k]
 
 
 def _plain(value: np.ndarray) -> float | tuple[float, float]:
@@ -434,7 +414,7 @@ def test_let_go_at_rest_under_coupled_modes() -> None:
     ids=lambda listed: f"{type(next(iter(listed.values()))).__name__} of {next(iter(listed))}",
 )
 def test_lists_and_arrays_are_as_good_as_tuples(listed: dict[str, Any]) -> None:
-    plain = replace(paper_like(Formulation.CONSISTENT), stiffness=(2e3, 2e3), cavity=(4e-3, 4e-3), modal_mass=0.02)
+    plain = paper(stiffness=(2e3, 2e3), cavity=(4e-3, 4e-3), modal_mass=0.02)
     plain = replace(plain, floor_radius=(0.1, 0.1), floor_tilt=(0.0, 0.0))
     if "modes" in listed:
         plain = replace(plain, modes=(Mode(0.02, 2e3, (1.0, 0.0), drawn=(0.02, 0.0)),))

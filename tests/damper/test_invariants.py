@@ -8,7 +8,7 @@ import pytest
 
 from damper import Formulation, ParticleDamper, RingDown, ringdown, sample
 from tests.compiler import COMPILED, needs_compiler, some
-from tests.damper.scenes import paper_like, random_scene
+from tests.damper.scenes import paper, random_scene
 
 SEEDS = some(60, without=5)
 
@@ -77,6 +77,7 @@ def test_events_are_ordered_and_continuous(seed: int) -> None:
     run = run_of(seed)
     times = run.rows["time"]
     assert (np.diff(times) >= 0).all()
+    assert (np.diff(run.peak_times) > 0).all()
     inside = times[(times > 0) & (times < run.duration)]
     before = sample(run, np.nextafter(inside, 0))
     after = sample(run, inside)
@@ -124,7 +125,7 @@ def test_rescaling(seed: int, scale: dict[str, float]) -> None:
 
 
 def test_sampling_at_events_gives_the_state_after_them() -> None:
-    run = ringdown(paper_like(Formulation.CONSISTENT), (20e-3, 5e-3), 3, keep_events=True)
+    run = ringdown(paper(), (20e-3, 5e-3), 3, keep_events=True)
     for row in run.rows[::7]:
         at = sample(run, row["time"])
         same_time = run.rows[(run.rows["time"] == row["time"]) & (run.rows["axis"] == row["axis"])][-1]
@@ -133,7 +134,7 @@ def test_sampling_at_events_gives_the_state_after_them() -> None:
 
 
 def test_peaks_are_the_maxima_of_the_sampled_speed() -> None:
-    run = ringdown(paper_like(Formulation.CONSISTENT), (20e-3, 5e-3), 10 if COMPILED else 3, keep_events=True)
+    run = ringdown(paper(), (20e-3, 5e-3), 10 if COMPILED else 3, keep_events=True)
     samples = 20_001 if COMPILED else 2_001
     period = 2 * math.pi / run.damper.stuck_frequency
     for time, peak in zip(run.peak_times, run.peak_velocities, strict=True):
@@ -146,7 +147,7 @@ def test_peaks_are_the_maxima_of_the_sampled_speed() -> None:
 @needs_compiler
 def test_long_run_is_the_short_one_continued() -> None:
     """Pausing for progress, and growing tables, change nothing."""
-    damper = paper_like(Formulation.CONSISTENT)
+    damper = paper()
     calls: list[float] = []
     long = ringdown(damper, (20e-3, 5e-3), 2500, keep_events=True, progress=calls.append)
     short = ringdown(damper, (20e-3, 5e-3), 100, keep_events=True)

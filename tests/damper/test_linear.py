@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from damper import Harmonic, Mode, ParticleDamper, RingDown, ringdown
+from damper import Harmonic, Mode, ParticleDamper, ringdown
 from damper.state import HIT
 from tests.compiler import needs_compiler, some
 from tests.damper.reference import Reference, agreed, events
-from tests.damper.scenes import simple
+from tests.damper.scenes import let_go, simple
 
 PERIODS = 1.0
 
@@ -61,13 +61,6 @@ def scene(seed: int) -> tuple[ParticleDamper, tuple[float, ...], Harmonic | None
     return damper, tuple(rng.normal(size=size)), harmonic
 
 
-def run(damper: ParticleDamper, amplitudes: tuple[float, ...], harmonic: Harmonic | None, cycles: float) -> RingDown:
-    if damper.modes is None:
-        return ringdown(damper, amplitudes, cycles, harmonic=harmonic, keep_events=True, max_events=10_000)
-    release = {"release": (0.0, 0.0), "amplitudes": amplitudes}
-    return ringdown(damper, cycles=cycles, harmonic=harmonic, keep_events=True, max_events=10_000, **release)
-
-
 @needs_compiler
 @pytest.mark.parametrize("seed", some(80, without=0))
 def test_against_the_reference(seed: int) -> None:
@@ -85,7 +78,7 @@ def test_a_lateral_pull_against_the_reference(seed: int) -> None:
 
 def agrees(damper: ParticleDamper, amplitudes: tuple[float, ...], harmonic: Harmonic | None) -> None:
     """Events, energies and work agree with the reference as far as it knows them itself."""
-    motion = run(damper, amplitudes, harmonic, PERIODS)
+    motion = let_go(damper, amplitudes, PERIODS, harmonic=harmonic, max_events=10_000)
     books = motion.energy
     assert abs(books.residual) <= 1e-12 * (books.initial + abs(books.work) + abs(books.final))
     one = Reference(damper, amplitudes, PERIODS, 512, harmonic, most=25)

@@ -10,15 +10,14 @@ import pytest
 from damper import Formulation, ParticleDamper, capacity, ringdown, sample
 from damper.state import ROLLING, START
 from tests.damper.reference import Reference, agreed, events
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 
 ZETAS = [0.6, 0.9, 0.99, 0.999, 0.999999, 1 - 1e-9, 1 - 1e-12, 1 - 2.0**-53]
 
 
 def afloat(zeta: float, ball: float = 1e-4, **changes: object) -> ParticleDamper:
     """A ball that nothing presses onto the floor: ζ is then that of the structure in flight, with nothing added."""
-    base = dataclasses.replace(paper_like(Formulation.CONSISTENT), centrifugal_acceleration=0.0, damping_ratio=zeta)
-    return dataclasses.replace(base, ball_mass=ball, **changes)
+    return paper(centrifugal_acceleration=0.0, damping_ratio=zeta, ball_mass=ball, **changes)
 
 
 def exactly(zeta: float, rate: float, u: float, v: float, tau: float) -> tuple[Decimal, Decimal]:
@@ -64,11 +63,10 @@ def test_flight_and_loss_to_the_last_digits(zeta: float, state: tuple[float, flo
 @pytest.mark.parametrize("formulation", list(Formulation))
 def test_a_ball_sets_off_at_its_threshold(zeta: float, formulation: Formulation) -> None:
     """It is let go without a drive; the lesser of two printed dashpots decides on the way out."""
-    damper = dataclasses.replace(paper_like(formulation), damping_ratio=zeta, rolling_friction=1e-5)
+    damper = paper(formulation=formulation, damping_ratio=zeta, rolling_friction=1e-5)
     dashpot = 2 * zeta * math.sqrt(damper.stiffness[0] * damper.modal_mass)
     v = 20.0 * damper.rolling_threshold / damper.stuck_frequency
     run = ringdown(damper, (-dashpot * v / damper.stiffness[0], 0.0), 1, velocity=(v, 0.0), keep_events=True)
-    assert run.rows is not None
     start = run.rows[run.rows["kind"] == START][0]
     drive = (damper.stiffness[0] * start["u"] + dashpot * start["v"]) / damper.stuck_mass
     assert drive == pytest.approx(damper.rolling_threshold, rel=1e-11)
@@ -98,7 +96,7 @@ def test_books_close(zeta: float, ball: float, pressed: bool, slips: bool) -> No
 @pytest.mark.parametrize("load", [0.0, 2e3])
 def test_events_are_those_of_the_dense_reference(zeta: float, formulation: Formulation, load: float) -> None:
     """The same events at the same times over two periods, by matrix exponentials."""
-    damper = dataclasses.replace(paper_like(formulation), damping_ratio=zeta, centrifugal_acceleration=load)
+    damper = paper(formulation=formulation, damping_ratio=zeta, centrifugal_acceleration=load)
     one = dataclasses.replace(damper, cavity=(2.1e-3, 2.4e-3))
     run, dense = ringdown(one, (5e-3, 2e-3), 2, keep_events=True), Reference(one, (5e-3, 2e-3), 2, samples=512)
     assert agreed(events(run), dense.events) == len(dense.events) == len(events(run))
@@ -109,7 +107,6 @@ def test_a_reversal_in_a_dying_vibration_is_seen() -> None:
     """Once the structure rests, its acceleration is exactly zero, and no longer of either sign."""
     damper = afloat(1 - 5.2e-13, 1.7e-4, cavity=(2.0615e-3, 3.353e-3), restitution=1.0)
     run = ringdown(damper, (7.87e-4, 2.36e-4), 200, keep_events=True)
-    assert run.rows is not None
     moving = run.rows[(run.rows["regime"] == ROLLING) & (run.rows["w"] != 0.0)]
     assert (np.sign(moving["w"]) == moving["direction"]).all()
     assert abs(run.energy.residual) <= 1e-12 * run.energy.initial
@@ -118,9 +115,7 @@ def test_a_reversal_in_a_dying_vibration_is_seen() -> None:
 @pytest.mark.parametrize("zeta", [0.2, 0.5, 0.7, 0.9])
 def test_a_cycle_is_a_period_of_the_damped_vibration(zeta: float) -> None:
     """A ball that never moves: velocity maxima lie a damped period apart, whatever the damping."""
-    damper = dataclasses.replace(
-        paper_like(Formulation.CONSISTENT), damping_ratio=zeta, centrifugal_acceleration=1e12, ball_mass=1e-9
-    )
+    damper = paper(damping_ratio=zeta, centrifugal_acceleration=1e12, ball_mass=1e-9)
     run = ringdown(damper, (1e-3, 0.0), 12)
     found = capacity(run)
     damped = 2 * math.pi / damper.stuck_frequency / math.sqrt(1 - zeta**2)
@@ -131,9 +126,7 @@ def test_a_cycle_is_a_period_of_the_damped_vibration(zeta: float) -> None:
 
 @pytest.mark.parametrize("zeta", [0.95, 0.999, 1 - 1e-12])
 def test_nearly_critical_a_cycle_takes_everything(zeta: float) -> None:
-    found = capacity(
-        ringdown(dataclasses.replace(paper_like(Formulation.CONSISTENT), damping_ratio=zeta), (20e-3, 5e-3))
-    )
+    found = capacity(ringdown(paper(damping_ratio=zeta), (20e-3, 5e-3)))
     assert len(found.sdc) >= 1
     np.testing.assert_allclose(found.sdc, 1.0, rtol=1e-8)
 

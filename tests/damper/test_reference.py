@@ -7,7 +7,7 @@ import pytest
 from damper import Formulation, ringdown
 from tests.compiler import some
 from tests.damper.reference import Reference, agreed, events
-from tests.damper.scenes import paper_like, random_scene
+from tests.damper.scenes import paper, random_scene
 
 ENERGY_TOLERANCE = 1e-7
 NUDGE = 1e-12
@@ -38,7 +38,7 @@ def predictable(theirs: Reference) -> int:
     ],
 )
 def test_known_digits(formulation: Formulation, impacts: int, final: float, rolling: float | None) -> None:
-    run = ringdown(paper_like(formulation), (20e-3, 5e-3), 20)
+    run = ringdown(paper(formulation=formulation), (20e-3, 5e-3), 20)
     assert run.impacts == impacts
     assert run.energy.final / run.energy.initial == pytest.approx(final, abs=6e-11)
     if rolling is not None:

@@ -1,13 +1,12 @@
 """The self-check: its digits, by integrators without our code where these are quick; when it runs, and what it does."""
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from damper import LawViolation, compiled, forced, ringdown, self_check
+from damper import LawViolation, compiled, forced, ringdown, self_check, starts
 from damper.curve_measurement import falling, samples_of
 from damper.self_check import leave, stamp
 from tests.compiler import COMPILED, needs_compiler
@@ -117,9 +116,8 @@ def test_plain_python_is_not_checked(nothing_checked: list[str], monkeypatch: py
 
 @needs_compiler
 def test_a_wrong_answer_without_the_ball_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("damper.starts")
-    right = module.without_ball
-    monkeypatch.setattr(module, "without_ball", lambda *given: right(*given) * 1.001)
+    right = starts.without_ball
+    monkeypatch.setattr(starts, "without_ball", lambda *given: right(*given) * 1.001)
     assert [line.figure for line in self_check.lines("forced", forced) if line.error > self_check.EXACT] == [
         "amplitude without the ball"
     ]

@@ -2,10 +2,27 @@
 
 import numpy as np
 import pytest
+from fem_cases import box
 
 from fem import MeshError
 from fem.meshes.volume import read_volume
-from tests.fem.test_fem_solid import CELLS, DECK, NODES, box
+
+DECK = box("hexahedron20", (2, 1, 1), (0.2, 0.04, 0.02))
+
+
+def scaled(factor):
+    return [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(factor * DECK.points, 1)]
+
+
+NODES = scaled(1.0)
+CELLS = [[n, *(nodes + 1)] for n, nodes in enumerate(DECK.cells[0][1], 1)]
+
+
+def deck(nodes=NODES, cells=CELLS, kind="C3D20R", more=()):
+    """A mesh as Abaqus and CalculiX write it."""
+    listed = [",".join(map(str, each)) for each in cells]
+    return "\n".join(["*NODE", *nodes, f"*ELEMENT,TYPE={kind},ELSET=EALL", *listed, *more]) + "\n"
+
 
 FACE = [str(n) for n in np.flatnonzero(DECK.points[:, 0] == 0.0) + 1]
 MESH = ["*NODE,NSET=NALL", *NODES, "*ELEMENT,TYPE=C3D20R,ELSET=EALL"]
@@ -27,11 +44,7 @@ READ = {
     "files in files": ["*Include, input='outer.inc'", *ROOT],
     "set of a set": [*MESH, "*NSET,NSET=FACE", ",".join(FACE), "*NSET,NSET=NROOT", "FACE"],
     "set of a set and nodes": [
-        *MESH,
-        "*NSET,NSET=F",
-        ",".join(FACE[:3]),
-        "*NSET,NSET=NROOT",
-        f"f,{','.join(FACE[3:])}",
+        *(*MESH, "*NSET,NSET=F", ",".join(FACE[:3]), "*NSET,NSET=NROOT", f"f,{','.join(FACE[3:])}"),
     ],
     "set in two parts": [*MESH, "*NSET,NSET=NROOT", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])],
     "generated set": [*MESH, "*NSET,NSET=G,GENERATE", f"{FACE[0]},{FACE[-1]}", "*NSET,NSET=NROOT", "G"],
@@ -75,6 +88,37 @@ def test_decks_are_read_with_their_root(case, tmp_path):
 
 
 REFUSED = {
+    "empty": ("", "no cells with a volume"),
+    "no mesh": ("these are\nwords\n", "no cells with a volume"),
+    "nodes alone": ("*NODE\n" + "\n".join(NODES), "no cells with a volume"),
+    "cells alone": (deck(nodes=()), "an id while no ids were defined"),
+    "not a number": (deck([NODES[0].replace("0,0,0", "0,0,nan"), *NODES[1:]]), "line 2: node 1 has coordinates that"),
+    "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
+    "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
+    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
+    "one missing": (deck([*NODES[:-1], NODES[-1].rsplit(",", 1)[0]]), "line 33: node 32 has 2 coordinates, not 3$"),
+    "two missing": (deck([*NODES[:4], "5,1.", *NODES[5:]]), "line 6: node 5 has 1 coordinate, not 3$"),
+    "one left empty": (deck([*NODES[:4], "5,1.,,1.", *NODES[5:]]), "line 6: expected .* coordinates, not '5,1.,,1.'$"),
+    "one decimal comma": (
+        deck([*NODES[:4], "5,1.0,1,5,0.0", *NODES[5:]]),
+        "line 6: node 5 has 4 .* are commas decimal",
+    ),
+    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
+    "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
+    "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
+    "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
+    "decimal commas": (deck([each.replace(".", ",") for each in NODES]), "line 3: node 2 has 4 coordinates, not 3"),
+    "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
+    "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
+    "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
+    "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
+    "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
+    "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
+    "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
+    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
+    "in a point": (deck(scaled(0.0)), "measures 0 m"),
+    "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
+    "cut": (deck()[:-40], "not a (readable )?mesh file"),
     "no such file": (["*INCLUDE,INPUT=none.inc"], r"line 1: it includes 'none.inc', which is not a file"),
     "a ring": (["*INCLUDE,INPUT=blade.inp", "*NODE"], r"line 1: it includes 'blade.inp', which includes it"),
     "generated nodes": (["*NODE", "1,0,0,0", "9,1,0,0", "*NGEN", "1,9"], r"line 4: \*NGEN generates nodes, .* in full"),
@@ -82,10 +126,7 @@ REFUSED = {
     "generated elements": ([*MESH, "*ELGEN,ELSET=EALL", "1,2,1,1"], r"line \d+: \*ELGEN generates elements"),
     "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
     "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
-    "no such set": (
-        [*MESH, "*NSET,NSET=NROOT", "FACE"],
-        r"line \d+: a set of nodes holds 'FACE', which is neither a number",
-    ),
+    "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"a set of nodes holds 'FACE', which is neither a number"),
     "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
     "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
@@ -106,12 +147,15 @@ def test_a_set_of_elements_gives_a_set_of_their_nodes(tmp_path):
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_would_be_misread_is_one_line(case, tmp_path):
-    lines, problem = REFUSED[case]
+    given, problem = REFUSED[case]
     path = tmp_path / "blade.inp"
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text(given if isinstance(given, str) else "\n".join(given) + "\n")
     with pytest.raises(MeshError, match=problem) as refused:
         read_volume(path)
+    assert str(refused.value).startswith(f"{path}: ")
     assert "\n" not in str(refused.value)
+    path.write_text(deck())
+    assert read_volume(path).count == 2
 
 
 ORDER = {
@@ -122,21 +166,19 @@ ORDER = {
 """Nastran's names, and its order of nodes: those between bottom and top before those of the top."""
 
 
-def bulk(kind, style, nodes=()):
+def bulk(kind, style):
     """A mesh as Nastran's cards: of fixed width with or without marks, or free."""
     mesh, (card, order) = box(kind, (2, 1, 1), (0.2, 0.04, 0.02)), ORDER[kind]
     lines = [f"GRID    {n:>8}        " + "".join(f"{x:8.5f}" for x in at) for n, at in enumerate(mesh.points, 1)]
     for number, cell in enumerate(mesh.cells[0][1], 1):
         own = [str(each) for each in (number, 1, *(cell[order] + 1))]
-        rows = [own[:8], own[8:16], own[16:]] if len(own) > 16 else [own[:8], own[8:]]
-        for k, row in enumerate(rows):
-            if style == "free":
-                lines.append(",".join([card if k == 0 else "", *row]))
-            else:
-                mark = "+" if style == "marks" else ""
-                after = mark if k + 1 < len(rows) else ""
-                lines.append(f"{card if k == 0 else mark:<8}" + "".join(f"{n:>8}" for n in row) + after)
-    return mesh, ["SOL 103", "CEND", "BEGIN BULK", *nodes, *lines, "ENDDATA"]
+        mark = "+" if style == "marks" else ""
+        for k in range(0, len(own), 8):
+            row, first = own[k : k + 8], mark if k else card
+            after = mark if k + 8 < len(own) else ""
+            free, fixed = ",".join([first, *row]), f"{first:<8}" + "".join(f"{n:>8}" for n in row) + after
+            lines.append(free if style == "free" else fixed)
+    return mesh, ["SOL 103", "CEND", "BEGIN BULK", *lines, "ENDDATA"]
 
 
 @pytest.mark.parametrize("style", ["marks", "blanks", "free"])

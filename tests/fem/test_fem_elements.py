@@ -4,9 +4,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, distorted
+from fem_cases import AT_REST, STEEL, distorted, frequencies
 
-from fem import Effects, Plate, Rotor, assemble, rectangle, solve_modes
+from fem import Plate, rectangle
 from fem.assembly import elastic_stiffness
 from fem.theory import kirchhoff, mindlin
 from fem.theory import registry as theories
@@ -40,35 +40,28 @@ def test_free_plate_has_six_rigid_motions_and_no_more(free_plate, kind, thicknes
 @pytest.mark.parametrize("kind", MESHES)
 def test_patch(free_plate, kind):
     """Constant membrane strain, curvature and shear are met exactly on any mesh."""
-    h = 0.01
-    model = free_plate(kind, h)
+    model = free_plate(kind, 0.01)
     x, y, _ = model.points
-    u, v, w, tx, ty = _interpolate(
-        model,
-        lambda x, y: (2 * x + 3 * y, -y + x, 0.5 * x**2 + 0.25 * y**2 - x * y, x - y, 0.5 * y - x),
-    )
+    bent = 0.5 * x**2 + 0.25 * y**2 - x * y
+    u, v, w, tx, ty = _interpolate(model, 2 * x + 3 * y, -y + x, bent, x - y, 0.5 * y - x)
     gradients = model.gradient.evaluate(u + v + w + tx + ty)
     expected = [2, 3, 1, -1, x - y, 0.5 * y - x, 1, -1, -1, 0.5]
     for found, value in zip(gradients, expected, strict=True):
         np.testing.assert_allclose(found, np.broadcast_to(value, x.shape), atol=1e-11)
     ((shear, _),) = model.extra
     np.testing.assert_allclose(shear.evaluate(w + tx + ty), 0.0, atol=1e-11)
-    np.testing.assert_allclose(
-        shear.evaluate(_interpolate(model, lambda x, y: (0, 0, 3 * x - y, 0, 0))[2]).T,
-        np.broadcast_to([3.0, -1.0], (*x.T.shape, 2)),
-        atol=1e-11,
-    )
+    sheared = shear.evaluate(_interpolate(model, 0, 0, 3 * x - y, 0, 0)[2]).T
+    np.testing.assert_allclose(sheared, np.broadcast_to([3.0, -1.0], sheared.shape), atol=1e-11)
 
 
-def _interpolate(model, function):
-    """Unknowns of each of u, v, w, theta_x, theta_y alone, for functions of degree two or less."""
+def _interpolate(model, *targets):
+    """Unknowns of each of u, v, w, theta_x, theta_y alone, for values at points of functions of degree two or less."""
     fields = []
-    for k, block in enumerate(model.displacement.blocks):
+    for target, block in zip(targets, model.displacement.blocks, strict=True):
         vector = np.zeros(model.dofs)
-        target = np.broadcast_to(function(*model.points[:2])[k], model.points[0].shape)
+        target = np.broadcast_to(target, model.points[0].shape)
         for cell, dofs in enumerate(block.dofs):
-            table = block.table[cell, :, 0]
-            vector[dofs] = np.linalg.lstsq(table, target[cell], rcond=None)[0]
+            vector[dofs] = np.linalg.lstsq(block.table[cell, :, 0], target[cell], rcond=None)[0]
         fields.append(vector)
     return fields
 
@@ -78,8 +71,7 @@ def test_no_locking(kind):
     """omega / h tends to a constant as h/L goes from 1e-1 to 1e-5: it is what shear leaves of thin-plate theory."""
     found = {}
     for h in (1e-2, 1e-3, 1e-4, 1e-5):
-        operators = assemble(Plate(MESHES[kind](8), h, STEEL), Rotor(), Effects())
-        found[h] = solve_modes(operators, 0.0, 6).frequencies_hz / h
+        found[h] = frequencies(Plate(MESHES[kind](8), h, STEEL), effects=AT_REST) / h
     for h in (1e-4, 1e-5):
         np.testing.assert_allclose(found[h], found[1e-3], rtol=1e-4)
     np.testing.assert_allclose(found[1e-2], found[1e-3], rtol=3e-3)  # the true shear effect

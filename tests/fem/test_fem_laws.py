@@ -3,7 +3,19 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from fem_cases import STEEL, distorted, paper_plate, rpm
+from fem_cases import (
+    AT_REST,
+    BENT,
+    FLAT,
+    STEEL,
+    STRIP,
+    complex_rates,
+    distorted,
+    frequencies,
+    paper_plate,
+    rpm,
+    unit_of,
+)
 from skfem import MeshQuad
 
 from fem import (
@@ -15,77 +27,38 @@ from fem import (
     Rotor,
     assemble,
     critical_speed,
-    displacement,
     families,
     rectangle,
     solve_modes,
     with_point_mass,
 )
 
-OFF = Effects(stress_stiffening=False, spin_softening=False)
-
 
 def test_no_effects_no_speed_dependence():
-    operators = assemble(paper_plate(10, 4), Rotor(), OFF)
-    assert operators.geometric is None
-    assert operators.softening is None
+    operators = assemble(paper_plate(10, 4), Rotor(), AT_REST)
     rest, fast = (solve_modes(operators, omega, 6).frequencies_hz for omega in (0.0, rpm(17500)))
     np.testing.assert_array_equal(rest, fast)
-
-
-def test_softening_alone_lowers_flap_by_n_squared_at_right_angles():
-    flat, turned = (assemble(paper_plate(10, 4), Rotor(stagger=angle), Effects()) for angle in (0.0, np.pi / 2))
-    for speed in (3500, 10000, 17500):
-        f, g = (solve_modes(o, rpm(speed), 1).frequencies_hz[0] for o in (flat, turned))
-        assert f**2 - g**2 == pytest.approx((speed / 60.0) ** 2, rel=1e-3)
 
 
 @pytest.mark.parametrize("stagger", [0.3, 1.0])
 def test_softening_of_a_beam_goes_with_sine_squared(stagger):
     """omega²(stagger) = omega²(0) - Omega² sin² stagger where lag is stiff: exact for equal prestress."""
-    plate = Plate(rectangle(1.0, 0.05, 20, 1), 0.001, Material(2e11, 0.0, 7850.0))
-    omega = 5.0
+    plate, omega = Plate(rectangle(1.0, 0.05, 20, 1), 0.001, STRIP), 5.0
     straight, leaning = (
-        solve_modes(assemble(plate, Rotor(stagger=angle), Effects()), omega, 1).eigenvalues[0]
-        for angle in (0.0, stagger)
+        2.0 * np.pi * frequencies(plate, Rotor(stagger=angle), omega=omega, count=1)[0] for angle in (0.0, stagger)
     )
-    assert straight - leaning == pytest.approx((omega * np.sin(stagger)) ** 2, rel=2e-3)
+    assert straight**2 - leaning**2 == pytest.approx((omega * np.sin(stagger)) ** 2, rel=2e-3)
 
 
-@pytest.mark.parametrize(("theory", "tolerance"), [("mindlin", 1e-10), ("solid", 1e-8)])
-def test_rotating_bar_stretches_as_it_should(theory, tolerance):
-    """Tip displacement rho Omega² L³ / 3E, exact in these elements when nu = 0.
-
-    A solid is pulled apart through its thickness too, which the clamp hinders: 1e-9.
-    """
-    plate = Plate(rectangle(0.2, 0.08, 5, 2), 0.01, Material(2e11, 0.0, 7850.0))
-    operators = assemble(plate, Rotor(stagger=np.pi / 2), Effects(), theory)  # no pull across the width
-    omega = rpm(10000)
-    moved = omega**2 * displacement(operators, operators.prestress)
-    tip = moved[plate.mesh.p[0] > 0.199, 0]
-    np.testing.assert_allclose(tip, 7850.0 * omega**2 * 0.2**3 / 6e11, rtol=tolerance)
-
-
-def test_stiffness_and_speed_scale_together():
-    """Doubling E and Omega² leaves f / sqrt(E) unchanged."""
+@pytest.mark.parametrize(("effects", "thickness", "rtol"), [(FLAT, 0.01, 1e-10), (BENT, 0.003, 1e-9)])
+def test_stiffness_and_speed_scale_together(effects, thickness, rtol):
+    """Four times E and Omega² leave f / sqrt(E) unchanged."""
+    plates = [Plate(rectangle(0.2, 0.08, 6, 3), thickness, Material(e, 0.3, 7850.0)) for e in (1e11, 4e11)]
     soft, hard = (
-        solve_modes(
-            assemble(paper_plate(10, 4, Material(e, 0.3, 7850.0)), Rotor(0.1, 0.4), Effects()),
-            np.sqrt(e / 2e11) * 900.0,
-            6,
-        ).frequencies_hz
-        / np.sqrt(e)
-        for e in (2e11, 4e11)
+        frequencies(plate, Rotor(0.1, 0.7), effects, omega=800.0 * scale) / scale
+        for plate, scale in zip(plates, (1.0, 2.0), strict=True)
     )
-    np.testing.assert_allclose(soft, hard, rtol=1e-10)
-
-
-@pytest.mark.parametrize("theory", ["mindlin", "solid"])
-def test_stiffening_does_something(theory):
-    """d f² / d n² of the first flap mode is 1.19 by CalculiX; without its prestress it would be 0."""
-    operators = assemble(paper_plate(10, 4), Rotor(), Effects(), theory)
-    rest, slow = (solve_modes(operators, omega, 1).eigenvalues[0] for omega in (0.0, 100.0))
-    assert (slow - rest) / 100.0**2 == pytest.approx(1.19, abs=0.02)
+    np.testing.assert_allclose(soft, hard, rtol=rtol)
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "solid"])
@@ -98,17 +71,17 @@ def test_mass_is_conserved(theory, triangles):
     plate = Plate(
         mesh.to_meshtri() if triangles else mesh, 0.01, STEEL, elastic_root=ElasticRoot(stiffness=soft, rotational=1e4)
     )
-    modes = solve_modes(assemble(plate, Rotor(), OFF, theory), 0.0, 3)
+    modes = solve_modes(assemble(plate, Rotor(), AT_REST, theory), 0.0, 3)
     assert np.abs(modes.eigenvalues / rate - 1.0).min() < 1e-5
 
 
 def test_tip_mass_pulls_softens_and_weighs():
     """A heavy mass on a thin strip is a bob on a string: flap goes with Omega, and lag keeps what softening leaves."""
-    plate = Plate(rectangle(1.0, 0.01, 20, 1), 1e-4, Material(2e11, 0.0, 7850.0), 1.0, (1.0, 0.0))
+    plate = Plate(rectangle(1.0, 0.01, 20, 1), 1e-4, STRIP, 1.0, (1.0, 0.0))
     omega = 3.0
     found = []
     for stagger in (0.0, np.pi / 2):
-        operators = assemble(plate, Rotor(stagger=stagger), Effects())
+        operators = assemble(plate, Rotor(stagger=stagger), FLAT)
         modes = solve_modes(operators, omega, 3)
         found.append(modes.eigenvalues[families(operators, modes).index("flap")] / omega**2)
     flap, lag = found
@@ -117,9 +90,10 @@ def test_tip_mass_pulls_softens_and_weighs():
 
 
 def test_point_masses_add_up():
-    plate = paper_plate(10, 4)
-    once = assemble(paper_plate(10, 4, tip_mass=0.3, tip_at=(0.2, 0.01)), Rotor(0.05, 0.3), Effects())
-    bare = assemble(plate, Rotor(0.05, 0.3), Effects())
+    once, bare = (
+        assemble(paper_plate(10, 4, **mass), Rotor(0.05, 0.3), FLAT)
+        for mass in ({"tip_mass": 0.3, "tip_at": (0.2, 0.01)}, {})
+    )
     twice = with_point_mass(with_point_mass(bare, (0.2, 0.01), 0.1), (0.2, 0.01), 0.2)
     for a, b in ((once.mass, twice.mass), (once.at(500.0), twice.at(500.0))):
         assert abs(a - b).max() < 1e-12 * abs(a).max()
@@ -131,8 +105,7 @@ def test_point_masses_add_up():
 
 def test_geometric_stiffness_a_hundred_times_the_elastic():
     """A membrane: the lowest flap frequency tends to Omega, whatever the plate's own stiffness."""
-    plate = Plate(rectangle(1.0, 0.02, 40, 1), 1e-4, Material(2e11, 0.0, 7850.0))
-    operators = assemble(plate, Rotor(), Effects())
+    operators = assemble(Plate(rectangle(1.0, 0.02, 40, 1), 1e-4, STRIP), Rotor(), FLAT)
     elastic = solve_modes(operators, 0.0, 1).eigenvalues[0]
     omega = 10.0 * np.sqrt(elastic)
     assert solve_modes(operators, omega, 1).eigenvalues[0] / omega**2 == pytest.approx(1.0, abs=0.1)
@@ -149,11 +122,9 @@ def test_an_inward_beam_buckles():
     pressing = 0.5 * apart * (1 / (total - 1) - 2 / total + 1 / (total + 1))
     gamma = np.sqrt(1.0 / scipy.linalg.eigvalsh(pressing, bending)[-1])
 
-    material, h = Material(2e11, 0.0, 7850.0), 0.001
-    operators = assemble(Plate(rectangle(1.0, 0.02, 30, 1), h, material), Rotor(hub_radius=-1.0), Effects())
-    unit = np.sqrt(material.youngs_modulus * h**2 / 12.0 / material.density)
+    operators = assemble(Plate(rectangle(1.0, 0.02, 30, 1), 0.001, STRIP), Rotor(hub_radius=-1.0), FLAT)
     critical = critical_speed(operators)
-    assert critical / unit == pytest.approx(gamma, rel=1e-3)
+    assert critical / unit_of(0.001) == pytest.approx(gamma, rel=1e-3)
     rest, near = (solve_modes(operators, omega, 1).eigenvalues[0] for omega in (0.0, 0.99 * critical))
     assert 0.0 < near < 0.05 * rest
     with pytest.raises(Divergence):
@@ -167,8 +138,7 @@ def test_strongly_graded_mesh(triangles):
     y = np.concatenate([[0.0], np.cumsum(np.geomspace(1.0, 10.0, 8))])
     mesh = MeshQuad.init_tensor(0.2 * x / x[-1], 0.08 * (y / y[-1] - 0.5))
     plate = Plate(mesh.to_meshtri() if triangles else mesh, 0.01, STEEL)
-    graded = solve_modes(assemble(plate, Rotor(), Effects()), rpm(10000), 4).frequencies_hz
-    even = solve_modes(assemble(paper_plate(40, 16), Rotor(), Effects()), rpm(10000), 4).frequencies_hz
+    graded, even = (frequencies(each, omega=rpm(10000), count=4) for each in (plate, paper_plate()))
     np.testing.assert_allclose(graded, even, rtol=1e-2)
 
 
@@ -176,10 +146,10 @@ def test_strongly_graded_mesh(triangles):
 def test_nearly_incompressible(theory, tolerance):
     """Little happens to the frequencies as nu tends to 1/2; bricks stiffen by 2 % on this coarse mesh."""
     found = [
-        solve_modes(assemble(paper_plate(10, 4, Material(2e11, nu, 7850.0)), Rotor(), Effects(), theory), 0.0, 4)
+        frequencies(paper_plate(10, 4, Material(2e11, nu, 7850.0)), effects=AT_REST, theory=theory, count=4)
         for nu in (0.49, 0.4999)
     ]
-    np.testing.assert_allclose(found[1].frequencies_hz, found[0].frequencies_hz, rtol=tolerance)
+    np.testing.assert_allclose(found[1], found[0], rtol=tolerance)
 
 
 def test_modes_of_unknowns_without_mass_are_not_made_up():
@@ -197,13 +167,6 @@ def test_modes_of_unknowns_without_mass_are_not_made_up():
 def test_complex_modes_of_all_unknowns(theory, fewer):
     plate = Plate(rectangle(0.2, 0.1, 1, 1), 0.01, STEEL)
     operators = assemble(plate, Rotor(0.1, 0.4), Effects(coriolis=True), theory)
-    n, omega = operators.mass.shape[0], 500.0
-    stiffness, mass, gyroscopic = (
-        each.toarray() for each in (operators.at(omega), operators.mass, operators.gyroscopic)
-    )
-    still = np.zeros((n, n))
-    energy = scipy.linalg.block_diag(stiffness, mass)
-    turned = np.block([[-1j * omega * gyroscopic, mass], [mass, still]])
-    rates = np.sort(1.0 / scipy.linalg.eigh(turned, energy, eigvals_only=True)[n:])
-    found = solve_modes(operators, omega, n - fewer)
-    assert np.sqrt(found.eigenvalues) == pytest.approx(rates[: n - fewer], rel=1e-7)
+    omega, count = 500.0, operators.mass.shape[0] - fewer
+    found = solve_modes(operators, omega, count)
+    assert np.sqrt(found.eigenvalues) == pytest.approx(complex_rates(operators, omega)[:count], rel=1e-7)

@@ -2,17 +2,25 @@
 
 import numpy as np
 import pytest
-from fem_cases import AT_REST, STEEL, beam_rates, calculix, calculix_cases, paper_plate, rpm
+from fem_cases import (
+    AT_REST,
+    BENT,
+    FLAT,
+    STEEL,
+    WRIGHT,
+    beam_rates,
+    calculix,
+    calculix_cases,
+    frequencies,
+    paper_plate,
+    rpm,
+)
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes
 
-# Wright, Smith, Thresher and Wang, J. Appl. Mech. 49 (1982) 197, uniform beam, hub radius 0: first flap.
-WRIGHT = np.array(
-    [3.5160, 3.6816, 4.1373, 4.7973, 5.5850, 6.4495, 7.3604, 8.2996, 9.2568, 10.2257, 11.2023, 12.1843, 13.1702]
-)
-# The same source: (hub radius / length, gamma) -> flap frequencies from the first.
+# The source of WRIGHT: (hub radius / length, gamma) -> flap frequencies from the first.
 WRIGHT_MORE = {
     (0.0, 0): (3.5160, 22.0345, 61.6972),
     (0.0, 2): (4.1373, 22.6149, 62.2732),
@@ -44,22 +52,21 @@ def test_rotating_beam(theory, family, shape, expected, rtol):
 
 @pytest.mark.parametrize("case", WRIGHT_MORE)
 def test_rotating_beam_higher_modes_and_hub(case):
-    hub, gamma = case
-    expected = np.array(WRIGHT_MORE[case])
+    (hub, gamma), expected = case, WRIGHT_MORE[case]
     (found,) = beam_rates("mindlin", "flap", [gamma], hub=hub)
-    np.testing.assert_allclose(found[: expected.size], expected, rtol=1e-4)
+    np.testing.assert_allclose(found[: len(expected)], expected, rtol=1e-4)
 
 
 @pytest.mark.parametrize("theory", ["kirchhoff/bfs", "kirchhoff/argyris", "mindlin"])
-def test_thin_square_cantilever(theory):
+@pytest.mark.parametrize("h", [1e-3, 1e-4, 1e-5])
+def test_thin_square_cantilever(theory, h):
     """Converged thin-plate values of omega a² sqrt(rho h / D), below Barton's upper bounds (1951), to 0.1 %."""
     converged = np.array([3.471, 8.507, 21.285, 27.199, 30.956, 54.187])
     barton = np.array([3.492, 8.525, 21.43, 27.33, 31.11, 54.44])
-    h, mesh = 1e-4, rectangle(1.0, 1.0, 8, 8)
+    mesh = rectangle(1.0, 1.0, 8, 8)
     plate = Plate(mesh.to_meshtri() if theory == "kirchhoff/argyris" else mesh, h, STEEL)
     bending = STEEL.youngs_modulus * h**3 / 12.0 / (1.0 - STEEL.poissons_ratio**2)
-    omega = 2.0 * np.pi * solve_modes(assemble(plate, Rotor(), AT_REST, theory), 0.0, 6).frequencies_hz
-    found = omega * np.sqrt(STEEL.density * h / bending)
+    found = 2.0 * np.pi * frequencies(plate, None, AT_REST, theory) * np.sqrt(STEEL.density * h / bending)
     np.testing.assert_allclose(found, converged, rtol=1e-3)
     assert (found < barton).all()
 
@@ -74,8 +81,8 @@ def test_thin_square_cantilever(theory):
 )
 def test_paper_plate_at_rest(theory, cells, expected, tolerance):
     """First bending and twist by independent codes: Mindlin (kappa = 5/6, hard clamp), Kirchhoff, CalculiX 80x32x2."""
-    operators = assemble(paper_plate(*cells), Rotor(), AT_REST, theory)
-    np.testing.assert_allclose(solve_modes(operators, 0.0, 2).frequencies_hz, expected, rtol=tolerance)
+    found = frequencies(paper_plate(*cells), None, AT_REST, theory, count=2)
+    np.testing.assert_allclose(found, expected, rtol=tolerance)
 
 
 @pytest.mark.parametrize(
@@ -115,15 +122,13 @@ def test_table_two_needs_one_number(theory, rotary, modulus, worst):
 @pytest.mark.parametrize("softening", [True, False])
 def test_calculix(stagger, softening):
     """Six modes at every speed; CalculiX's own mesh error is 0.05 %."""
-    effects = Effects(spin_softening=softening)
-    operators = assemble(paper_plate(), Rotor(stagger=np.deg2rad(stagger)), effects)
-    compared = 0
-    for (angle, softened, speed), expected in calculix().items():
-        if (angle, softened) == (stagger, softening):
-            found = solve_modes(operators, rpm(speed), 6).frequencies_hz
-            np.testing.assert_allclose(found, expected, rtol=3.5e-3)
-            compared += 1
-    assert compared == 7 + (not softening and stagger == 0.0)
+    operators = assemble(paper_plate(), Rotor(stagger=np.deg2rad(stagger)), Effects(spin_softening=softening))
+    table = {
+        speed: f for (angle, softened, speed), f in calculix().items() if (angle, softened) == (stagger, softening)
+    }
+    assert len(table) == 7 + (not softening and stagger == 0.0)
+    for speed, expected in table.items():
+        np.testing.assert_allclose(solve_modes(operators, rpm(speed), 6).frequencies_hz, expected, rtol=3.5e-3)
 
 
 @pytest.mark.parametrize("stagger", [0.0, 90.0])
@@ -155,9 +160,8 @@ def test_calculix_other_plates(case):
     )
     rotor = Rotor(number["hub_radius"], np.deg2rad(number["stagger_deg"]))
     bent = 0.0 < number["stagger_deg"] < 90.0
-    operators = assemble(plate, rotor, Effects(large_deflection=bent))
-    found = solve_modes(operators, rpm(number["rpm"]), 6).frequencies_hz
+    found = frequencies(plate, rotor, BENT if bent else FLAT, omega=rpm(number["rpm"]))
     np.testing.assert_allclose(found, expected, rtol=1e-2 if mass else 4e-3)
     if bent and row["case"] == "staggered titanium":
-        straight = solve_modes(assemble(plate, rotor, Effects()), rpm(number["rpm"]), 6).frequencies_hz
+        straight = frequencies(plate, rotor, omega=rpm(number["rpm"]))
         assert np.abs(straight / expected - 1.0).max() > 1e-2  # the static twist counts

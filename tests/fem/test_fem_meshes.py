@@ -1,6 +1,5 @@
 """Mesh files, good and bad, and finding places in them."""
 
-import importlib.util
 from functools import cache
 from pathlib import Path
 
@@ -8,23 +7,13 @@ import meshio
 import numpy as np
 import pytest
 import skfem
-from fem_cases import STEEL, distorted, rpm
+from fem_cases import AT_REST, BENT, STEEL, distorted, frequencies, rpm
 from scipy.interpolate import RegularGridInterpolator
 
-from fem import (
-    Effects,
-    MeshError,
-    Plate,
-    Rotor,
-    assemble,
-    displacement,
-    read_mesh,
-    rectangle,
-    reduce_at,
-    solve_modes,
-)
+from fem import MeshError, Plate, Rotor, assemble, displacement, read_mesh, rectangle, reduce_at, solve_modes
 from fem.meshes.planform import clamped_length, locate
 from fem.output import between
+from meshes import make
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -51,9 +40,7 @@ def test_formats(tmp_path, suffix, kind, capfd):
     mesh = mesh if kind == "quads" else mesh.to_meshtri()
     again = read_mesh(write(tmp_path / f"plate{suffix}", flat(mesh), cells_of(mesh)))
     assert type(again).__name__ == type(mesh).__name__
-    first, second = (
-        solve_modes(assemble(Plate(m, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz for m in (mesh, again)
-    )
+    first, second = (frequencies(Plate(each, 0.01, STEEL), effects=AT_REST, count=3) for each in (mesh, again))
     np.testing.assert_allclose(first, second, rtol=1e-5)  # .bdf carries few digits
     assert capfd.readouterr() == ("", "")
 
@@ -75,17 +62,12 @@ def test_mixed_cells_become_triangles(tmp_path):
     assert read_mesh(write(tmp_path / "mixed.msh", points, cells)).t.shape == (3, 3)
 
 
-def test_a_mesh_seen_from_below_is_turned_over(tmp_path):
-    mesh = rectangle(0.2, 0.08, 3, 2)
-    path = write(tmp_path / "below.msh", flat(mesh), [("quad", mesh.t.T[:, ::-1])])
-    assert read_mesh(path).t.shape == (4, 6)
-
-
-def test_cells_that_are_clockwise_are_turned(tmp_path):
-    """Half of them; the plate is the same, its area 0.2 m times 0.08 m."""
+@pytest.mark.parametrize("step", [1, 2])
+def test_cells_that_are_clockwise_are_turned(tmp_path, step):
+    """All, as seen from below, or half of them; the plate is the same, its area 0.2 m times 0.08 m."""
     mesh = rectangle(0.2, 0.08, 4, 2)
     quads = mesh.t.T.copy()
-    quads[::2] = quads[::2, ::-1]
+    quads[::step] = quads[::step, ::-1]
     x, y = (found := read_mesh(write(tmp_path / "half.msh", flat(mesh), [("quad", quads)]))).p[:, found.t]
     areas = 0.5 * (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
     assert (areas > 0).all()
@@ -167,16 +149,12 @@ def test_shipped_meshes(path):
     """Each is read, and its first modes are good to 1 % beside those with every cell split in four."""
     mesh = read_mesh(path)
     coarse, fine = (
-        solve_modes(assemble(Plate(cells, 0.01, STEEL), Rotor(), Effects()), rpm(5000), 3).frequencies_hz
-        for cells in (mesh, mesh.refined(1))
+        frequencies(Plate(cells, 0.01, STEEL), omega=rpm(5000), count=3) for cells in (mesh, mesh.refined(1))
     )
     assert np.abs(coarse / fine - 1.0).max() < 1e-2
 
 
 def test_shipped_meshes_are_what_the_script_makes(tmp_path, monkeypatch):
-    spec = importlib.util.spec_from_file_location("make_meshes", MESHES / "make.py")
-    make = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(make)
     monkeypatch.setattr(make, "HERE", tmp_path)
     make.main()
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
@@ -213,7 +191,7 @@ def test_a_plate_is_the_same_wherever_its_mesh_draws_it(theory, drawn_at):
 def drawn(theory, x):
     mesh = rectangle(0.2, 0.08, 4, 2).translated((x, 0.0))
     plate = Plate(mesh, 0.004, STEEL, tip_mass=0.05, tip_at=(x + 0.2, 0.0))
-    operators = assemble(plate, Rotor(0.1, 0.6), Effects(large_deflection=True), theory)
+    operators = assemble(plate, Rotor(0.1, 0.6), BENT, theory)
     felt = reduce_at(operators, rpm(8000), (x + 0.15, 0.01), ball_mass=0.002)
     modes = solve_modes(operators, rpm(8000), 4).frequencies_hz
     return [*modes, felt.f1_hz, felt.M1, felt.M2, felt.floor_tilt, operators.radius(x + 0.2)]
@@ -223,7 +201,7 @@ def drawn(theory, x):
 def test_a_root_with_noise_is_clamped_all_along(tmp_path, suffix):
     """A micrometre of noise in cells of 20 mm: the frequencies of the plain mesh, however often it is refined."""
     mesh = rectangle(0.2, 0.08, 10, 4)
-    known = solve_modes(assemble(Plate(mesh, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz
+    known = frequencies(Plate(mesh, 0.01, STEEL), effects=AT_REST, count=3)
     for seed in range(3):
         points = mesh.p.copy()
         points[0] += np.where(mesh.p[0] == 0.0, np.random.default_rng(seed).uniform(-1e-6, 1e-6, mesh.p.shape[1]), 0.0)
@@ -232,8 +210,8 @@ def test_a_root_with_noise_is_clamped_all_along(tmp_path, suffix):
         drawn = np.column_stack([points.T, np.zeros(points.shape[1])])
         again = read_mesh(write(tmp_path / f"noisy{suffix}", drawn, cells_of(mesh)))
         assert clamped_length(again.refined(3)) == pytest.approx(0.08, rel=1e-12)
-        frequencies = solve_modes(assemble(Plate(again, 0.01, STEEL), Rotor(), Effects()), 0.0, 3).frequencies_hz
-        np.testing.assert_allclose(frequencies, known, rtol=2e-5)  # 1e-6 of 0.2 m, squared in the frequency
+        found = frequencies(Plate(again, 0.01, STEEL), effects=AT_REST, count=3)
+        np.testing.assert_allclose(found, known, rtol=2e-5)  # 1e-6 of 0.2 m, squared in the frequency
 
 
 def test_a_seam():
@@ -257,8 +235,11 @@ LENGTH, WIDTH, THICKNESS = 0.2, 0.08, 0.004
 
 
 def solved(mesh, theory, count=3):
-    operators = assemble(Plate(mesh, THICKNESS, STEEL), Rotor(), Effects(), theory)
+    operators = assemble(Plate(mesh, THICKNESS, STEEL), Rotor(), AT_REST, theory)
     return operators, solve_modes(operators, 0.0, count).shapes
+
+
+FINE = cache(lambda: solved(rectangle(LENGTH, WIDTH, 40, 16), "kirchhoff"))
 
 
 def coarse(triangles):
@@ -282,7 +263,7 @@ def test_between_them_the_shape_is_that_of_a_finer_mesh(theory, triangles):
     """The second bending mode on four cells, against one of 40: straight lines between vertices are far off."""
     operators, shapes = solved(coarse(triangles), theory)
     found = between(operators, shapes, 4)
-    fine, fine_shapes = solved(rectangle(LENGTH, WIDTH, 40, 16), "kirchhoff")
+    fine, fine_shapes = FINE()
     for number in range(3):
         w = displacement(fine, fine_shapes)[number, :, 2]
         exact = sampled(fine.plate.mesh.p, w, found.mesh.p.T, "cubic")

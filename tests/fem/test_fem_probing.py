@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fem_cases import STEEL, rpm
+from fem_cases import BENT, FLAT, STEEL, rpm
 
 from fem import (
     Divergence,
@@ -24,9 +24,9 @@ from fem.assembly import transfer
 COUNT, EXACT = 6, 1e-7
 
 
-def plate(theory="mindlin", effects=None, stagger=0.3, hub=0.1, thickness=0.002, length=0.2):
+def plate(theory="mindlin", effects=FLAT, stagger=0.3, hub=0.1, thickness=0.002, length=0.2):
     mesh = Rectangle(length, 0.1).mesh(2 if theory == "solid" else 3)
-    return assemble(Plate(mesh, thickness, STEEL), Rotor(hub, stagger), effects or Effects(), theory)
+    return assemble(Plate(mesh, thickness, STEEL), Rotor(hub, stagger), effects, theory)
 
 
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
@@ -41,7 +41,7 @@ def test_both_speeds_as_solved_by_themselves(theory, top):
         assert np.diag(alike) == pytest.approx(1.0, abs=1e-4)
 
 
-@pytest.mark.parametrize("effects", [Effects(coriolis=True), Effects(large_deflection=True)])
+@pytest.mark.parametrize("effects", [Effects(coriolis=True), BENT])
 def test_with_effects_that_are_not_linear_in_the_squared_speed(effects):
     operators, speeds = plate(effects=effects), (rpm(2000.0), rpm(6000.0))
     for (values, *_), speed in zip(probe(operators, speeds, COUNT, EXACT), speeds, strict=True):
@@ -54,10 +54,7 @@ def test_a_state_on_a_coarser_mesh_saves_most_of_newtons_steps(theory, monkeypat
     form, omega, steps = Rectangle(0.2, 0.2), rpm(4000.0), []
     plain = assembly.Operators.factorise
     monkeypatch.setattr(assembly.Operators, "factorise", lambda *given: steps.append(1) or plain(*given))
-    coarse, fine = (
-        assemble(Plate(form.mesh(k), 0.002, STEEL), Rotor(0.0, np.pi / 4), Effects(large_deflection=True), theory)
-        for k in (2, 3)
-    )
+    coarse, fine = (assemble(Plate(form.mesh(k), 0.002, STEEL), Rotor(0.0, np.pi / 4), BENT, theory) for k in (2, 3))
     known = statics.equilibrium(coarse, omega)
     steps.clear()
     cold = statics.equilibrium(fine, omega)
@@ -74,12 +71,11 @@ def test_a_point_not_found_is_no_start_and_no_failure():
     mesh = type(mesh)(mesh.p + np.array([[0.0], [0.75]]) * mesh.p[0], mesh.t)
     form = Given(mesh)
 
-    def build(size):
-        return assemble(Plate(form.mesh(size), 0.002, STEEL), Rotor(0.1, 0.7), Effects(large_deflection=True))
+    def on(mesh):
+        return assemble(Plate(mesh, 0.002, STEEL), Rotor(0.1, 0.7), BENT)
 
-    assert choose_mesh(form, build, (0.0, 100.0), 1, 1e-1).errors.shape == (2, 1)
-    coarse = build(1)
-    longer = assemble(Plate(rectangle(0.6, 0.05, 4, 2), 0.002, STEEL), Rotor(0.1, 0.7), Effects(large_deflection=True))
+    assert choose_mesh(form, lambda size: on(form.mesh(size)), (0.0, 100.0), 1, 1e-1).errors.shape == (2, 1)
+    coarse, longer = on(mesh), on(rectangle(0.6, 0.05, 4, 2))
     assert transfer(statics.equilibrium(coarse, 100.0), coarse, longer) is None
 
 

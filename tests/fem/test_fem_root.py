@@ -1,28 +1,27 @@
 """A root on springs: the exact beam, the clamp as their limit, and the theories among each other."""
 
+from itertools import islice, pairwise
+
 import numpy as np
 import pytest
-from fem_cases import AT_REST, STEEL
+from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, check_tangent, frequencies, unit_of
 from scipy.optimize import brentq
 
-from fem import Effects, ElasticRoot, Material, Plate, Rectangle, Rotor, Unresolved, assemble, rectangle, solve_modes
+from fem import ElasticRoot, Plate, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
 from fem.assembly import point_rows
 from fem.linalg import factorise
 from fem.meshes.thickness import Polynomial
-from fem.theory.fields import gram
 from fem.theory.registry import LAYERED
 
-STRIP = Material(2e11, 0.0, 7850.0)
-FLAT, BENT = Effects(), Effects(large_deflection=True)
 LENGTH, WIDTH, HEIGHT = 1.0, 0.02, 0.01
 BENDING = STRIP.youngs_modulus * HEIGHT**3 / 12.0
 THEORIES = ("kirchhoff/bfs", "kirchhoff/argyris", "mindlin", "solid")
 
 
-def strip(theory, root, cells=24):
-    mesh = rectangle(LENGTH, WIDTH, 40 if theory == "solid" else cells, 1)
-    return assemble(Plate(mesh, HEIGHT, STRIP, elastic_root=root), Rotor(), FLAT, theory)
+def strip(theory, root):
+    mesh = rectangle(LENGTH, WIDTH, 40 if theory == "solid" else 24, 1)
+    return assemble(Plate(mesh, HEIGHT, STRIP, elastic_root=root), Rotor(), AT_REST, theory)
 
 
 def beam(translation, rotation, count):
@@ -33,20 +32,13 @@ def beam(translation, rotation, count):
 
     def mismatch(b):
         c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
-        rows = np.array(  # of cos, sin, cosh, sinh
-            [
-                [-b, -rotation, b, -rotation],
-                [translation, -(b**3), translation, b**3],
-                [-c, -s, ch, sh],
-                [s, -c, sh, ch],
-            ]
-        )
+        at_root = [-b, -rotation, b, -rotation], [translation, -(b**3), translation, b**3]
+        rows = np.array([*at_root, [-c, -s, ch, sh], [s, -c, sh, ch]])  # of cos, sin, cosh, sinh
         return np.linalg.det(rows / np.abs(rows).max(axis=1)[:, None])
 
-    steps = np.linspace(0.05, 12.0, 2000)
-    signs = np.sign([mismatch(b) for b in steps])
-    found = [brentq(mismatch, *steps[n : n + 2], xtol=1e-13) for n in np.flatnonzero(signs[1:] != signs[:-1])]
-    return np.array(found[:count])
+    pairs = pairwise(np.linspace(0.05, 12.0, 2000))
+    crossed = (pair for pair in pairs if mismatch(pair[0]) * mismatch(pair[1]) < 0)
+    return np.array([brentq(mismatch, *pair, xtol=1e-13) for pair in islice(crossed, count)])
 
 
 def test_the_equation_has_its_limits():
@@ -65,9 +57,8 @@ def test_a_beam_on_springs(theory, translation, rotation):
     root = ElasticRoot(translation * BENDING / LENGTH**3, rotation * BENDING / LENGTH)
     operators = strip(theory, root)
     rates = 2.0 * np.pi * solve_modes(operators, 0.0, 8).frequencies_hz
-    unit = np.sqrt(STRIP.youngs_modulus * HEIGHT**2 / 12.0 / STRIP.density)
     for expected in beam(translation, rotation, 2) ** 2:
-        assert np.abs(rates / unit / expected - 1.0).min() < 1e-3
+        assert np.abs(rates / unit_of(HEIGHT) / expected - 1.0).min() < 1e-3
 
 
 @pytest.mark.parametrize("theory", THEORIES)
@@ -92,40 +83,19 @@ def test_stiff_springs_are_a_clamp(theory, thickness):
     mesh = rectangle(0.2, 0.08, 6, 3)
     mesh = mesh.to_meshtri() if theory.endswith("morley") else mesh
     clamped, *yielding = (
-        solve_modes(assemble(Plate(mesh, thickness, STEEL, elastic_root=root), Rotor(0.1), FLAT, theory), 500.0, 5)
+        frequencies(Plate(mesh, thickness, STEEL, elastic_root=root), Rotor(0.1), FLAT, theory, 500.0, 5)
         for root in (None, ElasticRoot(1e16, 1e12), ElasticRoot(1e15, 1e11))
     )
-    least, most = (1.0 - modes.frequencies_hz / clamped.frequencies_hz for modes in yielding)
+    least, most = (1.0 - each / clamped for each in yielding)
     assert (least > 0.0).all()
     assert least.max() < 1e-4
     np.testing.assert_allclose(most / least, 10.0, rtol=0.1)
 
 
-@pytest.mark.parametrize("omega", [0.0, 1000.0])
-def test_the_theories_agree(omega):
-    """A plate on springs that lower its lag by a quarter: five modes, thin-plate theory by 0.38 h/b in twist apart."""
-    mesh, root = Rectangle(0.2, 0.08).mesh(3), ElasticRoot(2e9, 3e4)
-    rates = {
-        theory: solve_modes(
-            assemble(Plate(mesh, 0.008, STEEL, elastic_root=root), Rotor(0.1), FLAT, theory), omega, 5
-        ).frequencies_hz
-        for theory in THEORIES
-    }
-    for theory, found in rates.items():
-        rtol = 4e-2 if theory.startswith("kirchhoff") else 2e-3
-        np.testing.assert_allclose(found, rates["mindlin"], rtol=rtol, err_msg=theory)
-
-
 @pytest.mark.parametrize("theory", ["mindlin", "kirchhoff", "solid"])
 def test_springs_at_large_deflections(theory):
-    """The stiffness is the force's derivative, and at rest that of small ones."""
     plate = Plate(rectangle(0.2, 0.08, 3, 2), 0.004, STEEL, elastic_root=ElasticRoot(2e9, 3e4))
-    model = assemble(plate, Rotor(0.1, 0.7), BENT, theory).model
-    rng = np.random.default_rng(3)
-    state, step = 1e-4 * rng.standard_normal(model.dofs), 1e-8 * rng.standard_normal(model.dofs)
-    forces = [sum(part.at(state + sign * step).force() for part in model.energies) for sign in (1.0, -1.0)]
-    tangent = gram(*(term for part in model.energies for at in [part.at(state)] for term in at.terms(at.stress)))
-    np.testing.assert_allclose(0.5 * (forces[0] - forces[1]), tangent @ step, atol=1e-5 * np.abs(tangent @ step).max())
+    check_tangent(assemble(plate, Rotor(0.1, 0.7), BENT, theory).model, 1e-4, 1e-8, 1e-5, seed=3)
 
 
 @pytest.mark.parametrize(("translation", "rotation"), [(5e11, 1e8), (1e13, 1e9), (1e15, 1e11)])
@@ -146,5 +116,5 @@ def test_too_soft_is_not_too_thin(thickness, soft):
     root = ElasticRoot(1e-6, 1e-9) if soft else ElasticRoot(1e12, 1e9)
     plate = Plate(rectangle(0.2, 0.08, 8, 4), thickness, STEEL, elastic_root=root)
     with pytest.raises(Unresolved, match="almost free" if soft else "too thin for theory") as found:
-        solve_modes(assemble(plate, Rotor(), Effects(), "solid"), 0.0, 3)
+        solve_modes(assemble(plate, Rotor(), FLAT, "solid"), 0.0, 3)
     assert (found.value.loose == root) == soft

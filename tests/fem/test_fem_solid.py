@@ -1,19 +1,16 @@
 """Solid blades: elements, large rotations, CalculiX' blades, speeds between, mesh errors, broken meshes."""
 
-import csv
 from dataclasses import replace
 from functools import cache
 from itertools import combinations, product
-from pathlib import Path
 
 import numpy as np
 import pytest
-from fem_cases import rpm
-from scipy.linalg import eigh
+from fem_cases import DATA, beam, box, rpm
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
-from fem import Effects, Material, MeshError, equilibrium, linalg
+from fem import Divergence, Effects, Material, MeshError, equilibrium, linalg
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import ModalModel, ModesAtSpeed, deflection, largest_strain, place, pull
@@ -25,6 +22,7 @@ from fem.solid.mesh_error import mesh_errors
 from fem.solid.sweep import SolvedBlade, deflection_shifts, sweep_blade
 from fem.statics import tangent, unbalanced
 from meshes import make
+from tests.benchmarks import calculix
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 TITANIUM = Material(113.8e9, 0.342, 4430.0)
@@ -32,26 +30,22 @@ INCONEL = Material(2e11, 0.29, 8220.0)
 AXIS, ORIGIN = np.array([0.0, 0.0, 1.0]), np.zeros(3)
 
 
-def box(kind, n=(2, 2, 2), sides=(1.0, 0.8, 0.6), distorted=0.0):
-    """A box of cells of a kind, its inner corners moved, middles of edges, faces and cells between their corners."""
-    grid = np.stack(np.meshgrid(*(np.arange(k + 1) for k in n), indexing="ij"), axis=-1).reshape(-1, 3)
-    inner = ((grid > 0) & (grid < n)).all(axis=1)
-    points = grid / n * sides
-    points[inner] += distorted * np.random.default_rng(0).uniform(-1, 1, (inner.sum(), 3)) * np.array(sides) / n
-    at = {tuple(place): number for number, place in enumerate(grid)}
-    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    hexes = [[at[tuple(np.add(cell, k))] for k in cube] for cell in product(*(range(k) for k in n))]
-    parts = {
-        "hexahedron": [range(8)],
-        "wedge": [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)],
-        "tetra": [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)],
-    }
-    base = next(name for name in parts if kind.startswith(name))
-    corners = np.array([[own[k] for k in part] for own in hexes for part in parts[base]])
-    shape = cell(base).shape(cell(kind).nodes)  # the nodes of the kind between its corners
-    every = np.einsum("nk,ckd->cnd", shape, points[corners])
-    _, first, number = np.unique(np.round(every.reshape(-1, 3), 9), axis=0, return_index=True, return_inverse=True)
-    return VolumeMesh(every.reshape(-1, 3)[first], ((kind, number.reshape(every.shape[:2])),))
+def part(whole, kept):
+    """Some of the cells of a mesh of one kind."""
+    ((kind, cells),) = whole.cells
+    used, number = np.unique(cells[kept], return_inverse=True)
+    return VolumeMesh(whole.points[used], ((kind, number.reshape(-1, cells.shape[1])),))
+
+
+def rooted(mesh, material=STEEL, axis=AXIS, origin=ORIGIN):
+    """A blade held at x = 0."""
+    return assemble_solid(Blade(mesh, material, np.flatnonzero(mesh.points[:, 0] == 0.0), axis, origin))
+
+
+def modes_of(operators, omega=0.0, state=None, count=8):
+    """Modes about a state, or as if nothing were displaced."""
+    state = np.zeros_like(operators.load) if state is None else state
+    return solve_real(operators, omega, tangent(operators, omega, state), count, state)
 
 
 def boxed(kind, **keys):
@@ -89,8 +83,7 @@ def test_elements_pass_the_patch_test_and_feel_no_rotation(kind):
 def test_a_turning_bar_is_stretched_as_theory_says(kind):
     """Tip displacement rho Omega² L³ / 3E of a bar clamped at the axis, nu = 0, to first order in the load."""
     mesh = box(kind, n=(4, 1, 1), sides=(0.5, 0.02, 0.02))
-    material = Material(2e11, 0.0, 7850.0)
-    operators = assemble_solid(Blade(mesh, material, root_at(mesh, AXIS, ORIGIN), AXIS, np.array([0.0, 0.01, 0.0])))
+    operators = rooted(mesh, Material(2e11, 0.0, 7850.0), origin=np.array([0.0, 0.01, 0.0]))
     state = operators.spread(equilibrium(operators, 50.0))
     tip = np.isclose(mesh.points[:, 0], 0.5)
     expected = 7850.0 * 50.0**2 * 0.5**3 / (3 * 2e11)
@@ -108,18 +101,15 @@ def test_tangent_and_force_are_derivatives(kind):
     )
 
 
-def rows():
-    lines = (Path(__file__).parent / "data" / "calculix_solid_blades.csv").read_text().splitlines()
-    return csv.DictReader(line for line in lines if not line.startswith("#"))
+ROWS = {(row["blade"], int(row["rpm"])): row for row in calculix.rows(DATA / "calculix_solid_blades.csv")}
+REFERENCES = {
+    key: [np.array([float(row[f"{name}{k}"]) for k in range(1, 9)]) for name in "fu"] for key, row in ROWS.items()
+}
+"""Frequencies in Hz and how uncertain they are, by blade and rpm."""
 
 
-@cache
-def references():
-    found = {}
-    for row in rows():
-        own = [np.array([float(row[f"{name}{k}"]) for k in range(1, 9)]) for name in "fu"]
-        found[row["blade"], int(row["rpm"])] = own
-    return found
+def speeds_of(name):
+    return [speed for blade, speed in REFERENCES if blade == name]
 
 
 BLADES = {
@@ -163,7 +153,7 @@ def tip(name, operators, state, speed):
     )
     lines = [(mesh.points + share * moved)[[low, high], 1:] for share in (0.0, 1.0)]
     angles = [np.degrees(np.arctan2(*(far - near)[::-1])) for near, far in lines]
-    own = next(row for row in rows() if row["blade"] == name and row["rpm"] == str(speed))
+    own = ROWS[name, speed]
     there = np.array([float(own[axis]) for axis in "xyz"])
     turned = (angles[0] - angles[1]) / float(own["untwist"]) - 1.0
     largest, rotation = deflection(ModalModel(mesh.points, (), operators.blade.axis, operators.blade.origin), moved)
@@ -179,13 +169,11 @@ def test_errors_at_rest_are_sharp_on_three_kinds_of_cells(kind, sharp):
     for name, (shape, _, material) in BLADES.items():
         plain = box(kind, (8, 4, 1), (1.0, 2.0, 2.0))
         s, eta, zeta = plain.points.T
-        points = shape.points((4.0**s - 1.0) / 3.0, eta - 1.0, zeta - 1.0)
-        mesh = VolumeMesh(points, plain.cells)
+        mesh = VolumeMesh(shape.points((4.0**s - 1.0) / 3.0, eta - 1.0, zeta - 1.0), plain.cells)
         operators = assemble_solid(Blade(mesh, material, np.flatnonzero(s == 0.0), AXIS, ORIGIN))
-        rest = np.zeros_like(operators.load)
-        modes = solve_real(operators, 0.0, operators.stiffness, 10, rest)
-        estimated = mesh_errors(operators, modes.shapes, modes.eigenvalues, rest)[:8]
-        f, u = references()[name, 0]
+        modes = modes_of(operators, count=10)
+        estimated = mesh_errors(operators, modes.shapes, modes.eigenvalues, modes.state)[:8]
+        f, u = REFERENCES[name, 0]
         off = np.abs(modes.frequencies_hz[:8] - f)
         assert (off <= u + estimated * f).all(), (name, off / f, estimated)
         ratios += list(estimated * f / off)
@@ -196,7 +184,7 @@ def still(shape, cells, count):
     """A blade of titanium at rest, and its modes."""
     mesh = meshed(shape, cells)
     operators = assemble_solid(Blade(mesh, TITANIUM, mesh.sets["NROOT"], AXIS, ORIGIN))
-    return operators, solve_real(operators, 0.0, operators.stiffness, count, np.zeros_like(operators.load))
+    return operators, modes_of(operators, count=count)
 
 
 COARSELY = {
@@ -231,10 +219,8 @@ def test_errors_cover_the_torsion_of_a_square_bar_of_few_cells(kind):
     shear = TITANIUM.youngs_modulus / (2.0 * (1.0 + TITANIUM.poissons_ratio))
     exact = np.sqrt(shear * 0.1406 / (TITANIUM.density / 6.0)) / (4.0 * length)
     for cells in BLUNT[kind]:
-        mesh = box(kind, cells, (length, side, side))
-        root = np.flatnonzero(mesh.points[:, 0] == 0.0)
-        operators = assemble_solid(Blade(mesh, TITANIUM, root, AXIS, ORIGIN))
-        modes = solve_real(operators, 0.0, operators.stiffness, 5, np.zeros_like(operators.load))
+        operators = rooted(box(kind, cells, (length, side, side)), TITANIUM)
+        modes = modes_of(operators, count=5)
         twist = modes.frequencies_hz[2]
         restrained = 0.007  # by the clamp, which holds the warping
         estimated = mesh_errors(operators, modes.shapes, modes.eigenvalues)[2]
@@ -262,15 +248,14 @@ def test_the_digits_of_calculix_on_the_same_mesh():
     """At rest and, at speed, about the state that CalculiX' six Newton steps end at, without spin softening in them."""
     for points, full in (("2x2x2", False), ("3x3x3", True)):
         operators, omega = blade("P1_fan", (12, 6, 1), full), rpm(5900)
-        rest = solve_real(operators, 0.0, operators.stiffness, 8, np.zeros_like(operators.load))
-        np.testing.assert_allclose(rest.frequencies_hz, references()[f"own {points}", 0][0], rtol=2e-7)
+        np.testing.assert_allclose(modes_of(operators).frequencies_hz, REFERENCES[f"own {points}", 0][0], rtol=2e-7)
         state = np.zeros_like(operators.load)
         for _ in range(6):
             there = operators.stressed(state)
             left = unbalanced(operators, omega**2, state, there)
             state = state + operators.factorise(there.stiffness()).solve(left)
-        spinning = solve_real(operators, omega, tangent(operators, omega, state), 8, state)
-        np.testing.assert_allclose(spinning.frequencies_hz, references()[f"own {points}", 5900][0], rtol=2e-7)
+        spinning = modes_of(operators, omega, state)
+        np.testing.assert_allclose(spinning.frequencies_hz, REFERENCES[f"own {points}", 5900][0], rtol=2e-7)
 
 
 @pytest.mark.parametrize("name", BLADES)
@@ -281,15 +266,13 @@ def test_blades_of_calculix_within_both_uncertainties(name):
     """
     one_layer = "P2_compressor", "P3_turbine", "P4_twisted_plate"
     operators, state, ratios = blade(name, (12, 6, 1 if name in one_layer else 2)), None, []
-    for (other, speed), (f, u) in references().items():
-        if other != name:
-            continue
-        omega = rpm(speed)
-        state = equilibrium(operators, omega, state) if speed else np.zeros_like(operators.load)
+    for speed in speeds_of(name):
+        f, u = REFERENCES[name, speed]
         if speed:
+            state = equilibrium(operators, rpm(speed), state)
             assert max(tip(name, operators, state, speed)) <= 5e-3
-        modes = solve_real(operators, omega, tangent(operators, omega, state), 8, state)
-        estimated = mesh_errors(operators, modes.shapes, modes.eigenvalues, state)
+        modes = modes_of(operators, rpm(speed), state)
+        estimated = mesh_errors(operators, modes.shapes, modes.eigenvalues, modes.state)
         off = np.abs(modes.frequencies_hz - f)
         assert (off <= u + estimated * f).all(), (speed, off / f, estimated)
         ratios.append(estimated * f / off)
@@ -317,14 +300,14 @@ def test_calculix_stops_short_of_the_equilibrium():
 def test_speeds_between_are_as_good_as_is_said(name):
     """Against speeds solved by themselves; with fast rotation the first mode of these blades rises by 2.5 and 4."""
     operators = blade(name, (8, 4, 1))
-    fastest = rpm(max(speed for other, speed in references() if other == name))
+    fastest = rpm(max(speeds_of(name)))
     sweep = sweep_blade(operators, np.linspace(0.0, fastest, 50), 6, tolerance=1e-5)
     assert sweep.errors.max() <= 1e-5
     assert sweep.squares.size <= 19
     state = None
     for omega in fastest * np.array([0.13, 0.4, 0.71, 0.93]):
         state = equilibrium(operators, omega, state)
-        alone = solve_real(operators, omega, tangent(operators, omega, state), 6, state)
+        alone = modes_of(operators, omega, state, 6)
         values, shapes = sweep.modes(omega)
         assert (np.abs(np.sqrt(values / alone.eigenvalues) - 1.0) <= sweep.errors).all()
         np.testing.assert_allclose(np.einsum("nk,nk->k", shapes, operators.mass @ shapes), 1.0, rtol=1e-9)
@@ -332,18 +315,16 @@ def test_speeds_between_are_as_good_as_is_said(name):
 
 def test_large_blades_are_solved_by_the_factor_known_last(monkeypatch):
     """Conjugate gradients lead to the states and modes that factors lead to; one that diverges is noticed."""
-    from fem.modes import Divergence
-
-    exact = sweep_blade(blade("P1_fan", (8, 4, 1)), rpm(np.array([0.0, 3000.0, 6000.0, 9000.0])), 4)
+    speeds = rpm(np.array([0.0, 3000.0, 6000.0, 9000.0]))
+    exact = sweep_blade(blade("P1_fan", (8, 4, 1)), speeds, 4)
     monkeypatch.setattr(linalg, "LARGE", 0)
     operators = blade("P1_fan", (8, 4, 1))
-    nearly = sweep_blade(operators, rpm(np.array([0.0, 3000.0, 6000.0, 9000.0])), 4)
+    nearly = sweep_blade(operators, speeds, 4)
     assert operators.known
     np.testing.assert_allclose(nearly.modes(500.0)[0], exact.modes(500.0)[0], rtol=1e-8)
-    softened = tangent(operators, 2000.0, np.zeros_like(operators.load))
-    assert operators.factorise(softened).negative > 0
+    assert operators.factorise(tangent(operators, 2000.0, np.zeros_like(operators.load))).negative > 0
     with pytest.raises(Divergence):
-        solve_real(operators, 2000.0, softened, 4, np.zeros_like(operators.load))
+        modes_of(operators, 2000.0)
 
 
 @pytest.mark.parametrize("name", ["P1_fan", "P6_thin"])
@@ -351,10 +332,9 @@ def test_the_fastest_speed_alone_rests_where_calculix_has_it(name, monkeypatch):
     """Straight from rest, where spin softening overcomes the stiffness that no load has stressed yet."""
     monkeypatch.setattr(linalg, "LARGE", 0)
     operators = blade(name, (12, 6, 1))
-    speed = max(speed for other, speed in references() if other == name)
-    f, u = references()[name, speed]
-    solved = SolvedBlade(operators, np.array([rpm(speed)]), 8, 1e-3)
-    found = solved.at(rpm(speed))
+    speed = max(speeds_of(name))
+    f, u = REFERENCES[name, speed]
+    found = SolvedBlade(operators, np.array([rpm(speed)]), 8, 1e-3).at(rpm(speed))
     assert (np.abs(found.frequencies_hz - f) <= u + found.errors * f).all()
 
 
@@ -404,16 +384,16 @@ def test_a_linear_prestress_is_that_of_calculix_without_nlgeom():
 def test_what_a_linear_prestress_leaves_out_is_covered(name):
     """Against modes about the equilibrium, at all speeds at which the estimate is one."""
     large, state, known = blade(name, (8, 4, 1)), None, 0
-    for (other, speed), (f, u) in references().items():
-        for part in (0.25, 0.5, 1.0) if other == name and speed else ():
+    for speed in filter(None, speeds_of(name)):
+        f, u = REFERENCES[name, speed]
+        for part in (0.25, 0.5, 1.0):
             omega, linear = rpm(speed) * part, large.with_deflection(large=False)
             estimate = deflection_shifts(linear, omega, 8)
             if estimate is None:
                 continue
             (before,) = linear.solved
             state = equilibrium(large, omega, state)
-            after = solve_real(large, omega, tangent(large, omega, state), 8, state)
-            moved = np.abs(after.frequencies_hz / before.frequencies_hz[:8] - 1.0)
+            moved = np.abs(modes_of(large, omega, state).frequencies_hz / before.frequencies_hz[:8] - 1.0)
             assert (moved <= estimate + u / f).all(), (speed * part, moved, estimate)
             known += 1
     assert known
@@ -434,20 +414,16 @@ _ROOT = np.array([-0.05, 0.04, 0.0])
 
 
 def _layered(gone=None):
-    """A plate of three layers, without one of its cells, and the nodes of its root."""
+    """A plate of three layers, without one of its cells."""
     whole = box("hexahedron20", (20, 8, 3), (0.2, 0.08, 0.01))
-    used, number = np.unique(np.delete(whole.cells[0][1], [] if gone is None else gone, 0), return_inverse=True)
-    mesh = VolumeMesh(whole.points[used], (("hexahedron20", number.reshape(-1, 20)),))
-    return mesh, np.flatnonzero(mesh.points[:, 0] == 0.0)
+    return whole if gone is None else part(whole, np.arange(480) != gone)
 
 
 @cache
 def _modes_of_layered(omega, gone=None):
-    mesh, root = _layered(gone)
-    operators = assemble_solid(Blade(mesh, STEEL, root, AXIS, _ROOT))
-    state = equilibrium(operators, omega) if omega else np.zeros_like(operators.load)
-    modes = solve_real(operators, omega, tangent(operators, omega, state), 8, state)
-    shapes, state = (operators.spread(each) for each in (modes.shapes, state))
+    operators = rooted(_layered(gone), origin=_ROOT)
+    modes = modes_of(operators, omega, equilibrium(operators, omega) if omega else None)
+    shapes, state = (operators.spread(each) for each in (modes.shapes, modes.state))
     return ModesAtSpeed(omega, modes.frequencies_hz, np.moveaxis(shapes, 2, 0), state)
 
 
@@ -464,7 +440,7 @@ def test_cavities_that_the_mesh_does_not_have_move_modes_as_estimated(at, close)
     Where mass decides, the estimate is the shift; where strain does, more than it: also where there is next to none in
     the middle of the cell.
     """
-    whole, _ = _layered()
+    whole = _layered()
     middles = whole.points[whole.cells[0][1]].mean(axis=1)
     gone = int(np.linalg.norm(middles - [*at, 0.005], axis=1).argmin())
     for omega in (0.0, 1000.0):
@@ -494,8 +470,7 @@ def _flanged():
     x, y, z = whole.points[whole.cells[0][1]].mean(axis=1).T
     slot = (np.abs(x - 0.06) < 0.02) & (np.abs(y - 0.0225) < 0.0075)
     kept = np.where(z < 0.006, ~slot, np.abs(x - 0.11) < 0.01)
-    used, number = np.unique(whole.cells[0][1][kept], return_inverse=True)
-    mesh = VolumeMesh(whole.points[used], (("tetra10", number.reshape(-1, 10)),))
+    mesh = part(whole, kept)
     operators = assemble_solid(Blade(mesh, STEEL, root_at(mesh, AXIS, origin), AXIS, origin))
     return SolvedBlade(operators, np.array([0.0, 500.0, 1000.0]), 4, 1e-3)
 
@@ -622,84 +597,16 @@ def test_a_broken_mesh_is_one_clear_line(case):
     assert "\n" not in str(refused.value)
 
 
-DECK = box("hexahedron20", (2, 1, 1), (0.2, 0.04, 0.02))
-NODES = [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(DECK.points, 1)]
-CELLS = [[n, *(nodes + 1)] for n, nodes in enumerate(DECK.cells[0][1], 1)]
-
-
-def deck(nodes=NODES, cells=CELLS, kind="C3D20R", more=()):
-    """A mesh as Abaqus and CalculiX write it."""
-    listed = [",".join(map(str, each)) for each in cells]
-    return "\n".join(["*NODE", *nodes, f"*ELEMENT,TYPE={kind},ELSET=EALL", *listed, *more]) + "\n"
-
-
-def scaled(factor):
-    return [f"{n},{x:.9g},{y:.9g},{z:.9g}" for n, (x, y, z) in enumerate(factor * DECK.points, 1)]
-
-
-FILES = {
-    "empty": ("", "no cells with a volume"),
-    "no mesh": ("these are\nwords\n", "no cells with a volume"),
-    "nodes alone": ("*NODE\n" + "\n".join(NODES), "no cells with a volume"),
-    "cells alone": (deck(nodes=()), "an id while no ids were defined"),
-    "not a number": (deck([NODES[0].replace("0,0,0", "0,0,nan"), *NODES[1:]]), "line 2: node 1 has coordinates that"),
-    "not finite": (deck([NODES[0].replace("0,0,0", "0,0,inf"), *NODES[1:]]), "node 1 has coordinates that are not"),
-    "a word": (deck([NODES[0].replace("0,0,0", "0,0,z"), *NODES[1:]]), "line 2: expected .*, not '1,0,0,z'"),
-    "two coordinates": (deck([each.rsplit(",", 1)[0] for each in NODES]), "not have three coordinates"),
-    "a coordinate missing": (
-        deck([*NODES[:-1], NODES[-1].rsplit(",", 1)[0]]),
-        "line 33: node 32 has 2 coordinates, not 3$",
-    ),
-    "two missing": (deck([*NODES[:4], "5,1.", *NODES[5:]]), "line 6: node 5 has 1 coordinate, not 3$"),
-    "one left empty": (deck([*NODES[:4], "5,1.,,1.", *NODES[5:]]), "line 6: expected .* coordinates, not '5,1.,,1.'$"),
-    "one decimal comma": (
-        deck([*NODES[:4], "5,1.0,1,5,0.0", *NODES[5:]]),
-        "line 6: node 5 has 4 .* are commas decimal",
-    ),
-    "a node twice": (deck([*NODES, "1,9,9,9"]), "1 of 2 hexahedron20 cells are .* m; line 34: node 1 is listed twice"),
-    "no last node": (deck(NODES[:-1]), r"line \d+: element 2 names node 32, which is not in the file"),
-    "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
-    "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
-    "decimal commas": (deck([each.replace(".", ",") for each in NODES]), "line 3: node 2 has 4 coordinates, not 3"),
-    "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
-    "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
-    "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
-    "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
-    "no such kind": (deck(kind="C3D99"), "line 34: elements C3D99 are not read: use C3D10"),
-    "both orders": (deck(more=["*ELEMENT,TYPE=C3D8", ",".join(map(str, CELLS[0][:9]))]), "orders? are mixed"),
-    "in mm": (deck(scaled(1e3)), "measures 200 m: are its coordinates in mm"),
-    "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
-    "in a point": (deck(scaled(0.0)), "measures 0 m"),
-    "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
-    "cut": (deck()[:-40], "not a (readable )?mesh file"),
-}
-
-
-@pytest.mark.parametrize("case", FILES)
-def test_a_broken_file_is_one_clear_line(case, tmp_path):
-    text, problem = FILES[case]
-    path = tmp_path / "blade.inp"
-    path.write_text(text)
-    with pytest.raises(MeshError, match=problem) as refused:
-        read_volume(path)
-    assert str(refused.value).startswith(f"{path}: ")
-    assert "\n" not in str(refused.value)
-    path.write_text(deck())
-    assert read_volume(path).count == 2
-
-
 def test_roots_that_hold_nothing():
     mesh = box("tetra10")
     along = np.flatnonzero((mesh.points[:, 1:] == 0.0).all(axis=1))
-    for few in ([], [0], along):
+    for few in ([], [0], [0, 1], along):
         with pytest.raises(MeshError, match=f"root's {len(few)} nodes do not constrain the blade: expected three"):
             Blade(mesh, STEEL, np.array(few, dtype=int), AXIS, ORIGIN)
     with pytest.raises(MeshError, match="the mesh lies around the spin axis: name the set of nodes that is its root"):
         root_at(mesh, AXIS, mesh.points.mean(axis=0))
     with pytest.raises(MeshError, match="no nodes lie at the radius 5 m"):
         root_at(mesh, AXIS, ORIGIN - [1, 0, 0], 5.0)
-    with pytest.raises(MeshError, match="2 nodes do not constrain the blade"):
-        Blade(mesh, STEEL, np.array([0, 1]), AXIS, ORIGIN)
     with pytest.raises(MeshError, match="contains every node"):
         Blade(mesh, STEEL, np.arange(len(mesh.points)), AXIS, ORIGIN)
 
@@ -804,9 +711,7 @@ def test_geometry_is_meshed_in_its_own_unit(tmp_path):
 def test_the_strain_at_the_root_is_that_of_a_cantilever(kind, n):
     """Euler and Bernoulli: 3.516 w / L² times half of the thickness, where the clamp does not hold the width."""
     sides = 0.2, 0.02, 0.004
-    mesh, steel = box(kind, n, sides), Material(2.1e11, 0.0, 7850.0)
-    root = np.flatnonzero(mesh.points[:, 0] == 0.0)
-    solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 2, 1e-3)
+    solved = SolvedBlade(rooted(box(kind, n, sides), replace(STEEL, poissons_ratio=0.0)), np.zeros(1), 2, 1e-3)
     modes = solved.at(0.0)
     lift = np.abs(modes.shapes[0, :, 2]).max()
     expected = 3.516 * sides[2] / 2 / sides[0] ** 2
@@ -818,34 +723,17 @@ def _tapered(x):
     return 0.002 * (1.0 + 1.5 * (1.0 + np.cos(np.pi * np.minimum(x / 0.06, 1.0))))
 
 
-def _strain_of_a_beam(length, parts=400):
-    """Largest h w'' over the tip's w in the first mode, and that at the root, by Euler and Bernoulli's elements."""
-    size, unit = length / parts, STEEL.youngs_modulus / STEEL.density
-    stiffness, mass = np.zeros((2, 2 * parts + 2, 2 * parts + 2))
-    bending = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]) / size**3
-    inertia = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) * size / 420
-    for k in range(parts):
-        own, half = slice(2 * k, 2 * k + 4), _tapered((k + 0.5) * size)
-        stiffness[own, own] += unit * 2 / 3 * half**3 * bending
-        mass[own, own] += 2 * half * inertia
-    shape = eigh(stiffness[2:, 2:], mass[2:, 2:], subset_by_index=[0, 0])[1][:, 0]  # of turns times size
-    curved = np.diff(np.append(0.0, shape[1::2])) / size**2
-    strain = np.abs(curved * _tapered((np.arange(parts) + 0.5) * size) / shape[-2])
-    return strain.max(), strain[0]
-
-
-@pytest.mark.parametrize(("kind", "n"), [("hexahedron20", (24, 2, 2)), ("tetra10", (24, 2, 2))])
-def test_a_blade_is_strained_most_where_its_thick_root_ends(kind, n):
+@pytest.mark.parametrize("kind", ["hexahedron20", "tetra10"])
+def test_a_blade_is_strained_most_where_its_thick_root_ends(kind):
     """Ten times as much as at the clamp, as in a beam of the same thickness."""
-    mesh = box(kind, n, (0.2, 0.02, 1.0))
+    mesh = box(kind, (24, 2, 2), (0.2, 0.02, 1.0))
     mesh.points[:, 2] = (2.0 * mesh.points[:, 2] - 1.0) * _tapered(mesh.points[:, 0])
-    root, steel = np.flatnonzero(mesh.points[:, 0] == 0.0), replace(STEEL, poissons_ratio=0.0)
-    solved = SolvedBlade(assemble_solid(Blade(mesh, steel, root, AXIS, ORIGIN)), np.zeros(1), 4, 1e-3)
+    solved = SolvedBlade(rooted(mesh, replace(STEEL, poissons_ratio=0.0)), np.zeros(1), 4, 1e-3)
     modes = solved.at(0.0)
     lift = np.abs(modes.shapes[0, :, 2]).max()
-    most, clamped = _strain_of_a_beam(0.2)
-    assert most > 9.9 * clamped
-    assert largest_strain(solved.model, modes, 0) / lift == pytest.approx(most, rel=0.03)
+    _, strain, _ = beam(0.2, lambda x: 2.0 * _tapered(x), 0.2)
+    assert strain.max() > 9.9 * strain[0]
+    assert largest_strain(solved.model, modes, 0) / lift == pytest.approx(strain.max(), rel=0.03)
 
 
 @pytest.mark.parametrize("kind", SECOND_ORDER)
@@ -878,9 +766,8 @@ def test_the_strain_of_a_bent_blade_is_that_about_its_state(speed, expected):
     """
     mesh, cone = box("hexahedron20", (12, 2, 1), (0.2, 0.03, 0.005)), np.radians(40.0)
     mesh.points[:] -= [0.0, 0.015, 0.0025]
-    root, axis = np.flatnonzero(mesh.points[:, 0] == 0.0), np.array([np.sin(cone), 0.0, np.cos(cone)])
-    omega = rpm(speed)
-    modes = SolvedBlade(assemble_solid(Blade(mesh, STEEL, root, axis, ORIGIN)), np.array([omega]), 2, 1e-3).at(omega)
+    omega, axis = rpm(speed), np.array([np.sin(cone), 0.0, np.cos(cone)])
+    modes = SolvedBlade(rooted(mesh, axis=axis), np.array([omega]), 2, 1e-3).at(omega)
     model = ModalModel(mesh.points, (modes,), axis, ORIGIN, mesh.cells)
     tip = np.linalg.norm(mesh.points - [0.2, 0.0, 0.0025], axis=1).argmin()
     lift = np.linalg.norm(modes.shapes[0, tip])

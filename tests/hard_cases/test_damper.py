@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from damper import Formulation, Outcome, ParticleDamper, RingDown, capacity, ringdown, sample
+from damper import Formulation, Outcome, ParticleDamper, RingDown, capacity, ringdown, ringdowns, sample
 from damper.state import HIT
 from tests.compiler import needs_compiler
-from tests.damper.scenes import paper_like
+from tests.damper.scenes import paper
 
-BASE = paper_like(Formulation.CONSISTENT)
+BASE = paper()
 RELEASE = (20e-3, 5e-3)
 
 
@@ -184,21 +184,19 @@ def test_release_at_the_threshold() -> None:
 @pytest.mark.parametrize("formulation", list(Formulation))
 def test_release_by_rounding_above_the_threshold(formulation: Formulation) -> None:
     """A drive that exceeds the threshold by rounding sets nothing off: the ball would turn back in the same instant."""
-    rng = np.random.default_rng(0)
-    for _ in range(300):
-        stiffness = float(10 ** rng.uniform(2, 8))
-        damper = dataclasses.replace(
-            BASE,
-            formulation=formulation,
-            stiffness=(stiffness, stiffness),
-            ball_mass=float(10 ** rng.uniform(-9, 1)),
-            centrifugal_acceleration=float(10 ** rng.uniform(2, 6)),
-            damping_ratio=float(rng.choice([0.0, 1e-3])),
-        )
-        amplitude = damper.rolling_threshold / damper.stuck_frequency**2
-        result = ringdown(damper, (amplitude, 0.0), 3, max_events=1000)
-        assert result.outcome is Outcome.CYCLES_DONE
-        assert result.events < 20
+    rng, base = np.random.default_rng(0), dataclasses.replace(BASE, formulation=formulation)
+    drawn = {
+        "stiffness": np.repeat(10 ** rng.uniform(2, 8, (300, 1)), 2, axis=1),
+        "ball_mass": 10 ** rng.uniform(-9, 1, 300),
+        "centrifugal_acceleration": 10 ** rng.uniform(2, 6, 300),
+        "damping_ratio": rng.choice([0.0, 1e-3], 300),
+    }
+    threshold = BASE.rolling_friction / BASE.ball_radius * drawn["centrifugal_acceleration"]
+    frequency = np.sqrt(drawn["stiffness"][:, 0] / (BASE.modal_mass + drawn["ball_mass"]))
+    release = np.column_stack([threshold / frequency**2, np.zeros(300)])
+    found = ringdowns(base, release, 3, max_events=1000, **drawn)
+    assert (found.outcome == Outcome.CYCLES_DONE).all()
+    assert (found.events < 20).all()
 
 
 def test_sliding_ends_exactly_at_the_cap() -> None:
@@ -213,16 +211,6 @@ def test_sliding_ends_exactly_at_the_cap() -> None:
         result = ringdown(damper, (0.0, 0.0), 0.015 / period, ball_velocity=(wx, wy), keep_events=True)
         left = sample(result, result.duration).relative_velocity[0, 1]
         assert abs(left - 5 / 2 * (wy - left) / give) < 1e-12
-
-
-@pytest.mark.parametrize("zeta", [1e-12, 0.5, 0.99, 1 - 1e-9])
-@pytest.mark.parametrize("formulation", list(Formulation))
-def test_damping_from_none_to_nearly_critical(zeta: float, formulation: Formulation) -> None:
-    """The period of the damped oscillation tends to infinity."""
-    result = run(damping_ratio=zeta, formulation=formulation, cycles=5)
-    assert math.isfinite(result.energy.final)
-    if formulation is Formulation.CONSISTENT:
-        sound(result)
 
 
 def test_chatter_of_the_printed_equations() -> None:

@@ -83,9 +83,8 @@ def _of_critical(operators: Operators, speed: float) -> float:
     The mode is taken from a speed some way below, at which it is hardly another.
     """
     shape = solve_modes(replace(operators, gyroscopic=None), 0.9 * speed, 1).shapes
-    return float(
-        rounding(operators.stiffness, shape, np.array([float((shape.T @ (operators.stiffness @ shape))[0, 0])]))[0]
-    )
+    energy = (shape.T @ (operators.stiffness @ shape))[0]
+    return float(rounding(operators.stiffness, shape, energy)[0])
 
 
 def _frequencies(operators: Operators, omega: float, count: int, units: Units, **keys: float) -> Answer:
@@ -106,22 +105,12 @@ def critical(operators: Operators, units: Units) -> Answer:
     return Answer(np.array([speed * units.time]), np.array([uncertain]))
 
 
-def sweep(top: float, count: int = 6, speeds: int = 9) -> Callable[[Operators, Units], Answer]:
-    """Frequencies up to a speed in rad/s, with their bounds."""
+def sweep(top: float | None = None) -> Callable[[Operators, Units], Answer]:
+    """Frequencies up to a speed in rad/s, else up to 1e-6 from the critical one, with their bounds."""
 
     def ask(operators: Operators, units: Units) -> Answer:
-        found = campbell(operators, np.linspace(0.0, top, speeds) / units.time, count)
-        return Answer(found.frequencies_hz.ravel() * units.time, found.bounds.ravel())
-
-    return ask
-
-
-def up_to_the_critical(distance: float, count: int = 6) -> Callable[[Operators, Units], Answer]:
-    """Frequencies up to a distance from the critical speed, with their bounds."""
-
-    def ask(operators: Operators, units: Units) -> Answer:
-        speeds = (1.0 - distance) * critical_speed(operators) * np.linspace(0.0, 1.0, 9)
-        found = campbell(operators, speeds, count)
+        highest = (1.0 - 1e-6) * critical_speed(operators) if top is None else top / units.time
+        found = campbell(operators, highest * np.linspace(0.0, 1.0, 9), 6)
         return Answer(found.frequencies_hz.ravel() * units.time, found.bounds.ravel())
 
     return ask
@@ -177,11 +166,8 @@ SMALL = _plate(0.2, 0.08, (6, 4), 0.004)
 SQUARE_SECTION = _plate(1.0, 0.02, (20, 1), 0.02, 0.0)
 INWARD = Plate(rectangle(1.0, 0.02, 30, 1).translated((-1.0, 0.0)), 0.001, Material(2e11, 0.0, 7850.0))
 PRESSED = rectangle(0.2, 0.08, 6, 3).translated((-0.2, 0.0))
-SOFTENED, TURNING, BENT = (
-    Effects(stress_stiffening=False),
-    Effects(coriolis=True),
-    Effects(large_deflection=True),
-)
+SOFTENED, TURNING = Effects(stress_stiffening=False), Effects(coriolis=True)
+BENT = Effects(large_deflection=True)
 SOFTENED_TURNING = replace(SOFTENED, coriolis=True)
 
 
@@ -196,8 +182,8 @@ def _cases() -> dict[str, Case]:
     for distance in (1e-3, 1e-6):
         made[f"{distance:g} beyond the critical speed"] = Case(falling, near(-distance), "Divergence")
         made[f"complex, {distance:g} beyond the critical speed"] = Case(turning, near(-distance), "Divergence")
-    made["sweep up to 1e-6 from the critical speed"] = Case(falling, up_to_the_critical(1e-6))
-    made["complex sweep up to 1e-6 from the critical speed"] = Case(turning, up_to_the_critical(1e-6))
+    made["sweep up to 1e-6 from the critical speed"] = Case(falling, sweep())
+    made["complex sweep up to 1e-6 from the critical speed"] = Case(turning, sweep())
 
     pairs = Problem(SQUARE_SECTION, Rotor(), Effects(), "solid")
     made["double modes"] = Case(pairs, modes(0.0))
@@ -218,11 +204,10 @@ def _cases() -> dict[str, Case]:
     made["a mass of a million plates"] = Case(bob, modes(0.0))
     made["a mass of a million plates, complex"] = Case(replace(bob, effects=TURNING), modes(0.5))
     made["hardly spinning"] = Case(Problem(SMALL, Rotor(0.1, 0.5), TURNING), modes(1e-12))
-    made["Coriolis far beyond elasticity"] = Case(
-        Problem(SMALL, Rotor(), Effects(stress_stiffening=False, spin_softening=False, coriolis=True)), modes(5e4)
-    )
+    floating = Problem(SMALL, Rotor(), replace(SOFTENED_TURNING, spin_softening=False))
+    made["Coriolis far beyond elasticity"] = Case(floating, modes(5e4))
     made["no rotary inertia"] = Case(
-        Problem(SMALL, Rotor(0.1, 0.2), Effects(rotary_inertia=False, coriolis=True)), modes(1e3)
+        Problem(SMALL, Rotor(0.1, 0.2), replace(TURNING, rotary_inertia=False)), modes(1e3)
     )
     made["an inward beam, almost buckling"] = Case(Problem(INWARD, Rotor(-1.0), Effects()), near(1e-6, 4))
 

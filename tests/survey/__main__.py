@@ -25,7 +25,7 @@ def main(arguments=None):
     given = parser.parse_args(arguments)
     verdicts, unanswered = [], 0
     print(HEAD)
-    for case, reference in _answered(given.only):
+    for case, reference in answered(given.only):
         try:
             verdicts.append(judge(case, reference))
         except (SpindampError, IndexError) as error:
@@ -38,7 +38,7 @@ def main(arguments=None):
     return 1 if summary["modes outside"] or unanswered else 0
 
 
-def _answered(only):
+def answered(only):
     """Plates with a reference."""
     known = references.stored()
     for case in plates.cases():

@@ -8,7 +8,6 @@ its lengths in other units, and by as much as these differ each mesh may be off.
 bricks takes the place of two. It goes on where it was stopped; plates that have been changed are made anew.
 """
 
-import csv
 import hashlib
 import sys
 import time
@@ -16,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.benchmarks import calculix
 from tests.survey import plates, spinning
 
 DATA = Path(__file__).with_name("references.csv")
@@ -91,10 +91,7 @@ def stored():
 
 
 def _rows():
-    if not DATA.is_file():
-        return []
-    with DATA.open() as lines:
-        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    return calculix.rows(DATA) if DATA.is_file() else []
 
 
 def _line(case, mode, values):
