@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import spindamp
-from tests.workflows.conftest import changed, shipped_scene, write
+from tests.workflows.conftest import changed, shipped_scene, stored, write
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.report import remarks
@@ -62,11 +62,11 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
     assert "damper.restitution" in text
 
 
-def test_files(found, tmp_path: Path):
+def test_files(found, tmp_path):
     write_study(found, tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"compare.json", "compare.csv", "compare.svg", "report.html"} <= names
-    document = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
+    document = stored(tmp_path / "out" / "compare.json")
     table = csv.DictReader(io.StringIO((tmp_path / "out" / "compare.csv").read_text(encoding="utf-8")))
     for written, row in zip(table, document["rows"], strict=True):
         assert float(written["damping_ratio_percent"]) == pytest.approx(row["damping_ratio_percent"], rel=1e-9)
@@ -75,7 +75,7 @@ def test_files(found, tmp_path: Path):
     assert "damper.restitution" in page
 
 
-def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: Path):
+def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path):
     """A folder's name is no title; a mark of a run's table stands in this one, with its meaning."""
     structure = shipped_scene("structure")
     other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
@@ -92,7 +92,7 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
         assert "9000" in text
         assert "*" in text
         assert remarks.AT_REST_MEANS in text
-    rows = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))["rows"]
+    rows = stored(tmp_path / "out" / "compare.json")["rows"]
     speeds = {row["rpm"] for row in rows if row["run"] == "stiff"}
     assert [row["rpm"] for row in rows if row["run"] == "slow"] == [9000.0], "no row at a speed that a run lacks"
     assert len(rows) == len(speeds) + 1
@@ -165,7 +165,7 @@ def test_each_scene_is_read_once(spindamp, monkeypatch, structure):
     ]
 
 
-def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
+def test_what_cannot_be_compared(soft_and_stiff, tmp_path):
     with pytest.raises(BadInput, match="at least two runs"):
         spindamp.compare(soft_and_stiff[0])
     with pytest.raises(BadInput, match="holds no run"):
