@@ -4,8 +4,6 @@ import itertools
 from base64 import b64encode
 from dataclasses import replace
 from io import BytesIO
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,15 +15,14 @@ from PIL import Image
 import workflows
 from workflows.io import files
 from workflows.report import figures, plots
-from workflows.solve.results import SpeedPoint
 
 
 @pytest.fixture
-def results(coarse: workflows.Results) -> workflows.Results:
+def results(coarse):
     return coarse
 
 
-def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path) -> None:
+def test_campbell_has_the_frequencies(results, tmp_path):
     axes = results.plot.campbell()
     drawn = [line.get_xydata() for line in axes.get_lines()]
     for track in files.campbell(results):
@@ -36,16 +33,14 @@ def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path
     assert path.stat().st_size > 5000
 
 
-def test_a_mode_keeps_its_name_from_the_lowest_speed(
-    results: workflows.Results, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mode_keeps_its_name_from_the_lowest_speed(results, monkeypatch):
     """A flap that is a twist at all speeds but the first; the marks of the diagram say where."""
     for other in ("mesh", "velocity", "capacity", "damping_ratio", "cavity_path"):
         monkeypatch.setattr(figures, other, lambda _: None)
     order = sorted(results.speeds, key=lambda point: point.rpm)
     numbers = {point.rpm: next(k for k, m in enumerate(point.modes) if m.branch == 0) for point in order}
 
-    def renamed(point: SpeedPoint) -> SpeedPoint:
+    def renamed(point):
         family = "flap" if point in order[:1] else "twist"
         modes = list(point.modes)
         modes[numbers[point.rpm]] = replace(modes[numbers[point.rpm]], family=family)
@@ -58,14 +53,14 @@ def test_a_mode_keeps_its_name_from_the_lowest_speed(
     assert "here), mode " not in figures.report(results)["campbell"]
 
 
-def test_damping_has_the_curves(results: workflows.Results) -> None:
+def test_damping_has_the_curves(results):
     drawn = [line.get_xydata() for line in results.plot.damping().get_lines()]
     for line in files.damping_ratio(results):
         shown = line.y > 0
         assert any(np.array_equal(np.column_stack([1e3 * line.x, 100 * line.y])[shown], each) for each in drawn)
 
 
-def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
+def test_ringdown_and_mesh_are_axes(results):
     assert results.plot.ringdown().get_xlabel() == "time, ms"
     axes = results.plot.mesh()
     at = results.scene.damper.at
@@ -74,7 +69,7 @@ def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
-def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name: str) -> None:
+def test_a_notebook_shows_the_figure_of_a_plot(results, name):
     """Which goes by pyplot's current figure, and is no new one where axes are named."""
     before = pyplot.get_fignums()
     axes = getattr(results.plot, name)()
@@ -96,13 +91,13 @@ def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name:
 
 
 @pytest.mark.parametrize("wrong", [Figure(), np.array([None, None]), 3])
-def test_a_plot_takes_axes_alone(results: workflows.Results, wrong: Any) -> None:
+def test_a_plot_takes_axes_alone(results, wrong):
     with pytest.raises(TypeError, match=rf"^ax must be axes of matplotlib, .* got {type(wrong).__name__}$"):
         results.plot.damping(ax=wrong)
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
-def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str) -> None:
+def test_no_placeholder_of_a_page_is_left(results, name):
     from matplotlib.colors import to_hex
 
     places = {plots.INK, plots.MUTED, plots.RULE, plots.PAPER, *plots.shades(len(results.speeds))}
@@ -118,7 +113,7 @@ def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str)
             assert colour not in places, (artist, part)
 
 
-def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
+def test_a_mode_moves_as_its_shape(results):
     plotter = results.plot.mode(2, rpm=0).plotter()
     try:
         plate = next(mesh for mesh in plotter.meshes if mesh.n_cells == len(results.surface.cells[1]))
@@ -129,9 +124,7 @@ def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
         plotter.close()
 
 
-def test_a_notebook_shows_a_mode_as_a_picture(
-    results: workflows.Results, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_notebook_shows_a_mode_as_a_picture(results, monkeypatch, tmp_path):
     """Also where no screen is, and of the mode that was asked for."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
@@ -148,11 +141,11 @@ def test_a_notebook_shows_a_mode_as_a_picture(
         pictures[1].show()
 
 
-def test_what_is_not_there_is_said(results: workflows.Results) -> None:
+def test_what_is_not_there_is_said(results):
     with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
         results.plot.mode(4)
     with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
-        results.plot.mode(1.5)  # type: ignore[arg-type]
+        results.plot.mode(1.5)
     with pytest.raises(workflows.BadInput, match="expected a speed with shapes"):
         results.plot.mode(1, rpm=12345)
     with pytest.raises(workflows.BadInput, match=r"^rpm = 10: expected a speed with shapes"):
@@ -164,7 +157,7 @@ def test_what_is_not_there_is_said(results: workflows.Results) -> None:
 
 
 @pytest.mark.parametrize("ends", [(1.0, 1e-9), (0.5, 2e-6), (1e-3, 1e-8), (2e-2, 1e-3), (1e-9, 1.0)])
-def test_a_logarithmic_axis_has_a_few_numbers_that_do_not_overlap(ends: tuple[float, float]) -> None:
+def test_a_logarithmic_axis_has_a_few_numbers_that_do_not_overlap(ends):
     """Also one that runs backwards, as that of errors does."""
     with plots.style():
         figure, (axes,) = plots.canvas(3.0)
