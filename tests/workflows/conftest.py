@@ -7,12 +7,10 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +28,6 @@ from workflows.scene.load import SHIPPED, load
 from workflows.solve import damper
 from workflows.studies.sweep import executor
 
-Scene, Command = dict[str, Any], Callable[..., Any]
 ROOT = Path(__file__).parents[2]
 MESHES = ROOT / "meshes"
 QUIET = progress.Stages(visible=False)
