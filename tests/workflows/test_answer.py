@@ -20,15 +20,7 @@ from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
 from workflows.solve import excitation, limits, remedies
-from workflows.solve.results import (
-    ErrorParts,
-    ForceLevel,
-    Grade,
-    Mode,
-    Reason,
-    Verdict,
-    VibrationReduction,
-)
+from workflows.solve.results import ErrorParts, ForceLevel, Grade, Mode, Reason, Verdict, VibrationReduction
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
 

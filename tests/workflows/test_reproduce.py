@@ -13,15 +13,7 @@ from tests.workflows.browser import findings, needs_chromium
 from tests.workflows.conftest import measured_quickly, stored
 from workflows.io.files import write_study
 from workflows.solve import damper
-from workflows.studies.reproduction import (
-    FORMULATIONS,
-    RELEASE,
-    SHOWN,
-    Verdict,
-    of_figures,
-    of_table_two,
-    reproduce,
-)
+from workflows.studies.reproduction import FORMULATIONS, RELEASE, SHOWN, Verdict, of_figures, of_table_two, reproduce
 
 VERDICTS = tomllib.loads(Path(__file__).with_name("verdicts.toml").read_text(encoding="utf-8"))
 
