@@ -3,7 +3,8 @@
 import os
 import socket
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 import pytest
 
@@ -51,44 +52,28 @@ def test_scenes_from_other_systems(content, tmp_path):
     assert load(tmp_path / "scene.toml").scene == load("paper").scene
 
 
-@contextmanager
-def _no_file(what, path):
-    """Something at `path` that is no file to read."""
-    match what:
-        case "a folder":
-            path.mkdir()
-        case "a pipe":
-            os.mkfifo(path)
-        case "an endless device":
-            path.symlink_to("/dev/zero")
-        case "a silent device":
-            path.symlink_to("/dev/null")
-        case "a link to nowhere":
-            path.symlink_to("nowhere")
-        case "a link to itself":
-            path.symlink_to(path.name)
-        case "a file for others only":
-            path.write_text(PAPER)
-            path.chmod(0)
-        case "a socket":
-            with socket.socket(socket.AF_UNIX) as server:
-                server.bind(os.path.relpath(path))  # the name of a socket is short
-                yield
-            return
-    yield
+def _socket(path):
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(os.path.relpath(path))  # the name of a socket is short
+
+
+def _closed(path):
+    path.write_text(PAPER)
+    path.chmod(0)
 
 
 NO_FILES = {
-    "a folder": "found a folder",
-    "a pipe": "found a pipe",
-    "a socket": "found a socket",
-    "an endless device": "found a device",
-    "a silent device": "found a device",
-    "a link to nowhere": "a link to",
-    "a link to itself": "cannot be read",
-    "a file for others only": "cannot be read: Permission denied",
-    "nothing": "no such",
+    "a folder": (Path.mkdir, "found a folder"),
+    "a pipe": (os.mkfifo, "found a pipe"),
+    "a socket": (_socket, "found a socket"),
+    "an endless device": (lambda path: path.symlink_to("/dev/zero"), "found a device"),
+    "a silent device": (lambda path: path.symlink_to("/dev/null"), "found a device"),
+    "a link to nowhere": (lambda path: path.symlink_to("nowhere"), "a link to"),
+    "a link to itself": (lambda path: path.symlink_to(path.name), "cannot be read"),
+    "a file for others only": (_closed, "cannot be read: Permission denied"),
+    "nothing": (lambda _: None, "no such"),
 }
+"""What makes something that is no file to read, and what is said of it."""
 
 
 @contextmanager
@@ -107,27 +92,21 @@ def _unprivileged(folder):
         os.seteuid(0)
 
 
-@pytest.mark.parametrize("what", NO_FILES)
+@pytest.mark.parametrize(("make", "message"), NO_FILES.values(), ids=NO_FILES)
 @pytest.mark.parametrize("as_mesh", [False, True], ids=["scene", "mesh"])
-def test_what_is_no_file(what, as_mesh, spindamp, tmp_path, paper):
-    closed = what == "a file for others only"
+def test_what_is_no_file(make, message, as_mesh, spindamp, tmp_path, paper):
+    closed, name = make is _closed, "it.msh" if as_mesh else "it.toml"
     if closed and os.geteuid() == 0:
         tmp_path.chmod(0o777)
         for parent in list(tmp_path.parents)[:3]:
             if parent.name.startswith("pytest-"):
                 parent.chmod(0o755)
-    name = "it.msh" if as_mesh else "it.toml"
-    with _no_file(what, tmp_path / name):
-        start = f"{name}: "
-        if as_mesh:
-            name = write(on_mesh(paper, name), tmp_path / "scene.toml").name
-            start = "scene.toml: [plate] mesh = 'it.msh': "
-        if closed:
-            with _unprivileged(tmp_path):
-                outcome = spindamp("check", name)
-        else:
-            outcome = spindamp("check", name)
-    assert len(refused(outcome, start, NO_FILES[what])) < 300
+    make(tmp_path / name)
+    scene = write(on_mesh(paper, name), tmp_path / "scene.toml") if as_mesh else name
+    with _unprivileged(tmp_path) if closed else nullcontext():
+        outcome = spindamp("check", Path(scene).name)
+    start = "scene.toml: [plate] mesh = 'it.msh': " if as_mesh else "it.toml: "
+    assert len(refused(outcome, start, message)) < 300
 
 
 def refused_mesh(spindamp, paper, name, message=""):
@@ -194,8 +173,8 @@ def test_an_xdmf_file_that_names_no_file(what, kind, tmp_path, paper):
     grid = f'<Grid><Geometry GeometryType="XYZ">{items}</Geometry></Grid>'
     (tmp_path / "it.xdmf").write_text(f'<Xdmf Version="3.0"><Domain>{grid}</Domain></Xdmf>')
     write(on_mesh(paper, "it.xdmf"), tmp_path / "bad.toml")
-    with _no_file(what, tmp_path / "it.bin"):
-        done = python("-m", "workflows.cli", "check", "bad.toml", cwd=tmp_path)
+    NO_FILES[what][0](tmp_path / "it.bin")
+    done = python("-m", "workflows.cli", "check", "bad.toml", cwd=tmp_path)
     outcome = Outcome(done.returncode, done.stdout, done.stderr)
     refused(outcome, "bad.toml: [plate] mesh = 'it.xdmf': ", "it names 'it.bin', which is not a file")
 
