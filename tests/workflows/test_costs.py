@@ -109,7 +109,7 @@ def accuracy(tmp_path_factory):
         for method in studies.PLATE_METHODS
         if method.model != "solid/4"
     )
-    limits = tuple(replace(method, finest=min(method.finest, 6)) for method in studies.LIMITS)
+    limits = tuple(replace(method, finest=min(method.finest, 5)) for method in studies.LIMITS)
     with pytest.MonkeyPatch.context() as patch:
         once(patch, PLATE_METHODS=few, LIMITS=limits, SPEEDS=20, SOLID_AT_MOST=5_000)
         once(patch, ASKED=(1e-2, 1e-3), FINEST=1e-4, METHODS=FEW_INTEGRATORS, CYCLES=3)
