@@ -12,7 +12,6 @@ import select
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from html.parser import HTMLParser
@@ -65,7 +64,7 @@ VOID = {"meta", "link", "img", "br", "hr", "input"}
 class Reader(HTMLParser):
     """Collects what could load something, ids, and tags left open."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text):
         super().__init__()
         self.loads: list[str] = []
         self.ids: list[str] = []
@@ -75,7 +74,7 @@ class Reader(HTMLParser):
         self.feed(text)
         self.close()
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
         for name, value in attrs:
             if name in ("src", "href", "xlink:href", "data", "action", "srcset") and value:
@@ -87,19 +86,19 @@ class Reader(HTMLParser):
         if tag not in VOID:
             self.open.append(tag)
 
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_startendtag(self, tag, attrs):
         self.handle_starttag(tag, attrs)
         if tag not in VOID:
             self.open.pop()
 
-    def handle_endtag(self, tag: str) -> None:
+    def handle_endtag(self, tag):
         assert self.open.pop() == tag, self.getpos()
 
 
 class Browser:
     """One process; commands go down its file 3, answers and events come up its file 4, each ended by a zero byte."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.profile = tempfile.mkdtemp(prefix="browser-")
         down, self.down = os.pipe()
         self.up, up = os.pipe()
@@ -119,7 +118,7 @@ class Browser:
         self.events: list[dict[str, Any]] = []
         atexit.register(self.close)
 
-    def ask(self, method: str, session: str | None = None, **given: Any) -> dict[str, Any]:
+    def ask(self, method, session=None, **given):
         """The answer to a command."""
         self.last += 1
         message = {"id": self.last, "method": method, "params": given}
@@ -131,15 +130,14 @@ class Browser:
         while (found := self.next()).get("id") != self.last:
             self.events.append(found)
         assert "error" not in found, (method, found["error"])
-        answer: dict[str, Any] = found["result"]
-        return answer
+        return found["result"]
 
-    def wait(self, method: str, session: str) -> None:
+    def wait(self, method, session):
         """Until this happens in a page, or has happened."""
         while not any(each.get("method") == method and each.get("sessionId") == session for each in self.events):
             self.events.append(self.next())
 
-    def next(self) -> dict[str, Any]:
+    def next(self):
         """The next answer or event."""
         end = monotonic() + HANG
         while b"\0" not in self.read:
@@ -149,10 +147,9 @@ class Browser:
             assert more, "the browser is gone"
             self.read += more
         first, _, self.read = self.read.partition(b"\0")
-        found: dict[str, Any] = json.loads(first)
-        return found
+        return json.loads(first)
 
-    def close(self) -> None:
+    def close(self):
         """End it; it ends by itself where its pipe does."""
         os.close(self.down)
         self.process.wait(HANG)
@@ -163,34 +160,34 @@ class Browser:
 class Page:
     """A page that stands in a browser."""
 
-    def __init__(self, browser: Browser, session: str) -> None:
+    def __init__(self, browser, session):
         self.browser, self.session = browser, session
 
-    def ask(self, method: str, **given: Any) -> dict[str, Any]:
+    def ask(self, method, **given):
         """The answer to a command for this page."""
         return self.browser.ask(method, self.session, **given)
 
-    def returned(self, script: str) -> Any:
+    def returned(self, script):
         """What a script returns; it may wait (`await`)."""
         text = f"(async () => {{ {script} }})()"
         found = self.ask("Runtime.evaluate", expression=text, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def prefers(self, scheme: str, motion: str = "no-preference") -> None:
+    def prefers(self, scheme, motion="no-preference"):
         """Have it shown as to readers who prefer `light` or `dark`, and perhaps to `reduce` what moves."""
         values = {"prefers-color-scheme": scheme, "prefers-reduced-motion": motion}
         self.ask("Emulation.setEmulatedMedia", features=[{"name": k, "value": v} for k, v in values.items()])
 
-    def resize(self, width: int) -> None:
+    def resize(self, width):
         """Have a screen of so many pixels across."""
         self.ask("Emulation.setDeviceMetricsOverride", width=width, height=1600, deviceScaleFactor=1, mobile=False)
 
-    def file(self, method: str, **given: Any) -> bytes:
+    def file(self, method, **given):
         """The page as the file that a command makes of it."""
         return base64.b64decode(self.ask(method, **given)["data"])
 
-    def words(self) -> list[dict[str, Any]]:
+    def words(self):
         """Whatever it had to say on the console."""
         mine = (each for each in self.browser.events if each.get("sessionId") == self.session)
         return [each["params"] for each in mine if each.get("method") in WORDS]
@@ -200,7 +197,7 @@ _running = cache(Browser)
 
 
 @contextmanager
-def opened(path: Path, *, width: int = WIDE, motion: str = "no-preference", before: str = "") -> Iterator[Page]:
+def opened(path, *, width=WIDE, motion="no-preference", before=""):
     """A page in a browser's tab of its own; it fails at the end on whatever the page had to say on the console.
 
     before: a script that runs before any of the page's own.
@@ -226,13 +223,13 @@ def opened(path: Path, *, width: int = WIDE, motion: str = "no-preference", befo
         browser.ask("Target.disposeBrowserContext", browserContextId=home)
 
 
-def driven(path: Path, script: str, *, before: str = "") -> Any:
+def driven(path, script, *, before=""):
     """What a script returns that a page runs once it stands; nothing in it moves by itself."""
     with opened(path, motion="reduce", before=before) as page:
         return page.returned(script)
 
 
-def findings(path: Path, schemes: tuple[str, ...] = ("light",)) -> list[str]:
+def findings(path, schemes=("light",)):
     """What hinders readers on a screen as wide as a phone: a page that is wider, and all that axe-core finds.
 
     Nothing where there is no browser; its width alone where there is no axe-core. Of further schemes only colours are

@@ -8,21 +8,20 @@ import pytest
 import workflows
 from tests.workflows.conftest import KNOWN
 from workflows.report.verdict import answer
-from workflows.solve.results import Results
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 HALF_GAP = 0.25e-3
 
 
-def lively(restitution: float, rolling_friction: str = "0.00001 mm") -> Results:
+def lively(restitution, rolling_friction="0.00001 mm"):
     """A ball that next to nothing holds, at one speed."""
     changes = {"restitution": restitution, "rolling_friction": rolling_friction}
     rotor = KNOWN["rotor"] | {"speeds": ["17500 rpm"]}
     return workflows.run(KNOWN | {"rotor": rotor, "damper": KNOWN["damper"] | changes})
 
 
-def widest(amplitude: float) -> float:
+def widest(amplitude):
     """Furthest way in the cavity of a ball that rolls freely from rest, while the floor's amplitude grows to that [m].
 
     The floor moves as A(t) sin t, A growing in 100 periods; the ball relatively to it by s'' = -(5/7) u'', in small
@@ -31,7 +30,7 @@ def widest(amplitude: float) -> float:
     steps, way, speed, far = 400, 0.0, 0.0, 0.0
     dt, span = 2 * math.pi / steps, 200 * math.pi
 
-    def push(t: float) -> float:
+    def push(t):
         grown = amplitude / span
         return -grown * t * math.sin(t) + 2 * grown * math.cos(t)
 
@@ -43,7 +42,7 @@ def widest(amplitude: float) -> float:
     return far
 
 
-def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
+def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls():
     """With what the way down has; and up to where a ball that keeps to the middle meets no wall."""
     found = lively(0.7)
     own = found.speeds[0].damping_curve
@@ -59,7 +58,7 @@ def test_a_growing_vibration_is_said_to_do_less_than_one_that_falls() -> None:
     assert widest(0.95e-3 * rolls) < HALF_GAP < widest(1.05e-3 * rolls)
 
 
-def test_a_peak_that_sweeps_show_less_well_is_said_to_be_known_less_well() -> None:
+def test_a_peak_that_sweeps_show_less_well_is_said_to_be_known_less_well():
     found = lively(0.99, "0.01 mm")
     error = found.speeds[0].damping_curve.error
     assert error > 0.05

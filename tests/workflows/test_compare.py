@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import math
 import re
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import spindamp
-from tests.workflows.conftest import changed, shipped_scene, write
+from tests.workflows.conftest import changed, shipped_scene, stored, write
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.report import remarks
@@ -18,13 +17,13 @@ from workflows.scene import load as loading
 from workflows.studies import comparison as report
 
 pytestmark = pytest.mark.usefixtures("quickly")
+STRUCTURE = shipped_scene("structure")
 
 
 @pytest.fixture(scope="module")
 def soft_and_stiff(tmp_path_factory):
-    structure = shipped_scene("structure")
-    soft = spindamp.run(changed(structure, title="soft", damper__restitution=0.3))
-    stiff = spindamp.run(changed(structure, title="stiff", damper__restitution=0.7))
+    soft = spindamp.run(changed(STRUCTURE, title="soft", damper__restitution=0.3))
+    stiff = spindamp.run(changed(STRUCTURE, title="stiff", damper__restitution=0.7))
     folder = tmp_path_factory.mktemp("runs") / "stiff"
     spindamp.save(stiff, folder)
     return soft, stiff, folder
@@ -62,23 +61,21 @@ def test_the_words_are_those_of_the_runs(found, soft_and_stiff):
     assert "damper.restitution" in text
 
 
-def test_files(found, tmp_path: Path):
+def test_files(found, tmp_path):
     write_study(found, tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"compare.json", "compare.csv", "compare.svg", "report.html"} <= names
-    document = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
     table = csv.DictReader(io.StringIO((tmp_path / "out" / "compare.csv").read_text(encoding="utf-8")))
-    for written, row in zip(table, document["rows"], strict=True):
+    for written, row in zip(table, stored(tmp_path / "out" / "compare.json")["rows"], strict=True):
         assert float(written["damping_ratio_percent"]) == pytest.approx(row["damping_ratio_percent"], rel=1e-9)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 1
     assert "damper.restitution" in page
 
 
-def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: Path):
+def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path):
     """A folder's name is no title; a mark of a run's table stands in this one, with its meaning."""
-    structure = shipped_scene("structure")
-    other = changed(structure, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
+    other = changed(STRUCTURE, title="slow", rotor__speeds=["9000 rpm"], damper__radius="1.1 mm", damper__count=None)
     other["release"] = {"displacement": ["0.1 mm", "0 mm"]}
     other["design"] = {"clearance": ["0.1 mm", "4 mm"], "amplitude": ["1 mm", "2 mm"]}
     found = spindamp.compare(soft_and_stiff[2], other)
@@ -92,7 +89,7 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
         assert "9000" in text
         assert "*" in text
         assert remarks.AT_REST_MEANS in text
-    rows = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))["rows"]
+    rows = stored(tmp_path / "out" / "compare.json")["rows"]
     speeds = {row["rpm"] for row in rows if row["run"] == "stiff"}
     assert [row["rpm"] for row in rows if row["run"] == "slow"] == [9000.0], "no row at a speed that a run lacks"
     assert len(rows) == len(speeds) + 1
@@ -104,10 +101,9 @@ def test_marks_units_and_titles_are_those_of_a_report(soft_and_stiff, tmp_path: 
 
 def test_every_engine_order_of_a_run_is_said():
     """The best order does not hide that the ball is of no use at another."""
-    structure = shipped_scene("structure")
     orders = {"orders": [2, 3, 50], "force": ["1 N", "2 N"]}
-    excited = changed(structure, damper__damping_ratio=1e-3, rotor__speeds=["5000 rpm", "10000 rpm"], excitation=orders)
-    said = report.text(spindamp.compare(excited, structure)).replace("\n", " ")
+    excited = changed(STRUCTURE, damper__damping_ratio=1e-3, rotor__speeds=["5000 rpm", "10000 rpm"], excitation=orders)
+    said = report.text(spindamp.compare(excited, STRUCTURE)).replace("\n", " ")
     for order in orders["orders"]:
         assert re.search(rf"engine order {order}\b", said, re.IGNORECASE)
 
@@ -122,8 +118,7 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
 
 def test_a_material_is_no_difference_where_its_density_is_the_same():
     """Its name is kept only where its strength is known too; by it or as a number, the density is the same."""
-    structure = shipped_scene("structure")
-    bare = changed(structure, damper__mass_ratio=None, damper__count=100, release__cycles=2, rotor__speeds=["3500 rpm"])
+    bare = changed(STRUCTURE, damper__mass_ratio=None, damper__count=100, release__cycles=2, rotor__speeds=["3500 rpm"])
     named = changed(bare, damper__ball_material="steel")
     floored = changed(named, damper__floor_material="Ti-6Al-4V", effects__indentation=False)
     by_number = changed(bare, damper__ball_density=7850.0)
@@ -139,8 +134,7 @@ def test_a_material_is_no_difference_where_its_density_is_the_same():
 
 def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):
     """Below 1 g there is no verdict."""
-    structure = shipped_scene("structure")
-    slow = spindamp.run(changed(structure, rotor__speeds=["40 rpm", "3500 rpm"], release__cycles=2))
+    slow = spindamp.run(changed(STRUCTURE, rotor__speeds=["40 rpm", "3500 rpm"], release__cycles=2))
     for found, hollow in ((spindamp.compare(slow, slow), 2), (spindamp.compare(*soft_and_stiff[:2]), 0)):
         files = report.files(found)
         marks = re.findall(r'<use [^>]*style="(fill-opacity: 0)?[^"]*var\(--line-[01]\)"', report.draw(found))
@@ -150,22 +144,18 @@ def test_runs_without_a_verdict_are_drawn_hollow(soft_and_stiff):
         assert sum(row["no_verdict"] for row in report.document(found)["rows"]) == hollow
 
 
-def test_each_scene_is_read_once(spindamp, monkeypatch, structure):
+def test_each_scene_is_read_once(spindamp, monkeypatch):
     """By the command, which has its remarks before it runs it."""
-    quick = changed(structure, rotor__speeds=["3500 rpm"], release__cycles=2)
+    quick = changed(STRUCTURE, rotor__speeds=["3500 rpm"], release__cycles=2)
     for name in ("one", "two"):
         write(changed(quick, title=f"of {name}"), Path(f"{name}.toml"))
     reads, read = [], loading.load
     monkeypatch.setattr(loading, "load", lambda where: reads.append(where) or read(where))
-    assert spindamp("compare", "one.toml", "two.toml", "--json").status == 0
-    assert reads == ["one.toml", "two.toml"]
-    assert [run["name"] for run in json.loads(spindamp("compare", "one.toml", "two.toml", "--json").out)["runs"]] == [
-        "one",
-        "two",
-    ]
+    names = [run["name"] for run in spindamp.json("compare", "one.toml", "two.toml")["runs"]]
+    assert (names, reads) == (["one", "two"], ["one.toml", "two.toml"])
 
 
-def test_what_cannot_be_compared(soft_and_stiff, tmp_path: Path):
+def test_what_cannot_be_compared(soft_and_stiff, tmp_path):
     with pytest.raises(BadInput, match="at least two runs"):
         spindamp.compare(soft_and_stiff[0])
     with pytest.raises(BadInput, match="holds no run"):

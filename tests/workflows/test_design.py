@@ -5,7 +5,6 @@ import math
 import tomllib
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,9 +15,22 @@ from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, for
 from damper.curve_measurement import Sweeps, _ramped, settled, undamped
 from fem.rotor import from_rpm
 from tests.workflows.browser import findings
-from tests.workflows.conftest import BALL, KNOWN, changed, on_mesh, refused, shipped_scene, write
+from tests.workflows.conftest import (
+    BALL,
+    BLADE,
+    KNOWN,
+    MESHES,
+    QUIET,
+    changed,
+    few,
+    on_mesh,
+    raising,
+    refused,
+    shipped_scene,
+    stored,
+    write,
+)
 from workflows.errors import BadInput
-from workflows.progress import Stages
 from workflows.scene.load import as_scene_file, load, parse
 from workflows.solve import excitation
 from workflows.solve.excitation import is_well_held
@@ -38,9 +50,6 @@ FREE = {
     "mass": "0.4 g",
     "amplitude": ["4 mm", "8 mm"],
 }
-
-
-MESHES = Path(__file__).parents[2] / "meshes"
 
 
 @pytest.fixture(scope="module")
@@ -67,23 +76,28 @@ def one_of_27(slow, here):
     return spindamp.design(slow, executor=here)
 
 
-@pytest.fixture
-def few_speeds(monkeypatch):
-    """Responses that follow few of the speeds, the crossing's among them."""
-    monkeypatch.setattr(response, "SPEEDS", 9)
-    monkeypatch.setattr(response, "ROUNDS", 1)
-
-
 def space_of(scene, **design):
     return spaces.design_space(as_scene_file(scene | {"design": scene["design"] | design}))
+
+
+def score_of(space):
+    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), quick=quick)
+
+
+def damping_of(space, shares, evaluation):
+    """What is said of the damping of a design."""
+    return " ".join(report._said("damping", space, Optimum(np.array(shares), evaluation, 1)))
+
+
+def sentences_of(space, optimum, constraints=()):
+    """What is said of the best design, and of what limits it."""
+    return " ".join(report._said("sentences", space, optimum, constraints=constraints, has_thickness=bool))
 
 
 def test_a_pair_is_a_range_and_a_longer_list_a_choice(slow):
     space = space_of(slow, ball_diameter=["2 mm", "6 mm"], clearance=["0.1 mm", "4 mm"], floor_radius=["flat", "8 mm"])
     axes = {axis.name: axis for axis in space.axes}
-    assert (axes["damper.radius"].spread.low, axes["damper.radius"].spread.high) == (1e-3, 3e-3)
-    assert axes["damper.radius"].spread.law == "even"
-    assert axes["damper.clearance"].spread.law == "log"
+    assert [axes[f"damper.{name}"].spread.law for name in ("radius", "clearance")] == ["even", "log"]
     assert axes["damper.ball_material"].values == ("steel", "tungsten carbide", "lead")
     assert axes["damper.floor_radius"].values == (math.inf, 8e-3)
     ends = [space.values(np.full(len(space.axes), share))["damper.radius"] for share in (0.0, 1.0)]
@@ -97,7 +111,7 @@ def test_a_contact_that_cannot_be_checked_says_why(slow):
     def said(floor, **damper):
         free = {"ball_material": None, "ball_diameter": ["2 mm", "4 mm"], "clearance": ["0.5 mm", "1 mm"]}
         space = space_of(changed(slow, damper__floor_material=floor, damper__mass_ratio=None, **damper), **free)
-        return " ".join(report._said("sentences", space, optimum, constraints=(), has_thickness=bool))
+        return sentences_of(space, optimum)
 
     for ball, floor, what in (
         ("tungsten", "Inconel 718", "elastic constants are known of tungsten"),
@@ -177,7 +191,7 @@ def test_the_least_damping_is_one_that_runs_measure_and_chaos_is_stated(slow):
     assert held > 0.95 * found.value
     assert held == pytest.approx(settled(fan, 1e-3), rel=0.05)
     found = replace(found, greatest=1.1 * found.value)
-    said = " ".join(report._said("damping", space_of(slow), Optimum(np.array([0.1, 0.5, 0.5]), found, 1)))
+    said = damping_of(space_of(slow), [0.1, 0.5, 0.5], found)
     stated = f"{100 * found.value:.3g} % (chaotic motion: {100 * found.value:.3g} to {100 * found.greatest:.3g} % from"
     assert stated in said
 
@@ -196,18 +210,8 @@ def test_the_least_damping_on_a_plate_is_that_of_the_curve_of_its_run(paper):
     assert objectives.least(point.damping_curve, 1.5e-3, 3e-3)[0] == pytest.approx(best.value, abs=wide)
 
 
-def score_of(space):
-    return lambda shares, quick=True: spaces.evaluate_designs(space, np.asarray(shares), quick=quick)
-
-
-def test_limits_and_bound(slow):
-    space = space_of(slow, mass="0.05 g")
-    (heavy,) = score_of(space)([[0.9, 0.9, 0.5]])
-    assert heavy.value == 0.0
-    assert "mass" in report.infeasible("", 0.0, heavy)
-    assert dict(heavy.used)["mass"] == pytest.approx(11300 * 4 / 3 * math.pi * 8e-9 / 5e-5)
-    space = space_of(slow)
-    (good,) = score_of(space)([[0.1, 0.5, 0.5]])
+def test_the_bound_is_the_balls_work_at_the_walls(slow):
+    (good,) = score_of(space_of(slow))([[0.1, 0.5, 0.5]])
     assert 0 < good.value < good.bound
     ball = 7850 * 4 / 3 * math.pi * 1.5e-3**3
     share = 4 * ball / 0.3 * 1e-3 / 8e-3
@@ -215,9 +219,8 @@ def test_limits_and_bound(slow):
 
 
 def test_the_plates_thickness_is_room():
-    space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
-    shares = [0.1, 1.0, 1.0, 0.1]  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
-    (found,) = spaces.evaluate_designs(space, np.array([shares]), quick=True)
+    space = space_of(SHIPPED_DESIGN)
+    (found,) = score_of(space)([[0.1, 1.0, 1.0, 0.1]])  # 6 mm of ball and 4 mm of clearance in 10 mm of plate
     assert found.value == 0.0
     assert any(what in report.infeasible("", 0.0, found) for what in ("cavity", "thickness"))
 
@@ -240,32 +243,30 @@ def test_the_plates_thickness_is_room():
 )
 def test_what_has_no_verdict_is_no_design(changes, why):
     """The pull of the paper's plate, rho w² L²/2 at the root: 2750 MPa."""
-    space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, **changes)))
-    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), quick=True)
+    space = space_of(changed(SHIPPED_DESIGN, **changes))
+    found, thick = score_of(space)([[0.1, 0.3, 0.9, 0.9], [0.1, 1.0, 1.0, 0.1]])
     assert found.impossible
     assert why in report.infeasible("", 0.0, found)
     assert 7850 * (40000 * math.pi / 30) ** 2 * 0.2**2 / 2 == pytest.approx(2750e6, rel=2e-3)
     assert (66 * math.pi / 30) ** 2 * 0.2 < 10
     drive, load = (2 * math.pi * 203) ** 2 * 5e-3, (700 * math.pi / 30) ** 2 * 0.2  # of the plate at rest
     assert 2 / 7 * drive / load == pytest.approx(2.1, rel=0.03)
-    (thick,) = spaces.evaluate_designs(space, np.array([[0.1, 1.0, 1.0, 0.1]]), quick=True)
     said = str(study._infeasible(space.source, max(found, thick, key=lambda each: each.score)))
     assert why in said  # not the wall, which another choice would mend
 
 
 def test_a_range_of_amplitudes_that_ends_beyond_what_the_plate_endures():
     """9.10 mm strain the root of the paper's plate at rest by 0.4 %, h/2 1.8751² A / L², and by more as it turns."""
-    space = spaces.design_space(as_scene_file(changed(SHIPPED_DESIGN, design__amplitude=["4 mm", "20 mm"])))
-    (found,) = spaces.evaluate_designs(space, np.array([[0.1, 0.3, 0.9, 0.9]]), quick=True)
+    space = space_of(SHIPPED_DESIGN, amplitude=["4 mm", "20 mm"])
+    (found,) = score_of(space)([[0.1, 0.3, 0.9, 0.9]])
     assert 0.9 < found.endured / (4e-3 * 0.2**2 / (0.005 * 1.8751**2)) < 1.0
     said = report.verdict(space, Optimum(np.array([0.1, 0.3, 0.9, 0.9]), found, 1))
     assert said.endswith(f"a blade, at amplitudes that the structure endures (up to {1e3 * found.endured:.3g} mm)")
 
 
 def test_the_cutoff_is_that_of_the_damper():
-    space = spaces.design_space(as_scene_file(SHIPPED_DESIGN))
-    shares = np.array([0.5, 0.8, 0.5, 0.0])
-    found = Optimum(shares, spaces.evaluate_designs(space, shares[None], quick=True)[0], 1)
+    space, shares = space_of(SHIPPED_DESIGN), np.array([0.5, 0.8, 0.5, 0.0])
+    found = Optimum(shares, *score_of(space)([shares]), 1)
     for case, curve in report.damping_curves(space, found, space.goal):
         damper = case.verdict_damper
         assert objectives.cutoff_of(damper) == curve.cutoff == damping_curve(damper, sweeps=2, stay=8).cutoff
@@ -280,13 +281,13 @@ def test_a_design_says_what_else_moves_its_ball():
     turned = {"rotor__stagger": "60 deg", "rotor__speeds": ["10000 rpm"], "damper__rolling_friction": "0.005 mm"}
     scene = as_scene_file(changed(SHIPPED_DESIGN, **turned))
     space, shares = spaces.design_space(scene), np.array([0.5, 0.8, 0.5, 0.0])
-    (found,) = spaces.evaluate_designs(space, shares[None], quick=True)
-    case = next(evaluate.damper_cases(scene, space.plan(shares[None])))
+    (found,), plan = score_of(space)([shares]), space.plan(shares[None])
+    case = next(evaluate.damper_cases(scene, plan))
     (point,) = spindamp.run(case.scene).speeds
     assert found.cutoff == pytest.approx(point.damping_curve.cutoff, rel=1e-3)
     assert found.driven_from == pytest.approx(point.damping_curve.driven_from, rel=1e-3)
     assert found.cutoff < found.driven_from
-    said = " ".join(report._said("damping", space, Optimum(shares, replace(found, bound=1.0), 1)))
+    said = damping_of(space, shares, replace(found, bound=1.0))
     assert f"from there to {1e3 * found.driven_from:.3g} mm only Coriolis forces, a sideways pull" in said
 
 
@@ -385,12 +386,9 @@ def test_designs_stay_known_until_they_are_confirmed(shaken, crossed, here, tmp_
         rows.clear()
         return study.design(shaken, pool=executor.external(here, 3), partial_results=path)
 
-    def stopped(*_):
-        raise KeyboardInterrupt
-
     monkeypatch.setattr(spaces, "evaluate_designs", counted)
     with monkeypatch.context() as patch:
-        patch.setattr(study, "respond", stopped)
+        patch.setattr(study, "respond", raising(KeyboardInterrupt()))
         with pytest.raises(KeyboardInterrupt):
             found()
     known, first = len(path.read_text().splitlines()) - 1, sum(rows)
@@ -447,10 +445,10 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     space = space_of(slow if by_damping else shaken, **free)
     optimum = Optimum(np.array([1.0, 0.5]), Evaluation(1e-3, 1e-3 if by_damping else -1e-3), 1)
 
-    def limits(factor, lost=0.0):
+    def limits(factor, lost=0.0, share=1.0):
         value = factor * 1e-3
         further = Evaluation(value, (value if by_damping else -value) - lost)
-        return report.active_constraints(space, optimum, lambda *_: [further])
+        return report.active_constraints(space, replace(optimum, shares=np.array([share, 0.5])), lambda *_: [further])
 
     better, worse = (1.2, 0.8) if by_damping else (0.8, 1.2)
     assert limits(worse) == ()
@@ -460,8 +458,10 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
     several = replace(optimum, evaluations=200)
     for each, active in ((several, True), (replace(several, search_value=9e-4), False)):
-        said = " ".join(report._said("sentences", space, each, constraints=(), has_thickness=bool))
-        assert ("No limit is active: beyond the ends of the ranges nothing is gained" in said) is active
+        said = "No limit is active: beyond the ends of the ranges nothing is gained"
+        assert (said in sentences_of(space, each)) is active
+    (close,) = limits(better, share=0.99)
+    assert close.said == "ball diameter 3.98 mm is close to the greatest allowed, 4 mm"
 
 
 @pytest.mark.parametrize(
@@ -499,8 +499,8 @@ def test_the_end_of_a_list_limits_only_where_going_on_is_better(slow, free, limi
         which = "allowed" if len(free[name]) == 2 else "of the list"
         assert limit.said == f"{space.summary(optimum.shares)} is the {'greatest' if end else 'least'} {which}"
         assert (limit.name, limit.gain) == (name, pytest.approx(0.2))
-        said = " ".join(report._said("sentences", space, optimum, constraints=better, has_thickness=bool))
-        assert f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %" in said
+        said = f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %"
+        assert said in sentences_of(space, optimum, better)
 
 
 def test_a_limit_that_nothing_free_changes_limits_nothing(slow):
@@ -515,24 +515,19 @@ def test_a_limit_that_nothing_free_changes_limits_nothing(slow):
         ({"count": [1, 3], "clearance": ["1 mm"]}, True),
     ):
         space = space_of(changed(steel, design__amplitude=["1 um", "2 um"]), **used | free)
-        shares, score = np.array([0.5, 0.9]), score_of(space)
-        (evaluation,) = score(shares[None])
+        shares = np.array([0.5, 0.9])
+        (evaluation,) = score_of(space)([shares])
         assert dict(evaluation.used)["mass"] == pytest.approx(0.985, rel=1e-9)
-
-        def by_formula(space, shares, quick):
-            return spaces.evaluate_designs(space, np.asarray(shares), quick=quick)
-
-        constraints = report.active_constraints(space, Optimum(shares, evaluation, 2), by_formula)
-        assert ([each.said for each in constraints] == ["98 % of the mass allowed is used"]) is limited
-        assert bool(constraints) is limited
+        best = Optimum(shares, evaluation, 2)
+        constraints = report.active_constraints(space, best, lambda space, *given: score_of(space)(*given))
+        assert [each.said for each in constraints] == ["98 % of the mass allowed is used"] * limited
 
 
 def test_one_design_is_not_said_to_be_the_best_of_several(slow):
     """Nothing is free: no range has an end, and no limit keeps it from being better."""
     optimum = Optimum(np.array([0.5, 0.5]), Evaluation(1e-3, 1e-3), 1)
-    values = {"constraints": (), "has_thickness": bool}
     single = space_of(slow, ball_material=["steel"], ball_diameter=None, clearance=["1 mm"])
-    said = " ".join(report._said("sentences", single, optimum, **values))
+    said = sentences_of(single, optimum)
     assert "The only design allowed: ball material steel, clearance 1 mm" in said
     assert "No limit is active" not in said
     for free, ends in (
@@ -541,16 +536,9 @@ def test_one_design_is_not_said_to_be_the_best_of_several(slow):
         ({"clearance": ["1 mm", "2 mm"]}, ": beyond the ends of the ranges nothing is gained."),
     ):
         space = space_of(slow, ball_material=["steel", "lead", "alumina"], ball_diameter=None, **free)
-        said = " ".join(report._said("sentences", space, replace(optimum, evaluations=3), **values))
+        said = sentences_of(space, replace(optimum, evaluations=3))
         assert "Best of 3 designs evaluated" in said
         assert f"No limit is active{ends}" in said
-
-
-def test_a_value_close_to_the_end_of_its_range_is_not_said_to_be_the_end(slow):
-    space = space_of(slow, ball_material=None, ball_diameter=["2 mm", "5 mm"], clearance=["0.5 mm", "1 mm"])
-    optimum = Optimum(np.array([0.99, 0.5]), Evaluation(1e-3, 1e-3), 1)
-    (limit,) = report.active_constraints(space, optimum, lambda *_: [Evaluation(2e-3, 2e-3)])
-    assert limit.said == "ball diameter 4.97 mm is close to the greatest allowed, 5 mm"
 
 
 def test_what_a_range_of_amplitudes_without_a_verdict_would_give_is_not_said(slow):
@@ -583,7 +571,7 @@ def test_the_cutoff_is_stated_at_its_speed(slow):
     assert good.works
     assert good.cutoff_speed == pytest.approx(from_rpm(4000))
     assert good.cutoff == pytest.approx(1e-4 / 1.5e-3 * load / (2 * math.pi * 269.5) ** 2, rel=1e-9)
-    said = " ".join(report._said("damping", space, Optimum(np.array([0.1, 0.5, 0.5]), good, 1)))
+    said = damping_of(space, [0.1, 0.5, 0.5], good)
     assert f"at rest below {1e3 * good.cutoff:.3g} mm at most (at 4000 rpm)" in said
 
 
@@ -647,7 +635,7 @@ def test_why_none_works(slow, here):
     needed = 1e-4 * 1e-4 / found.optimum.evaluation.cutoff
     for factor, moves in ((0.999, True), (1.001, False)):
         other = space_of(changed(scene, damper__rolling_friction=factor * needed))
-        (again,) = spaces.evaluate_designs(other, found.optimum.shares[None], quick=True)
+        (again,) = score_of(other)([found.optimum.shares])
         assert (again.cutoff < 1e-4) is moves
     assert found.grid is None
     assert "best damper" not in report.render(found)
@@ -667,13 +655,10 @@ def test_the_best_scene_names_its_files_from_anywhere(paper, shaken, tmp_path):
 
 
 def test_from_the_command_line(spindamp, slow, tmp_path):
-
     free = {"ball_material": ["steel"], "ball_diameter": ["2 mm", "4 mm", "5 mm"], "clearance": ["1 mm"]}
-    scene = write(slow | {"design": FREE | free}, tmp_path / "a.toml")
-    done = spindamp("design", scene, "--workers", 1, "--out", tmp_path / "out", "--json")
-    assert done.status == 0, done.err
-    found = json.loads(done.out)
-    assert found == json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))
+    scene = slow | {"design": FREE | free}
+    found = spindamp.json("design", scene, "--workers", 1, "--out", "out")
+    assert found == stored(tmp_path / "out" / "design.json")
     assert found["best"]["radius"] == 2e-3, "the heaviest that the mass allows"
     assert "<svg" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert findings(tmp_path / "out" / "report.html") == []
@@ -686,23 +671,20 @@ def test_designs_without_a_damper_fail(spindamp, slow, tmp_path):
     """None that keeps to the limits is bad input; none that works is no answer, and the results say why."""
     fixed = {"ball_material": ["steel"], "ball_diameter": ["4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
     limits = FREE | fixed | {"mass": "0.1 g"}
-    done = spindamp("design", write(slow | {"design": limits}, tmp_path / "a.toml"), "--workers", 1, "--out", "a")
-    assert (done.status, done.out) == (2, "")
-    assert "[design] mass = '0.1 g'" in done.err
-    assert "2.63 times the mass allowed" in done.err, "7850 kg/m³ of 2 mm radius weigh 0.263 g"
+    done = spindamp("design", slow | {"design": limits}, "--workers", 1, "--out", "a")
+    said = refused(done, "scene.toml: [design] mass = '0.1 g'")
+    assert "2.63 times the mass allowed" in said, "7850 kg/m³ of 2 mm radius weigh 0.263 g"
     assert not (tmp_path / "a").exists()
     low = FREE | fixed | {"amplitude": ["0.1 mm", "1 mm"]}
-    done = spindamp(
-        "design", write(slow | {"design": low}, tmp_path / "b.toml"), "--workers", 1, "--out", "b", "--json"
-    )
+    done = spindamp("design", slow | {"design": low}, "--workers", 1, "--out", "b", "--json")
     assert done.status == 3
     assert len(done.err.strip().splitlines()) == 1
     assert "the load holds every ball at rest" in done.err
     assert json.loads(done.out)["works"] is False
-    assert json.loads((tmp_path / "b" / "design.json").read_text(encoding="utf-8")) == json.loads(done.out)
+    assert stored(tmp_path / "b" / "design.json") == json.loads(done.out)
     assert not (tmp_path / "b" / "best.toml").exists()
-    done = spindamp("design", tmp_path / "b.toml", "--workers", 1, "--out", "c")
-    assert (done.status, done.err.strip().endswith("b.toml: no design works")) == (3, True)
+    done = spindamp("design", "scene.toml", "--workers", 1, "--out", "c")
+    assert (done.status, done.err.strip().endswith("scene.toml: no design works")) == (3, True)
     assert done.out.count("the load holds every ball at rest") == 1
 
 
@@ -718,7 +700,7 @@ def test_a_limit_that_no_design_can_satisfy_is_refused_before_anything_is_solved
     free = {"count": [1, 2], "clearance": ["0.2 mm", "1 mm"], "amplitude": ["0.05 mm", "0.5 mm"]}
     monkeypatch.setattr(spaces, "design_space", None)
     with pytest.raises(BadInput) as refused:
-        study.design(changed(BLADE, plate__thickness="8 mm", damper__count=1, excitation=None, design=free | changes))
+        study.design(changed(DRIVEN, plate__thickness="8 mm", damper__count=1, excitation=None, design=free | changes))
     assert says in str(refused.value)
 
 
@@ -756,8 +738,7 @@ def shaken():
 def crossed(shaken, here):
     """Its best design, and response, followed at few of the speeds."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(response, "SPEEDS", 9)
-        patch.setattr(response, "ROUNDS", 1)
+        few(patch)
         return spindamp.design(shaken, executor=here)
 
 
@@ -956,21 +937,22 @@ def test_an_optimum_that_its_motion_refutes(grazing, here, monkeypatch):
     assert (document["worst_deviation"], [each["gain"] for each in document["holds"]]) == (None, [None])
 
 
+def confirmed(patch, evaluation, rows, *forces):
+    """A best design beside its motion under some forces: rows of force, mean, its error, and that without a ball."""
+    passage = SimpleNamespace(crossing=SimpleNamespace(omega=300.0, order=2))
+    names = ("force", "mean", "error", "without")
+    found = [SimpleNamespace(passage=passage, **dict(zip(names, row, strict=True))) for row in rows]
+    patch.setattr(report, "rows", lambda _: found)
+    return report.confirmed(Optimum(np.zeros(1), evaluation, 1), SimpleNamespace(requested_levels=forces))
+
+
 def test_a_motion_without_any_reduction_refutes_the_design(monkeypatch):
     """Of the forces that the scene has, the greatest counts; one that is followed besides does not."""
-    evaluation, crossing = Evaluation(1e-3, 0.7, without=2e-3, order=3), SimpleNamespace(omega=300.0, order=2)
-    optimum = Optimum(np.zeros(1), evaluation, 1)
+    evaluation = Evaluation(1e-3, 0.7, without=2e-3, order=3)
 
     def by_motion(mean, error=0.0):
-        means = {1.0: 0.1e-3, 8.0: mean, 20.0: 4e-3}
-        rows = [
-            SimpleNamespace(
-                force=force, mean=value, error=error, without=2e-3, passage=SimpleNamespace(crossing=crossing)
-            )
-            for force, value in means.items()
-        ]
-        monkeypatch.setattr(report, "rows", lambda _: rows)
-        return report.confirmed(optimum, SimpleNamespace(requested_levels=(1.0, 8.0)))
+        rows = [(1.0, 0.1e-3, error, 2e-3), (8.0, mean, error, 2e-3), (20.0, 4e-3, error, 2e-3)]
+        return confirmed(monkeypatch, evaluation, rows, 1.0, 8.0)
 
     held = by_motion(1.009e-3)
     assert (held.is_refuted, held.confirmed, held.evaluation.value) == (False, 1.009e-3, 1e-3)
@@ -989,36 +971,21 @@ def test_a_reduction_is_confirmed_not_only_an_amplitude(monkeypatch):
 
     The amplitude without a ball is that of the motion, the largest at any crossing.
     """
-    crossing = SimpleNamespace(omega=624.0, order=4)
 
-    def by_motion(value, without, mean):
-        passage = SimpleNamespace(crossing=crossing)
-        rows = [
-            SimpleNamespace(force=60.0, mean=each, error=0.0, without=alone, passage=passage)
-            for each, alone in ((mean, 0.9 * 124.1e-3), (0.8 * mean, 124.1e-3))
-        ]
-        monkeypatch.setattr(report, "rows", lambda _: rows)
-        optimum = Optimum(np.zeros(1), Evaluation(value, 0.0, without=without), 1)
-        return report.confirmed(optimum, SimpleNamespace(requested_levels=(60.0,)))
+    def by_motion(value, mean):
+        rows = [(60.0, mean, 0.0, 0.9 * 124.1e-3), (60.0, 0.8 * mean, 0.0, 124.1e-3)]
+        return confirmed(monkeypatch, Evaluation(value, 0.0, without=127e-3), rows, 60.0)
 
-    wrong = by_motion(120.4e-3, 127e-3, 121.3e-3)
+    wrong, right = by_motion(120.4e-3, 121.3e-3), by_motion(121.1e-3, 121.3e-3)
     assert (wrong.is_refuted, wrong.evaluation.value, wrong.evaluation.without) == (True, 121.3e-3, 124.1e-3)
-    right = by_motion(121.1e-3, 127e-3, 121.3e-3)
     assert (right.is_refuted, right.evaluation.value, right.evaluation.without) == (False, 121.1e-3, 124.1e-3)
-    useless = by_motion(122.8e-3, 127e-3, 122.9e-3)
+    useless = by_motion(122.8e-3, 122.9e-3)
     assert (useless.is_refuted, useless.evaluation.why) == (True, Obstacle("useless"))
 
 
-BLADE = {
-    "plate": {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"},
-    "material": {"name": "Ti-6Al-4V"},
-    "rotor": {"speeds": ["5000 rpm", "7000 rpm"], "modes": 2, "hub_radius": "150 mm"},
-    "accuracy": {"frequency": 0.01},
-    "damper": {"count": 2, "ball_material": "steel", "radius": "2 mm", "cavity": ["4.6 mm", "5 mm"]}
-    | {"restitution": 0.6, "friction": 0.2, "rolling_friction": "0.02 mm", "damping_ratio": 0.001},
-    "excitation": {"orders": [4], "force": ["10 N"]},
-    "design": {"ball_diameter": ["1.5 mm", "4 mm"], "clearance": ["0.01 mm", "1 mm"]},
-}
+DRIVEN = changed(BLADE, rotor__speeds=["5000 rpm", "7000 rpm"], damper__damping_ratio=0.001)
+DRIVEN |= {"accuracy": {"frequency": 0.01}, "excitation": {"orders": [4], "force": ["10 N"]}}
+DRIVEN |= {"design": {"ball_diameter": ["1.5 mm", "4 mm"], "clearance": ["0.01 mm", "1 mm"]}}
 
 
 @pytest.mark.parametrize(("count", "share", "height"), [(2, 0.0, 1e-3), (2, 1.0, 1e-3), (8, 1.0, 2e-3)])
@@ -1028,13 +995,13 @@ def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities(count, s
     Its height is that of the plate solved where the order meets its own frequency: F / (2 zeta K) without a ball, where
     nothing pulls, and F / (c omega) with the balls at rest.
     """
-    space = spaces.design_space(as_scene_file(changed(BLADE, damper__count=count)))
+    space = spaces.design_space(as_scene_file(changed(DRIVEN, damper__count=count)))
     (met,), shares = space.goal.crossings, np.full(2, share)
     (each,) = placed_of(space, shares)
     found = objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
     lines = objectives.linear(found)
     scene = study.winner(replace(space, source=space.solved_as), Optimum(shares, Evaluation(1.0, 1.0), 1))
-    solver = StructureSolver(scene, Stages(visible=False))
+    solver = StructureSolver(scene, QUIET)
     ((crossing, bare, resting),) = excitation.solved_crossings(
         solver, excitation.over_speed_range(solver).points, scene.scene.excitation
     )

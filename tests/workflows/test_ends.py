@@ -14,18 +14,15 @@ import pytest
 
 import workflows
 from tests.limits import HANG
-from tests.workflows.conftest import Command, python, refused
+from tests.workflows.conftest import python, raising, refused
 from workflows.errors import BadInput
 from workflows.io import files, folder
-from workflows.io.folder import MANIFEST, Terminated, _prefix, check, replacing
-from workflows.report import figures
+from workflows.io.folder import MANIFEST, Terminated, _prefix, check
 from workflows.scene.load import SHIPPED
-
-COMMAND = [sys.executable, "-m", "workflows.cli"]
 
 
 @pytest.fixture
-def endless(tmp_path: Path) -> Path:
+def endless(tmp_path):
     """A scene whose ring-down takes longer than anyone waits."""
     scene = tmp_path / "endless.toml"
     text = (SHIPPED / "structure.toml").read_text(encoding="utf-8")
@@ -33,12 +30,12 @@ def endless(tmp_path: Path) -> Path:
     return scene
 
 
-def skip_where_ignored(number: signal.Signals) -> None:
+def skip_where_ignored(number):
     if signal.getsignal(number) is signal.SIG_IGN:
         pytest.skip("ignored here, as below nohup and in the background, and so by what is started here")
 
 
-def ended() -> int:
+def ended():
     """The number of a process that is gone."""
     process = subprocess.Popen([sys.executable, "-S", "-c", ""])
     process.wait(HANG)
@@ -46,11 +43,10 @@ def ended() -> int:
 
 
 @pytest.mark.parametrize(("number", "status", "after"), [(signal.SIGHUP, 129, 0.35), (signal.SIGINT, 130, 2.0)])
-def test_signals(number: signal.Signals, status: int, after: float, endless: Path, tmp_path: Path) -> None:
+def test_signals(number, status, after, endless, tmp_path):
     skip_where_ignored(number)
-    with subprocess.Popen(
-        [*COMMAND, "ringdown", endless, "--out", "out"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path
-    ) as process:
+    command = [sys.executable, "-m", "workflows.cli", "ringdown", endless, "--out", "out"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path) as process:
         time.sleep(after)
         process.send_signal(number)
         out, err = process.communicate(timeout=HANG)
@@ -67,13 +63,8 @@ def test_signals(number: signal.Signals, status: int, after: float, endless: Pat
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyboardInterrupt(), 130), (Terminated("SIGTERM"), 143), (MemoryError(), 2)]
 )
-def test_wherever_it_happens(
-    where: str, error: BaseException, status: int, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    def ended(*_: object, **__: object) -> None:
-        raise error
-
-    monkeypatch.setattr(f"workflows.{where}", ended)
+def test_wherever_it_happens(where, error, status, spindamp, monkeypatch, tmp_path):
+    monkeypatch.setattr(f"workflows.{where}", raising(error))
     said = refused(spindamp("run", "structure", "--out", "out"), "", status=status)
     assert ("no partial files" in said) == (status != 2)
     assert not list(tmp_path.iterdir())
@@ -83,13 +74,11 @@ def test_wherever_it_happens(
     ("number", "status", "says"),
     [(signal.SIGINT, 130, "stopped; no partial"), (signal.SIGTERM, 143, "ended by SIGTERM; no partial files are left")],
 )
-def test_an_error_that_a_signal_left_behind(
-    number: signal.Signals, status: int, says: str, spindamp: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_that_a_signal_left_behind(number, status, says, spindamp, monkeypatch):
     """What a handler raises within a lock may end as an error of the lock."""
     skip_where_ignored(number)
 
-    def unlucky(*_: object, **__: object) -> None:
+    def unlucky(*_, **__):
         try:
             signal.raise_signal(number)
         except BaseException:
@@ -99,13 +88,13 @@ def test_an_error_that_a_signal_left_behind(
     refused(spindamp("run", "structure"), "", says, status)
 
 
-def test_signals_are_given_back(spindamp: Command) -> None:
+def test_signals_are_given_back(spindamp):
     before = signal.getsignal(signal.SIGTERM)
     assert spindamp("check", "paper").status == 0
     assert signal.getsignal(signal.SIGTERM) is before
 
 
-def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
+def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path):
     code = (
         "import os, signal, sys\nfrom workflows import cli\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
@@ -113,8 +102,7 @@ def test_a_run_is_deaf_to_what_nohup_silenced(tmp_path: Path) -> None:
         "def hang_up(*a):\n    os.kill(os.getpid(), signal.SIGHUP)\n    return old(*a)\n"
         "r.as_toml = hang_up\nsys.exit(cli.main(['check', 'paper']))"
     )
-    done = python("-c", code)
-    assert done.returncode == 0
+    assert python("-c", code).returncode == 0
 
 
 PUBLISHED = """
@@ -135,7 +123,7 @@ sys.exit(cli.main())
 """
 
 
-def test_signals_after_the_results_are_in_place(tmp_path: Path) -> None:
+def test_signals_after_the_results_are_in_place(tmp_path):
     """The run is done, whatever arrives while it says so and while Python ends."""
     done = python("-c", PUBLISHED, "run", "structure", "--out", "out", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
@@ -170,7 +158,7 @@ sys.exit(cli.main())
 """
 
 
-def test_signals_that_are_lost_or_come_twice(endless: Path, tmp_path: Path) -> None:
+def test_signals_that_are_lost_or_come_twice(endless, tmp_path):
     """What a handler raises goes nowhere while an object is given up, or where a library passes over everything.
 
     Such a signal comes again; a second one, while Python ends, does not garble the end.
@@ -183,9 +171,9 @@ def test_signals_that_are_lost_or_come_twice(endless: Path, tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == [endless]
 
 
-def test_no_room_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("undrawn")
+def test_no_room_left(tmp_path, monkeypatch):
     """At sizes at which one after the other of the files that a run writes no longer fits: the old ones stay."""
-    monkeypatch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
     monkeypatch.chdir(tmp_path)
     results = workflows.run("structure")
     workflows.save(results, "out")
@@ -202,7 +190,7 @@ def test_no_room_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
-def test_many_writers_at_once(tmp_path: Path) -> None:
+def test_many_writers_at_once(tmp_path):
     """Without the lock, one run takes another's files for the user's and carries them over."""
     code = """
 import sys
@@ -218,12 +206,11 @@ for turn in range(40):
     writers = [subprocess.Popen([sys.executable, "-c", code, str(out), name]) for name in "abc"]
     assert [writer.wait(HANG) for writer in writers] == [0, 0, 0]
     me = (out / "results.json").read_text()
-    names = {path.name for path in out.iterdir()}
-    assert names == {"results.json", folder.MANIFEST, f"only_{me}_39.csv"}
+    assert _content(out) == dict.fromkeys(("results.json", f"only_{me}_39.csv"), me)
     assert list(out.parent.iterdir()) == [out]
 
 
-def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_killed_between_the_two_steps_of_a_swap(tmp_path, monkeypatch):
     """Where a system cannot exchange two folders in one step, the next run brings the old results back first."""
     out, dead = tmp_path / "out", ended()
     aside = tmp_path / f"{_prefix(out)}{dead}-abc{folder.ASIDE}"
@@ -242,7 +229,7 @@ def test_killed_between_the_two_steps_of_a_swap(tmp_path: Path, monkeypatch: pyt
     [("check structure", closed) for closed in (">&- 2>&-", "| true", "> /dev/full")]
     + [("ringdown structure --json", "| head -c 1 >/dev/null")],
 )
-def test_closed_streams(command: str, closed: str, tmp_path: Path) -> None:
+def test_closed_streams(command, closed, tmp_path):
     line = f"{sys.executable} -m workflows.cli {command} {closed}"
     done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False, cwd=tmp_path, timeout=HANG)
     assert "Traceback" not in done.stderr
@@ -252,42 +239,35 @@ def test_closed_streams(command: str, closed: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["x" * 250, "ä" * 120])
-def test_names_as_long_as_they_may_be(name: str, tmp_path: Path) -> None:
+def test_names_as_long_as_they_may_be(name, tmp_path):
     for _ in range(2):
-        with folder.replacing(tmp_path / name) as scratch:
-            (scratch / "results.json").write_text("new")
+        _publish(tmp_path / name, "new", "results.json")
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
-def test_no_room_for_the_message(tmp_path: Path) -> None:
+def test_no_room_for_the_message(tmp_path):
     for command in ("check nowhere.toml", "run --foo"):
         line = f"{sys.executable} -m workflows.cli {command} 2>/dev/full"
         assert subprocess.run(line, shell=True, cwd=tmp_path, check=False, timeout=HANG).returncode == 2
 
 
-def _fill(folder: Path, text: str, *names: str) -> None:
+def _fill(place, text, *names):
     for name in names:
-        (folder / name).write_text(text)
+        (place / name).write_text(text)
 
 
-def _publish(folder: Path, text: str, *names: str) -> None:
-    with replacing(folder) as scratch:
+def _publish(place, text, *names):
+    with folder.replacing(place) as scratch:
         _fill(scratch, text, *names)
 
 
-def _publish_and_raise(folder: Path, error: Exception) -> None:
-    with replacing(folder) as scratch:
-        _fill(scratch, "half", "results.json")
-        raise error
-
-
-def _content(folder: Path) -> dict[str, str]:
-    return {path.name: path.read_text() for path in folder.iterdir() if path.name != MANIFEST}
+def _content(place):
+    return {path.name: path.read_text() for path in place.iterdir() if path.name != MANIFEST}
 
 
 @pytest.mark.parametrize("at_once", [True, False])
-def test_new_results_replace_old_ones(at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_new_results_replace_old_ones(at_once, tmp_path, monkeypatch):
     """In one step, or where a system cannot exchange two folders so."""
     if not at_once:
         monkeypatch.setattr(folder, "exchange", lambda one, other: False)
@@ -298,16 +278,7 @@ def test_new_results_replace_old_ones(at_once: bool, tmp_path: Path, monkeypatch
     assert list(out.parent.iterdir()) == [out]
 
 
-def test_a_failure_leaves_the_old_results(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    _publish(out, "old", "results.json")
-    with pytest.raises(RuntimeError, match="broke"):
-        _publish_and_raise(out, RuntimeError("broke"))
-    assert _content(out) == {"results.json": "old"}
-    assert list(tmp_path.iterdir()) == [out]
-
-
-def test_files_of_the_user_stay(tmp_path: Path) -> None:
+def test_files_of_the_user_stay(tmp_path):
     out = tmp_path / "out"
     _publish(out, "old", "results.json", "sdc.csv")
     _fill(out, "mine", "notes.md", "measured.csv")
@@ -324,7 +295,7 @@ def test_files_of_the_user_stay(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", [0o700, 0o2775, 0o555])
-def test_permissions_of_a_folder_stay(mode: int, tmp_path: Path) -> None:
+def test_permissions_of_a_folder_stay(mode, tmp_path):
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
     out.chmod(mode)
@@ -333,7 +304,7 @@ def test_permissions_of_a_folder_stay(mode: int, tmp_path: Path) -> None:
     assert _content(out) == {"results.json": "new"}
 
 
-def test_permissions_of_a_new_folder(tmp_path: Path) -> None:
+def test_permissions_of_a_new_folder(tmp_path):
     before = os.umask(0o027)
     try:
         _publish(tmp_path / "out", "new", "results.json")
@@ -343,7 +314,7 @@ def test_permissions_of_a_new_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a folder away")
-def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
+def test_the_owner_of_a_folder_stays(tmp_path):
     out = tmp_path / "out"
     out.mkdir(mode=0o700)
     os.chown(out, 12345, 23456)
@@ -352,16 +323,16 @@ def test_the_owner_of_a_folder_stays(tmp_path: Path) -> None:
     assert (found.st_uid, found.st_gid, stat.S_IMODE(found.st_mode)) == (12345, 23456, 0o700)
 
 
-def test_two_runs_in_one_folder(tmp_path: Path) -> None:
+def test_two_runs_in_one_folder(tmp_path):
     out = tmp_path / "out"
-    with replacing(out) as first:
+    with folder.replacing(out) as first:
         _fill(first, "first", "results.json")
         _publish(out, "second", "results.json")
     assert _content(out) == {"results.json": "first"}
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_places_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_places_that_cannot_be(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("mine")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
@@ -374,7 +345,7 @@ def test_places_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert list(Path().iterdir()) == [Path("loop")]
 
 
-def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
+def test_a_link_to_a_folder_stays_a_link(tmp_path):
     (tmp_path / "real").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "real")
     _publish(tmp_path / "link", "new", "results.json")
@@ -383,7 +354,7 @@ def test_a_link_to_a_folder_stays_a_link(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_without_permission(tmp_path: Path) -> None:
+def test_a_folder_without_permission(tmp_path):
     tmp_path.chmod(0o555)
     try:
         with pytest.raises(BadInput, match="cannot be written"):
@@ -404,7 +375,7 @@ with replacing(Path(sys.argv[1])) as scratch:
 
 
 @pytest.mark.parametrize("with_what", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None:
+def test_killed_while_writing(tmp_path, with_what):
     skip_where_ignored(with_what)
     out = tmp_path / "out"
     _publish(out, "old", "results.json")
@@ -420,7 +391,7 @@ def test_killed_while_writing(tmp_path: Path, with_what: signal.Signals) -> None
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_what_another_run_writes_stays(tmp_path: Path) -> None:
+def test_what_another_run_writes_stays(tmp_path):
     """Only what processes that are gone have left is removed."""
     out = tmp_path / "out"
     alive, dead = (tmp_path / f"{_prefix(out)}{number}-abc" for number in (os.getpid(), ended()))
@@ -431,7 +402,7 @@ def test_what_another_run_writes_stays(tmp_path: Path) -> None:
     assert not dead.exists()
 
 
-def test_a_users_own_report_is_not_overwritten(tmp_path: Path) -> None:
+def test_a_users_own_report_is_not_overwritten(tmp_path):
     """A folder that no run wrote is the user's, even where a file has the name of one of ours."""
     out = tmp_path / "out"
     out.mkdir()
@@ -446,25 +417,16 @@ NAMES |= {"accuracy": "accuracy.svg", "effects": "effects.json", "reproduce": "c
 
 
 @pytest.mark.parametrize("command", NAMES)
-def test_a_users_own_file_is_seen_before_the_work(
-    command: str, spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def begun(*_: object, **__: object) -> None:
-        raise AssertionError("work has begun")
-
-    for work in (
-        "pipeline.structure",
-        "studies.work_precision.study.study",
-        "studies.work_precision.effects.effect_study",
-        "studies.reproduction.reproduce",
-    ):
-        monkeypatch.setattr(f"workflows.{work}", begun)
+def test_a_users_own_file_is_seen_before_the_work(command, spindamp, tmp_path, monkeypatch):
+    studies = ("work_precision.study.study", "work_precision.effects.effect_study", "reproduction.reproduce")
+    for work in ("pipeline.structure", *(f"studies.{name}" for name in studies)):
+        monkeypatch.setattr(f"workflows.{work}", lambda *_, **__: pytest.fail("work has begun"))
     (tmp_path / "out").mkdir()
     _fill(tmp_path / "out", "mine", "campbell.md", NAMES[command])
     refused(spindamp(command, "--out", "out"), "", f"holds a {NAMES[command]} that no run wrote")
 
 
-def test_every_curve_has_a_name_that_is_looked_for(finished: Path) -> None:
+def test_every_curve_has_a_name_that_is_looked_for(finished):
     found = [path.name for path in finished.glob("*.csv")]
     assert len(found) > 8
     assert all(re.fullmatch(files.FILES, name) for name in found)

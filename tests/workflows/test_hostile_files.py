@@ -3,21 +3,19 @@
 import os
 import socket
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import Command, Outcome, Scene, on_mesh, python, refused, write
+from tests.workflows.conftest import MESHES, Outcome, on_mesh, python, refused, write
 from workflows.scene.load import SHIPPED, load
 
-ROOT = Path(__file__).parents[2]
 PAPER = (SHIPPED / "paper.toml").read_text(encoding="utf-8")
 NOBODY = 65534
 
 
-SCENES: dict[str, tuple[bytes, str]] = {
+SCENES = {
     "empty": (b"", "the file is empty"),
     "only line breaks": (b"\r\n\n  \n", "the file is empty"),
     "only a byte order mark": ("\ufeff".encode(), "[rotor]: missing"),
@@ -39,9 +37,8 @@ SCENES: dict[str, tuple[bytes, str]] = {
 }
 
 
-@pytest.mark.parametrize("what", SCENES)
-def test_scene_file(what: str, spindamp: Command, tmp_path: Path) -> None:
-    content, message = SCENES[what]
+@pytest.mark.parametrize(("content", "message"), SCENES.values(), ids=SCENES)
+def test_scene_file(content, message, spindamp, tmp_path):
     (tmp_path / "bad.toml").write_bytes(content)
     assert len(refused(spindamp("run", "bad.toml", "--out", "out"), "bad.toml: ", message)) < 300
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
@@ -50,53 +47,37 @@ def test_scene_file(what: str, spindamp: Command, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "content", [PAPER.replace("\n", "\r\n").encode(), PAPER.encode("utf-8-sig")], ids=["CRLF", "byte order mark"]
 )
-def test_scenes_from_other_systems(content: bytes, tmp_path: Path) -> None:
+def test_scenes_from_other_systems(content, tmp_path):
     (tmp_path / "scene.toml").write_bytes(content)
     assert load(tmp_path / "scene.toml").scene == load("paper").scene
 
 
-@contextmanager
-def _no_file(what: str, path: Path) -> Iterator[None]:
-    """Something at `path` that is no file to read."""
-    match what:
-        case "a folder":
-            path.mkdir()
-        case "a pipe":
-            os.mkfifo(path)
-        case "an endless device":
-            path.symlink_to("/dev/zero")
-        case "a silent device":
-            path.symlink_to("/dev/null")
-        case "a link to nowhere":
-            path.symlink_to("nowhere")
-        case "a link to itself":
-            path.symlink_to(path.name)
-        case "a file for others only":
-            path.write_text(PAPER)
-            path.chmod(0)
-        case "a socket":
-            with socket.socket(socket.AF_UNIX) as server:
-                server.bind(os.path.relpath(path))  # the name of a socket is short
-                yield
-            return
-    yield
+def _socket(path):
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(os.path.relpath(path))  # the name of a socket is short
+
+
+def _closed(path):
+    path.write_text(PAPER)
+    path.chmod(0)
 
 
 NO_FILES = {
-    "a folder": "found a folder",
-    "a pipe": "found a pipe",
-    "a socket": "found a socket",
-    "an endless device": "found a device",
-    "a silent device": "found a device",
-    "a link to nowhere": "a link to",
-    "a link to itself": "cannot be read",
-    "a file for others only": "cannot be read: Permission denied",
-    "nothing": "no such",
+    "a folder": (Path.mkdir, "found a folder"),
+    "a pipe": (os.mkfifo, "found a pipe"),
+    "a socket": (_socket, "found a socket"),
+    "an endless device": (lambda path: path.symlink_to("/dev/zero"), "found a device"),
+    "a silent device": (lambda path: path.symlink_to("/dev/null"), "found a device"),
+    "a link to nowhere": (lambda path: path.symlink_to("nowhere"), "a link to"),
+    "a link to itself": (lambda path: path.symlink_to(path.name), "cannot be read"),
+    "a file for others only": (_closed, "cannot be read: Permission denied"),
+    "nothing": (lambda _: None, "no such"),
 }
+"""What makes something that is no file to read, and what is said of it."""
 
 
 @contextmanager
-def _unprivileged(folder: Path) -> Iterator[None]:
+def _unprivileged(folder):
     """As a user who may not read everything."""
     if os.geteuid() != 0:
         yield
@@ -111,40 +92,33 @@ def _unprivileged(folder: Path) -> Iterator[None]:
         os.seteuid(0)
 
 
-@pytest.mark.parametrize("what", NO_FILES)
+@pytest.mark.parametrize(("make", "message"), NO_FILES.values(), ids=NO_FILES)
 @pytest.mark.parametrize("as_mesh", [False, True], ids=["scene", "mesh"])
-def test_what_is_no_file(what: str, as_mesh: bool, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    closed = what == "a file for others only"
+def test_what_is_no_file(make, message, as_mesh, spindamp, tmp_path, paper):
+    closed, name = make is _closed, "it.msh" if as_mesh else "it.toml"
     if closed and os.geteuid() == 0:
         tmp_path.chmod(0o777)
         for parent in list(tmp_path.parents)[:3]:
             if parent.name.startswith("pytest-"):
                 parent.chmod(0o755)
-    name = "it.msh" if as_mesh else "it.toml"
-    with _no_file(what, tmp_path / name):
-        start = f"{name}: "
-        if as_mesh:
-            name = write(on_mesh(paper, name), tmp_path / "scene.toml").name
-            start = "scene.toml: [plate] mesh = 'it.msh': "
-        if closed:
-            with _unprivileged(tmp_path):
-                outcome = spindamp("check", name)
-        else:
-            outcome = spindamp("check", name)
-    assert len(refused(outcome, start, NO_FILES[what])) < 300
+    make(tmp_path / name)
+    scene = write(on_mesh(paper, name), tmp_path / "scene.toml") if as_mesh else name
+    with _unprivileged(tmp_path) if closed else nullcontext():
+        outcome = spindamp("check", Path(scene).name)
+    start = "scene.toml: [plate] mesh = 'it.msh': " if as_mesh else "it.toml: "
+    assert len(refused(outcome, start, message)) < 300
 
 
-def refused_mesh(spindamp: Command, paper: Scene, name: str, message: str = "") -> str:
+def refused_mesh(spindamp, paper, name, message=""):
     """The line that refuses the paper's plate on a mesh file in the current folder."""
-    write(on_mesh(paper, name), Path("bad.toml"))
-    return refused(spindamp("run", "bad.toml"), "bad.toml: [plate] ", message)
+    return refused(spindamp("run", on_mesh(paper, name)), "scene.toml: [plate] ", message)
 
 
-GOOD = (ROOT / "meshes" / "plate_coarse.msh").read_text(encoding="utf-8")
+GOOD = (MESHES / "plate_coarse.msh").read_text(encoding="utf-8")
 CORNERS = ("0 -.04 0", ".2 -.04 0", ".2 .04 0", "0 .04 0")
 
 
-def _gmsh(nodes: tuple[str, ...], cells: tuple[str, ...], count: int | None = None) -> str:
+def _gmsh(nodes, cells, count=None):
     points = "".join(f"{number} {node}\n" for number, node in enumerate(nodes, 1))
     lines = "".join(f"{number} {cell}\n" for number, cell in enumerate(cells, 1))
     return (
@@ -154,7 +128,7 @@ def _gmsh(nodes: tuple[str, ...], cells: tuple[str, ...], count: int | None = No
 
 
 QUAD = "3 2 0 1 1 2 3 4"
-MESHES: dict[str, tuple[str | bytes, str]] = {
+BAD = {
     "empty": ("", "empty"),
     "blank": ("\n\n", "damaged or truncated"),
     "cut in the header": (GOOD[:8], "not a"),
@@ -178,44 +152,41 @@ MESHES: dict[str, tuple[str | bytes, str]] = {
 }
 
 
-@pytest.mark.parametrize("what", MESHES)
-def test_mesh_file(what: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
-    content, message = MESHES[what]
+@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD)
+def test_mesh_file(content, message, spindamp, tmp_path, paper):
     (tmp_path / "it.msh").write_bytes(content if isinstance(content, bytes) else content.encode())
     assert len(refused_mesh(spindamp, paper, "it.msh", message)) < 300
-    assert {path.name for path in tmp_path.iterdir()} == {"bad.toml", "it.msh"}
+    assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "it.msh"}
 
 
 @pytest.mark.parametrize("name", ["it.xyz", "it", "it.vtu", "it.xdmf", "it.stl", "it.inp", "it.bdf", "it.h5m", "it.e"])
-def test_junk_under_any_name(name: str, spindamp: Command, tmp_path: Path, paper: Scene) -> None:
+def test_junk_under_any_name(name, spindamp, tmp_path, paper):
     (tmp_path / name).write_bytes(b"\x00\xff<a>\n*NODE\nGRID" * 100)
     refused_mesh(spindamp, paper, name, f"mesh = '{name}': ")
 
 
 @pytest.mark.parametrize(("what", "kind"), [("a pipe", "HDF"), ("an endless device", "Binary")])
-def test_an_xdmf_file_that_names_no_file(what: str, kind: str, tmp_path: Path, paper: Scene) -> None:
+def test_an_xdmf_file_that_names_no_file(what, kind, tmp_path, paper):
     """Each in a process of its own, which reading a pipe would never let end."""
     named = "it.bin:/x" if kind == "HDF" else "it.bin"
     items = f'<DataItem DataType="Float" Dimensions="4 3" Precision="8" Format="{kind}">{named}</DataItem>'
     grid = f'<Grid><Geometry GeometryType="XYZ">{items}</Geometry></Grid>'
     (tmp_path / "it.xdmf").write_text(f'<Xdmf Version="3.0"><Domain>{grid}</Domain></Xdmf>')
     write(on_mesh(paper, "it.xdmf"), tmp_path / "bad.toml")
-    with _no_file(what, tmp_path / "it.bin"):
-        done = python("-m", "workflows.cli", "check", "bad.toml", cwd=tmp_path)
+    NO_FILES[what][0](tmp_path / "it.bin")
+    done = python("-m", "workflows.cli", "check", "bad.toml", cwd=tmp_path)
     outcome = Outcome(done.returncode, done.stdout, done.stderr)
     refused(outcome, "bad.toml: [plate] mesh = 'it.xdmf': ", "it names 'it.bin', which is not a file")
 
 
-def test_entities_that_grow_without_end(spindamp: Command, tmp_path: Path, paper: Scene) -> None:
+def test_entities_that_grow_without_end(spindamp, tmp_path, paper):
     entities = '<!ENTITY a0 "aaaaaaaaaa">' + "".join(f'<!ENTITY a{i} "{f"&a{i - 1};" * 10}">' for i in range(1, 12))
     bomb = f'<?xml version="1.0"?><!DOCTYPE VTKFile [{entities}]><VTKFile type="UnstructuredGrid">&a11;</VTKFile>'
     (tmp_path / "it.vtu").write_text(bomb)
     refused_mesh(spindamp, paper, "it.vtu", "mesh = 'it.vtu': not a mesh file")
 
 
-def test_a_format_whose_reader_is_not_installed(
-    spindamp: Command, tmp_path: Path, paper: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_format_whose_reader_is_not_installed(spindamp, tmp_path, paper, monkeypatch):
     monkeypatch.setitem(sys.modules, "netCDF4", None)
     (tmp_path / "it.exo").write_text(GOOD, encoding="utf-8")
     said = refused_mesh(spindamp, paper, "it.exo", "mesh = 'it.exo': ")

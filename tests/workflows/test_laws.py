@@ -2,12 +2,8 @@
 
 import importlib
 import re
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib.metadata import version
-from pathlib import Path
-from typing import Any
 
 import pytest
 import xarray as xr
@@ -17,7 +13,7 @@ import fem
 import spindamp as face
 from damper import engine
 from tests.compiler import needs_compiler
-from tests.workflows.conftest import KNOWN, Command, changed, write
+from tests.workflows.conftest import KNOWN, changed, raising
 from workflows.cli.main import main
 from workflows.effects.selection import resolve
 from workflows.errors import ImpossibleResult, SpindampError, during
@@ -37,24 +33,16 @@ SHAKEN = changed(
 
 
 @pytest.fixture
-def wrong_energies(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ring-downs and sweeps whose energies are off by a millionth; powers, too."""
+def wrong_energies(monkeypatch):
+    """Ring-downs and sweeps whose energies are off by a millionth."""
     right = engine.run_block
 
-    def run_block(block: tuple[int, int], runs: Any, *others: Any) -> None:
+    def run_block(block, runs, *others):
         right(block, runs, *others)
         if block[1] == len(runs):
             runs["books"]["final"] *= 1 + 1e-6
 
     monkeypatch.setattr(engine, "run_block", run_block)
-    module = importlib.import_module("damper.steady_state")
-    summary = module.summary
-
-    def lossless(*given: Any) -> dict[str, Any]:
-        figures = summary(*given)
-        return figures | {"power_lost": 0.0 * figures["power_lost"]}
-
-    monkeypatch.setattr(module, "summary", lossless)
 
 
 ENDS = r"; nothing was published, please report it with the scene \(python .*spindamp .*numpy .*scipy .*numba .*\)\n$"
@@ -69,9 +57,8 @@ ENDS = r"; nothing was published, please report it with the scene \(python .*spi
         (("response", "--out", "out"), r"a ring-down, order 2 at \d+ rpm"),
     ],
 )
-def test_one_line_and_nothing_written(spindamp: Command, tmp_path: Path, command: tuple[str, ...], place: str) -> None:
-    scene = write(SHAKEN if command[0] == "response" else SCENE, tmp_path / "scene.toml")
-    outcome = spindamp(command[0], scene, *command[1:])
+def test_one_line_and_nothing_written(spindamp, tmp_path, command, place):
+    outcome = spindamp(command[0], SHAKEN if command[0] == "response" else SCENE, *command[1:])
     assert (outcome.status, outcome.out) == (1, "")
     said = "spindamp: an internal error: the energy balance closes, but unexplained .* is .*, beyond the bound of "
     assert re.match(f"{said}.* in {place}{ENDS}", outcome.err), outcome.err
@@ -80,30 +67,27 @@ def test_one_line_and_nothing_written(spindamp: Command, tmp_path: Path, command
 
 @needs_compiler
 @pytest.mark.usefixtures("wrong_energies")
-def test_no_row_of_a_sweep_hides_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_row_of_a_sweep_hides_it(tmp_path, here, monkeypatch):
     """Neither a nan nor a reason in the data set: the study ends."""
     monkeypatch.setattr("workflows.studies.sweep.executor.ready", lambda: None)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="in a ring-down, at point 0"):
-        face.sweep(SCENE, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool, out=tmp_path / "out")
+    with pytest.raises(ImpossibleResult, match="in a ring-down, at point 0"):
+        face.sweep(SCENE, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=here, out=tmp_path / "out")
     with xr.open_zarr(tmp_path / "out" / "sweep.zarr") as data:
         assert not data.done.any()
 
 
-def test_plates_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_plates_of_a_sweep(here, monkeypatch):
     """Where a plate without an answer is a row that says why, an impossible one is none."""
     plate = {"length": "20 cm", "width": "8 cm", "thickness": "1 cm"}
     scene = changed(SCENE, structure=None, plate=plate, material={"name": "steel"}, rotor__radius=None)
-
-    def impossible(*_: object) -> None:
-        raise fem.LawViolation("frequencies ascend, but they do not")
-
+    impossible = raising(fem.LawViolation("frequencies ascend, but they do not"))
     monkeypatch.setattr("fem.sweep.campbell.check_diagram", impossible)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(ImpossibleResult, match="frequencies ascend"):
-        face.sweep(scene, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=pool)
+    with pytest.raises(ImpossibleResult, match="frequencies ascend"):
+        face.sweep(scene, {"damper.restitution": [0.4, 0.5]}, quick=True, executor=here)
 
 
 @pytest.mark.usefixtures("wrong_energies")
-def test_python_raises() -> None:
+def test_python_raises():
     for call in (face.run, face.ringdown):
         with pytest.raises(ImpossibleResult, match=rf"energy balance .*spindamp {version('spindamp')}") as caught:
             call(SCENE)
@@ -111,39 +95,38 @@ def test_python_raises() -> None:
         assert isinstance(caught.value, SpindampError)
 
 
-def test_mass_and_stiffness_have_the_frequency_of_their_point() -> None:
+def test_mass_and_stiffness_have_the_frequency_of_their_point():
     scene = parse(SCENE)
     point = coupling.known_structure(scene, scene.rotor.speeds[0])
     effects = resolve(scene)
     particle_damper(scene, effects, point)
-    assert point.reduced is not None
     for name in ("K1", "M2"):
         wrong = replace(point.reduced, **{name: 1.001 * getattr(point.reduced, name)})
         with pytest.raises(damper.LawViolation, match="f1 is that of K1 and M1"):
             particle_damper(scene, effects, replace(point, reduced=wrong))
 
 
-def test_what_is_no_violation_stays_what_it_is() -> None:
+def test_what_is_no_violation_stays_what_it_is():
     with pytest.raises(ZeroDivisionError) as caught, lawful(), during("at 3 rpm"):
         raise ZeroDivisionError
     assert caught.value.__notes__ == ["at 3 rpm"]
 
 
-def test_workers_hand_violations_on(tmp_path: Path) -> None:
+def test_workers_hand_violations_on(tmp_path):
     """From another process, with the place where it came up."""
     with executor.local(1) as workers, pytest.raises(damper.LawViolation, match="a law, but") as caught:
         list(executor.results(workers, violate, [7]))
     assert caught.value.__notes__ == ["at point 7"]
 
 
-def violate(number: int) -> None:
+def violate(number):
     with during(f"at point {number}"):
         raise damper.LawViolation("a law", "figure", 2.0, 1.0)
 
 
 @needs_compiler
-def test_self_check(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    stamps: list[Path] = []
+def test_self_check(spindamp, monkeypatch):
+    stamps = []
     monkeypatch.setattr("damper.self_check.leave", stamps.append)
     outcome = spindamp("--self-check")
     first, *lines, last = outcome.out.splitlines()
@@ -165,9 +148,9 @@ def test_self_check(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     assert outcome.out.splitlines()[-1] == "do not trust results of this installation"
 
 
-def test_self_check_of_plain_python(spindamp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_self_check_of_plain_python(spindamp, monkeypatch):
     """What takes seconds is checked, and what is not is said."""
-    stamps: list[Path] = []
+    stamps = []
     monkeypatch.setattr("damper.self_check.leave", stamps.append)
     monkeypatch.setattr("damper.compiled.COMPILES", False)
     outcome = spindamp("--self-check")
@@ -180,15 +163,15 @@ def test_self_check_of_plain_python(spindamp: Command, monkeypatch: pytest.Monke
 
 
 @pytest.fixture
-def new_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def new_machine(tmp_path, monkeypatch):
     monkeypatch.setattr(self_check, "stamp_of_plates", lambda: tmp_path / "plates.0.checked")
     self_check.plates.cache_clear()
     yield tmp_path / "plates.0.checked"
     self_check.plates.cache_clear()
 
 
-def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    ran: list[int] = []
+def test_plates_are_checked_once(new_machine, monkeypatch):
+    ran = []
     monkeypatch.setattr("fem.reduction.reference.check", lambda: ran.append(1))
     for _ in range(2):
         self_check.plates()
@@ -198,12 +181,8 @@ def test_plates_are_checked_once(new_machine: Path, monkeypatch: pytest.MonkeyPa
     assert ran == [1]
 
 
-def test_no_plate_is_published_by_programs_that_fail(
-    new_machine: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def wrong() -> None:
-        raise fem.LawViolation("'beam' has the frequency 3.5, but 3.6 came out")
-
+def test_no_plate_is_published_by_programs_that_fail(new_machine, monkeypatch, capsys):
+    wrong = raising(fem.LawViolation("'beam' has the frequency 3.5, but 3.6 came out"))
     monkeypatch.setattr("fem.reduction.reference.check", wrong)
     assert main(["campbell", "campbell", "--json"]) == 1
     assert capsys.readouterr().err.startswith("spindamp: an internal error: 'beam' has the frequency 3.5, but")

@@ -5,14 +5,12 @@ detail is tested in `test_scene_errors`; here it is that there is one, for every
 """
 
 import tomllib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from tests.workflows.conftest import Command, refused, shipped_scene, toml
+from tests.workflows.conftest import refused, shipped_scene, toml
 from workflows.scene.load import key_name
 from workflows.scene.quantities import Table
 from workflows.scene.scene import Effects, KnownModes, Scene, Structure
@@ -29,7 +27,7 @@ WRONG = tomllib.loads(
 )
 
 
-def _wrong(entry: dict[str, Any]) -> dict[str, str]:
+def _wrong(entry):
     """An entry's own values and those of its kinds, by what is wrong with them."""
     found = {what: value for kind in entry.get("of", ()) for what, value in _wrong(WRONG["kinds"][kind]).items()}
     found |= {what: value for what, value in entry.items() if what not in ("of", "without")}
@@ -49,18 +47,18 @@ class Case:
     hint: str = ""
 
 
-def _tables() -> list[tuple[str, type[Table]]]:
+def _tables():
     """The tables of a scene and their classes, of which [structure] has two."""
-    found: list[tuple[str, type[Table]]] = [("structure", Structure), ("structure", KnownModes)]
+    found = [("structure", Structure), ("structure", KnownModes)]
     for name, field in Scene.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         found += [(name, kind) for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)]
     return found
 
 
-def _right(shipped: str) -> Raw:
+def _right(shipped):
     """A shipped scene as raw text, to be bent."""
-    data: dict[str, Any] = shipped_scene(shipped)
+    data = shipped_scene(shipped)
     top = {"": {key: toml(value) for key, value in data.items() if not isinstance(value, dict)}}
     return top | {
         name: {key: toml(value) for key, value in table.items()}
@@ -69,7 +67,7 @@ def _right(shipped: str) -> Raw:
     }
 
 
-def _text(raw: Raw) -> str:
+def _text(raw):
     lines = []
     for name, table in raw.items():
         lines += [f"[{name}]"] if name else []
@@ -77,7 +75,7 @@ def _text(raw: Raw) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _with(raw: Raw, table: str, key: str, value: str | None) -> Raw:
+def _with(raw, table, key, value):
     """A copy with one value set, or taken out by None."""
     new = {name: dict(keys) for name, keys in raw.items()}
     place = new.setdefault(table, {})
@@ -88,7 +86,7 @@ def _with(raw: Raw, table: str, key: str, value: str | None) -> Raw:
     return new
 
 
-def _in_space(table: str, **carrier: str) -> Raw:
+def _in_space(table, **carrier):
     """A scene of a structure in space, but that its file is not there."""
     raw = _right("paper")
     plate_alone = ("plate", "material", "excitation") if table == "structure" else ("plate",)
@@ -97,7 +95,7 @@ def _in_space(table: str, **carrier: str) -> Raw:
     return _with(raw, "damper", "at", "[0.2, 0, 0]")
 
 
-def _home(table: str, key: str) -> Raw:
+def _home(table, key):
     """A right scene in which this key can stand."""
     if table == "structure" and key in KnownModes.model_fields:
         units = {} if key == "modes" else {"unit": '"mm"', "mass_unit": '"t"'}
@@ -121,7 +119,7 @@ def _home(table: str, key: str) -> Raw:
     return raw
 
 
-def _bent() -> Iterator[tuple[str, Case]]:
+def _bent():
     for path, values in BENT.items():
         table, _, key = path.rpartition(".")
         for what, value in values.items():
@@ -134,7 +132,7 @@ def _bent() -> Iterator[tuple[str, Case]]:
             yield f"{path} {what}", Case(_text(_with(raw, table, key, value)), named)
 
 
-def _misspelt() -> Iterator[tuple[str, Case]]:
+def _misspelt():
     for name, table in _tables():
         for key in table.model_fields:
             raw = _home(name, key)
@@ -145,21 +143,20 @@ def _misspelt() -> Iterator[tuple[str, Case]]:
                 yield f"misspelt {name}.{key}", Case(_text(bent), f"[{name}] {wrong}", f"did you mean '{key}'?")
 
 
-def _missing() -> Iterator[tuple[str, Case]]:
+def _missing():
     for shipped in ("paper", "structure"):
         raw = _right(shipped)
         for name, table in _tables():
             for key, field in table.model_fields.items():
                 if key in raw.get(name, {}) and (field.is_required() or (name, key) in NEEDED[shipped]):
-                    bent = _with(raw, name, key, None)
-                    yield f"{shipped} without {name}.{key}", Case(_text(bent), f"[{name}] {key}", "missing")
+                    yield f"{shipped} without {name}.{key}", _case(raw, name, key, None, "missing")
 
 
 NEEDED = {"paper": {("plate", "length"), ("plate", "width")}, "structure": {("rotor", "radius")}}
 """Keys that can be left out elsewhere, but not in these scenes."""
 
 
-def _whole_tables() -> Iterator[tuple[str, Case]]:
+def _whole_tables():
     for shipped in ("paper", "structure"):
         raw = _right(shipped)
         for name in raw:
@@ -180,49 +177,42 @@ def _whole_tables() -> Iterator[tuple[str, Case]]:
             yield f"{shipped}: [{swapped}]", Case(misspelt, f"[{swapped}]", f"did you mean '{name}'?")
 
 
-def _combined() -> Iterator[tuple[str, Case]]:
-    paper, structure = _right("paper"), _right("structure")
-    both = paper | {"structure": structure["structure"]}
-    yield "a plate and a structure", Case(_text(both), "[plate]", "leave one out")
-    yield (
-        "a material for a structure",
-        Case(_text(structure | {"material": paper["material"]}), "[material]", "leave one out"),
-    )
-    yield "hub radius of a structure", Case(_text(_with(structure, "rotor", "hub_radius", "1.0")), "[rotor] hub_radius")
-    yield "stagger of a structure", Case(_text(_with(structure, "rotor", "stagger", '"1 deg"')), "[rotor] stagger")
-    yield "place on a structure", Case(_text(_with(structure, "damper", "at", "[0.1, 0]")), "[damper] at")
+def _case(raw, table, key, value, hint=""):
+    """One key set, or taken out by None, that the message must name."""
+    return Case(_text(_with(raw, table, key, value)), f"[{table}] {key}", hint)
+
+
+def _combined():
+    paper, structure, long = _right("paper"), _right("structure"), "x" * 5000
+    tables = {name: keys for name, keys in paper.items() if name}
     shaken = paper | {"excitation": {"orders": "[3]", "force": '"1 N"'}}
+    deep = _text(_with(paper, "plate", "length", None)).replace("[material]", f"length{3000 * '.a'} = 1\n[material]")
+    yield from {
+        "a plate and a structure": Case(
+            _text(paper | {"structure": structure["structure"]}), "[plate]", "leave one out"
+        ),
+        "a material for a structure": Case(
+            _text(structure | {"material": paper["material"]}), "[material]", "leave one out"
+        ),
+        "hub radius of a structure": _case(structure, "rotor", "hub_radius", "1.0"),
+        "stagger of a structure": _case(structure, "rotor", "stagger", '"1 deg"'),
+        "place on a structure": _case(structure, "damper", "at", "[0.1, 0]"),
+        "one negative side": _case(paper, "damper", "cavity", '"-3 mm"', "expected more than 0"),
+        "two masses": Case(_text(_with(paper, "damper", "mass", '"1 g"')), "[damper] mass_ratio", "leave one out"),
+        "no mass": _case(paper, "damper", "mass_ratio", None),
+        "a mesh and a length": Case(_text(_with(paper, "plate", "mesh", '"a.msh"')), "[plate] length", "leave"),
+        "a table below a value": Case("title.a = 1\n" + _text(tables), "title"),
+        "a key below a key": _case(paper, "plate", "length", '{ value = 20, unit = "cm" }', "expected a length"),
+        "deeply below": Case(deep, "[plate] length"),
+        "a key of 5000 letters": Case(_text(_with(paper, "plate", long, "1")), f"[plate] {'x' * 50}"),
+        "a value of 5000 letters": _case(paper, "plate", "length", f'"{long}"'),
+        "a key on two lines": Case(_text(_with(paper, "plate", '"a\\nb"', "1")), "[plate] a b"),
+    }.items()
     for key, value in (("at", "[0.1, 0]"), ("at", "1"), ("direction", "[0, 0, 1]")):
-        bent = _with(shaken, "excitation", key, value)
-        yield f"{key} = {value} of a force on a plate", Case(_text(bent), f"[excitation] {key}", "belongs to a [blade]")
-    cavity = _with(paper, "damper", "cavity", '"-3 mm"')
-    yield "one negative side", Case(_text(cavity), "[damper] cavity", "expected more than 0")
-    yield "two masses", Case(_text(_with(paper, "damper", "mass", '"1 g"')), "[damper] mass_ratio", "leave one out")
-    yield "no mass", Case(_text(_with(paper, "damper", "mass_ratio", None)), "[damper] mass_ratio")
-    yield "a mesh and a length", Case(_text(_with(paper, "plate", "mesh", '"a.msh"')), "[plate] length", "leave")
+        case = _case(shaken, "excitation", key, value, "belongs to a [blade]")
+        yield f"{key} = {value} of a force on a plate", case
     for key in ("length", "speeds", "radius", "cycles", "friction"):
-        bent = {"": paper[""] | {key: "1"}} | {name: keys for name, keys in paper.items() if name}
-        yield f"{key} outside its table", Case(_text(bent), key, "belongs in [")
-    yield "a table below a value", Case("title.a = 1\n" + _text({t: k for t, k in paper.items() if t}), "title")
-    yield (
-        "a key below a key",
-        Case(
-            _text(_with(paper, "plate", "length", '{ value = 20, unit = "cm" }')), "[plate] length", "expected a length"
-        ),
-    )
-    yield (
-        "deeply below",
-        Case(
-            _text(_with(paper, "plate", "length", None)).replace(
-                "[material]", "length" + ".a" * 3000 + " = 1\n[material]"
-            ),
-            "[plate] length",
-        ),
-    )
-    long = "x" * 5000
-    yield "a key of 5000 letters", Case(_text(_with(paper, "plate", long, "1")), f"[plate] {'x' * 50}")
-    yield "a value of 5000 letters", Case(_text(_with(paper, "plate", "length", f'"{long}"')), "[plate] length")
-    yield "a key on two lines", Case(_text(_with(paper, "plate", '"a\\nb"', "1")), "[plate] a b")
+        yield f"{key} outside its table", Case(_text({"": paper[""] | {key: "1"}} | tables), key, "belongs in [")
 
 
 CASES = {name: case for make in (_bent, _misspelt, _missing, _whole_tables, _combined) for name, case in make()}
@@ -230,14 +220,14 @@ GROUPS = sorted({name.split()[0] for name in CASES})
 """Cases by the first word of their names: a key's are tried together."""
 
 
-def test_every_key_is_bent() -> None:
+def test_every_key_is_bent():
     keys = {f"{name}.{key}" for name, table in _tables() for key in table.model_fields}
     assert set(BENT) - {"title"} == keys
     assert len(CASES) >= 200
 
 
 @pytest.mark.parametrize("group", GROUPS)
-def test_malformed(group: str, spindamp: Command, tmp_path: Path) -> None:
+def test_malformed(group, spindamp, tmp_path):
     """Refused in one short line: file, key, and what would be right."""
     for what, case in CASES.items():
         if what.split()[0] == group:

@@ -1,21 +1,17 @@
 """Materials by name, and balls by density: numbers beside names, and what they weigh."""
 
-import json
 import math
 import re
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 import damper.contact
 import spindamp
 import workflows
-from tests.workflows.conftest import BALL, Command, Scene, changed, write
+from tests.workflows.conftest import BALL, ROOT, changed
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
@@ -25,7 +21,6 @@ from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
 from workflows.solve import limits as bounds
 from workflows.solve.damper import particle_damper
-from workflows.solve.results import Results
 from workflows.studies.design import report
 from workflows.studies.design.study import design
 from workflows.studies.sweep import executor
@@ -35,12 +30,12 @@ pytestmark = pytest.mark.usefixtures("quickly")
 NUMBERS = {"material__youngs_modulus": None, "material__poissons_ratio": None, "material__density": None}
 
 
-def named(paper: Scene, name: str) -> Scene:
+def named(paper, name):
     return changed(paper, **NUMBERS, material__name=name)
 
 
 @pytest.mark.parametrize("name", PLATES)
-def test_a_name_is_its_numbers(name: str, paper: Scene) -> None:
+def test_a_name_is_its_numbers(name, paper):
     material, known = parse(named(paper, name)).material, KNOWN[name]
     numbers = {key: getattr(known, key) for key in ("youngs_modulus", "poissons_ratio", "density")}
     assert numbers == {key: getattr(material, key) for key in numbers}
@@ -48,7 +43,7 @@ def test_a_name_is_its_numbers(name: str, paper: Scene) -> None:
     assert written.material.model_copy(update={"name": name}) == material
 
 
-def test_every_material_has_a_source_and_sense() -> None:
+def test_every_material_has_a_source_and_sense():
     """Metals: sound travels along a bar at 4.5 to 5.3 km/s in each that plates are made of."""
     for name, known in KNOWN.items():
         assert len(known.source) > 10, name
@@ -65,8 +60,8 @@ def test_every_material_has_a_source_and_sense() -> None:
     assert KNOWN["Inconel 718"].density == pytest.approx(0.297 * 0.45359237 / 0.0254**3, rel=1e-3)
 
 
-def test_the_guide_lists_the_same() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "guide" / "scenes.md").read_text(encoding="utf-8")
+def test_the_guide_lists_the_same():
+    text = (ROOT / "docs" / "guide" / "scenes.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.count("|") == 9]
     listed = {row[0].removesuffix(", for balls"): row[1:] for row in rows if row[3].isdigit()}
     assert list(listed) == list(KNOWN)
@@ -74,23 +69,17 @@ def test_the_guide_lists_the_same() -> None:
         known = KNOWN[name]
         assert (source, strength) == (known.source, known.strength)
         values = [float(number) if number else None for number in numbers]
-        factors = (
-            ("youngs_modulus", 1e9),
-            ("poissons_ratio", 1),
-            ("density", 1),
-            ("yield_strength", 1e6),
-            ("hardness", 1e9),
-        )
-        for value, (key, factor) in zip(values, factors, strict=True):
+        keys = ("youngs_modulus", "poissons_ratio", "density", "yield_strength", "hardness")
+        for value, key, factor in zip(values, keys, (1e9, 1, 1, 1e6, 1e9), strict=True):
             given = getattr(known, key)
             assert value == (None if given is None else pytest.approx(given / factor, rel=5e-3))
 
 
-def test_check_and_results_show_the_numbers_with_their_source(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
-    scene = write(named(paper, "Ti-6Al-4V"), tmp_path / "scene.toml")
+def test_check_and_results_show_the_numbers_with_their_source(spindamp, paper, tmp_path):
+    scene = named(paper, "Ti-6Al-4V")
     said = spindamp("check", scene).out
     assert "youngs_modulus = 113800000000.0 # Ti-6Al-4V: ASM" in said
-    assert json.loads(spindamp("check", scene, "--json").out)["scene"]["material"] == {
+    assert spindamp.json("check", scene)["scene"]["material"] == {
         "youngs_modulus": 113.8e9,
         "poissons_ratio": 0.342,
         "density": 4430.0,
@@ -102,7 +91,7 @@ def test_check_and_results_show_the_numbers_with_their_source(spindamp: Command,
 
 @pytest.mark.parametrize("name", BALLS)
 @pytest.mark.parametrize("count", [1, 60])
-def test_balls_weigh_their_volume(name: str, count: int, paper: Scene, structure: Scene) -> None:
+def test_balls_weigh_their_volume(name, count, paper, structure):
     """On a plate and on a structure that is given; a steel ball of radius 1 mm weighs 0.0329 g."""
     for scene in (paper, structure):
         by_name = changed(scene, damper__mass_ratio=None, damper__ball_material=name, damper__count=count)
@@ -115,22 +104,22 @@ def test_balls_weigh_their_volume(name: str, count: int, paper: Scene, structure
         assert expected == pytest.approx(0.0329e-3, rel=1e-3)
 
 
-def test_a_given_mass_is_that_of_all_balls(structure: Scene) -> None:
+def test_a_given_mass_is_that_of_all_balls(structure):
     for changes in ({"damper__mass_ratio": 0.006}, {"damper__mass_ratio": None, "damper__mass": "6 g"}):
         for count in (1, 60):
             scene = parse(changed(structure, **changes, damper__count=count))
             assert coupling.ball_mass(scene, 1.0) == pytest.approx(0.006, rel=1e-14)
 
 
-def test_check_says_what_the_balls_weigh(spindamp: Command, paper: Scene, tmp_path: Path) -> None:
+def test_check_says_what_the_balls_weigh(spindamp, paper):
     scene = changed(paper, damper__mass_ratio=None, damper__ball_material="tungsten carbide", damper__count=60)
-    said = spindamp("check", write(scene, tmp_path / "scene.toml")).out
+    said = spindamp("check", scene).out
     assert "ball_density = 14900.0" in said
     assert "# tungsten carbide: WC with 6 % cobalt" in said
     assert "60 balls together weigh 3.74 g" in said
 
 
-def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper: Scene) -> None:
+def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper):
     """Read again it says the same."""
     for ball, density in (("tungsten", 19_300.0), ("lead", None)):
         scene = parse(changed(named(paper, "steel"), damper__mass_ratio=None, damper__ball_material=ball))
@@ -142,7 +131,7 @@ def test_the_resolved_scene_has_no_names_but_those_that_tell_strength(paper: Sce
         assert again.balls == scene.damper.balls
 
 
-def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
+def pressed(ball, diameter, **changes):
     """A ball of a material on a floor of titanium, on a structure of 0.5 kg at 236 Hz, in 1 mm of clearance."""
     radius = float(diameter) / 2
     damper = BALL | {"ball_material": ball, "floor_material": "Ti-6Al-4V"}
@@ -152,12 +141,12 @@ def pressed(ball: str, diameter: str, **changes: Any) -> dict[str, Any]:
 
 
 @cache
-def ran(ball: str, diameter: str) -> Results:
+def ran(ball, diameter):
     """Such a ball's run."""
     return workflows.run(pressed(ball, diameter))
 
 
-def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
+def test_a_sweep_has_what_a_run_says_of_the_contact(here):
     scene = pressed("hardened steel", "4")
     found = spindamp.sweep(scene, {"damper.restitution": [0.5]}, quick=True, executor=here).squeeze()
     for k, point in enumerate(ran("hardened steel", "4").speeds):
@@ -166,7 +155,7 @@ def test_a_sweep_has_what_a_run_says_of_the_contact(here: Executor) -> None:
             assert row[f"contact_{name}"] == getattr(point.contact, name)
 
 
-def test_a_ball_that_flows_has_no_verdict() -> None:
+def test_a_ball_that_flows_has_no_verdict():
     """Lead of 6 mm at 5000 rpm becomes a flat of 0.7 mm radius; steel of 4 mm lies in a dent, and is said to."""
     (slow, fast) = ran("lead", "6").speeds
     assert (slow.verdict.grade, slow.verdict.reason) == ("inadmissible", "contact") == (fast.verdict.grade, "contact")
@@ -181,7 +170,7 @@ def test_a_ball_that_flows_has_no_verdict() -> None:
     assert answer(ran("lead", "6")).verdict.startswith("No verdict: the mean contact pressure of the resting ball is ")
 
 
-def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
+def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball():
     """Plain aluminium has no hardness: the answer names the one that Hertz's mean pressure asks for."""
     scene = pressed("tungsten carbide", "4")
     scene["damper"]["floor_material"] = "aluminium"
@@ -197,7 +186,7 @@ def test_a_floor_of_unknown_strength_is_not_promised_to_bear_the_ball() -> None:
 
 
 @pytest.mark.parametrize(("share", "end"), [(0.9, "still beyond the"), (1.1, "its own dent holds it, and a harder")])
-def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share: float, end: str) -> None:
+def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share, end):
     """Without a dent it moves from a_r / (w1² |1 - tau|) on, at tau = 1.2: if that is endured, the dent is to blame."""
     square, pull = (2 * math.pi * 236) ** 2, (15000 * math.pi / 30) ** 2 * 0.2
     structure = {"frequency": "236 Hz", "mass": "0.5 kg", "floor_tilt": 1.2 * square / pull}
@@ -212,7 +201,7 @@ def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share: float, end
     assert (f"without its dent it would move above {1e3 * without:.2g} mm" in said) is (share < 1)
 
 
-def test_hits_that_last_long_beside_the_flights_are_remarked() -> None:
+def test_hits_that_last_long_beside_the_flights_are_remarked():
     """Hertz's hit of 2.94 d/v, d = (15 m v² / 16 sqrt(r) E*)^0.4 (Johnson, eq. 11.24), against the time of a flight."""
     scene = pressed("hardened steel", "4")
     scene["structure"]["frequency"], scene["damper"]["cavity"] = "5 kHz", ["4.02 mm", "4.02 mm"]
@@ -239,9 +228,7 @@ def test_hits_that_last_long_beside_the_flights_are_remarked() -> None:
 @pytest.mark.parametrize(
     ("limits", "diameter", "limit"), [({}, 4.0, ""), ({"yield_ratio": 9.0}, 2.0, "first yield"), ({}, 0.0, "")]
 )
-def test_designs_keep_to_what_the_floor_carries(
-    limits: dict[str, Any], diameter: float, limit: str, here: Executor
-) -> None:
+def test_designs_keep_to_what_the_floor_carries(limits, diameter, limit, here):
     """Lead is denser and would win, but flows; a limit on first yield keeps the ball small; nothing but lead fails."""
     balls = ["hardened steel", "lead"] if diameter else ["lead"]
     free = {"ball_material": balls, "ball_diameter": ["2 mm", "3 mm", "4 mm"], "amplitude": ["3 mm", "5 mm"]}
@@ -260,7 +247,7 @@ def test_designs_keep_to_what_the_floor_carries(
     assert (limit in dict(found.optimum.evaluation.used)) is ("allowed by yield_ratio" in told) is bool(limit)
 
 
-def system(**changes: Any) -> damper.ParticleDamper:
+def system(**changes):
     """The damper of a steel ball on titanium at 15000 rpm, with other keys."""
     scene = pressed("hardened steel", "4")
     scene["damper"] = {key: value for key, value in (scene["damper"] | changes).items() if value is not None}
@@ -268,7 +255,7 @@ def system(**changes: Any) -> damper.ParticleDamper:
     return particle_damper(given, selection.resolve(given), ran("hardened steel", "4").speeds[1])
 
 
-def test_hits_and_rolling_follow_from_the_materials() -> None:
+def test_hits_and_rolling_follow_from_the_materials():
     """Restitution by the dents of hits, which tends to Johnson's power; rolling by hysteresis; a dent that holds."""
     found = system(restitution="auto", rolling_friction="auto")
     (onset, first), *_, (last, lowest) = found.restitution_by_speed
@@ -302,6 +289,6 @@ def test_hits_and_rolling_follow_from_the_materials() -> None:
         ({"rolling_friction": "-1 mm"}, "expected at least 0"),
     ],
 )
-def test_what_materials_cannot_tell(changes: dict[str, Any], problem: str) -> None:
+def test_what_materials_cannot_tell(changes, problem):
     with pytest.raises(BadInput, match=re.escape(problem)):
         system(**changes)

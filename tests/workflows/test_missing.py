@@ -5,9 +5,8 @@ import pytest
 
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, rectangle, solve_modes, with_cavity
 from fem.accuracy.neglected_effects import cut
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import QUIET, changed
 from workflows import pipeline
-from workflows.progress import Stages
 from workflows.scene.load import as_scene_file
 from workflows.studies.sweep.evaluate import PlateCache
 
@@ -17,7 +16,7 @@ STEEL = Material(182.6e9, 0.3, 7850.0)
 @pytest.mark.parametrize(
     ("at", "omega"), [((0.188, 0.004), 1500.0), ((0.148, 0.012), 0.0), ((0.148, 0.012), 1500.0), ((0.044, 0.004), 0.0)]
 )
-def test_a_hole_in_the_mesh(at: tuple[float, float], omega: float) -> None:
+def test_a_hole_in_the_mesh(at, omega):
     """A plate of which a cell is missing is lighter by as much, and softer by no more than the estimate."""
     mesh, volume = rectangle(0.2, 0.08, 25, 10), 8e-3 * 8e-3 * 0.01
     off = np.hypot(*(mesh.p[:, mesh.t].mean(axis=1) - np.array(at)[:, None]))
@@ -39,7 +38,7 @@ def test_a_hole_in_the_mesh(at: tuple[float, float], omega: float) -> None:
 
 
 @pytest.mark.parametrize("theory", ["kirchhoff", "mindlin", "solid/2"])
-def test_the_shift_of_a_beam(theory: str) -> None:
+def test_the_shift_of_a_beam(theory):
     """By hand: m phi² / 2, at the tip of a uniform cantilever 2 m / M, in the middle phi² = 0.3395² of that."""
     beam = Plate(rectangle(0.4, 0.02, 40, 2), 0.004, Material(2e11, 0.0, 7850.0))
     full = assemble(beam, Rotor(), Effects(), theory)
@@ -52,13 +51,13 @@ def test_the_shift_of_a_beam(theory: str) -> None:
 
 @pytest.mark.usefixtures("quickly")
 @pytest.mark.parametrize("effects", [{}, {"coriolis": True}, {"large_deflection": True}])
-def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
+def test_a_run_counts_it(paper, effects):
     """Every frequency of a run with the effect, at rest and fast, is shifted as a positive mass shifts it back."""
     scene = changed(paper, rotor__speeds=[0, "17500 rpm"], rotor__modes=2, release__cycles=1, effects=effects)
     scene = changed(scene, effects__cavity_mass="auto", damper__count=5)
     mass, none = 7850 * 5 * 2.5e-3 * 2.4e-3 * 2e-3, {"effects__cavity_mass": False}
     on, off, heavy = (
-        pipeline.structure(as_scene_file(changed(scene, **changes)), Stages(visible=False), shapes=False)
+        pipeline.structure(as_scene_file(changed(scene, **changes)), QUIET, shapes=False)
         for changes in ({}, none, none | {"plate__tip_mass": mass})
     )
     assert on.effects["cavity_mass"].on, "0.04 % of each frequency, of 0.1 % asked for"
@@ -74,17 +73,15 @@ def test_a_run_counts_it(paper: Scene, effects: dict[str, bool]) -> None:
 
 
 @pytest.mark.usefixtures("quickly")
-def test_left_out_it_is_part_of_the_error(paper: Scene) -> None:
+def test_left_out_it_is_part_of_the_error(paper):
     scene = changed(paper, rotor__speeds=[0], rotor__modes=2, damper__count=1, accuracy__frequency=2e-3, effects=None)
-    (point,) = pipeline.structure(as_scene_file(scene), Stages(visible=False), shapes=False).points
+    (point,) = pipeline.structure(as_scene_file(scene), QUIET, shapes=False).points
     parts, reduced = point.modes[0].error_parts, point.reduced
-    assert parts is not None
-    assert reduced is not None
     assert parts.cavity_mass == pytest.approx(7850 * 2.5e-3 * 2.4e-3 * 2e-3 / reduced.M2 / 2, rel=0.05)
 
 
 @pytest.mark.usefixtures("quickly")
-def test_plates_that_are_kept_have_the_error_of_each_damper(paper: Scene) -> None:
+def test_plates_that_are_kept_have_the_error_of_each_damper(paper):
     """Cavities that are left out, and of those that count others of the same volume and depth, on one plate."""
     scene = changed(paper, rotor__speeds=[0], rotor__modes=2, damper__count=1, accuracy__frequency=2e-3, effects=None)
     small, other = {"damper__cavity": ["2.5 mm", "2.2 mm"]}, {"damper__cavity": ["2.5 mm", "3 mm"]}
@@ -98,7 +95,7 @@ def test_plates_that_are_kept_have_the_error_of_each_damper(paper: Scene) -> Non
     assert len({None if each is None else each.cavity_mass for each in alone}) == 4
 
 
-def test_a_bent_plate_has_no_more_strain_at_its_cavity_than_energy() -> None:
+def test_a_bent_plate_has_no_more_strain_at_its_cavity_than_energy():
     """A tip cavity in a staggered plate, which the load bends: linear strains of its twist had 47 times its energy."""
     plate = Plate(rectangle(0.3, 0.06, 16, 4), 0.005, Material(110e9, 0.34, 4430.0))
     operators = assemble(plate, Rotor(0.3, np.pi / 4), Effects(large_deflection=True))

@@ -11,7 +11,6 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import FunctionType
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,11 +20,9 @@ import spindamp
 import workflows
 from tests.limits import HANG
 from tests.workflows.browser import Reader
-from tests.workflows.conftest import Outcome, Scene, changed, on_mesh, write
+from tests.workflows.conftest import MESHES, ROOT, changed, on_mesh, raising, stored, write
 from workflows.formatting import revolutions
-from workflows.io import files
 from workflows.io.folder import ALWAYS_OURS, MANIFEST
-from workflows.solve.results import Results
 from workflows.studies import response
 from workflows.studies.comparison import Comparison
 from workflows.studies.design.report import DesignResult
@@ -37,27 +34,26 @@ from workflows.studies.work_precision.timing import WorkPrecision
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
-ROOT = Path(__file__).parents[2]
 GUIDE = ROOT / "docs" / "guide"
 
 
 @pytest.fixture(scope="module")
-def damper() -> Results:
+def damper():
     return workflows.run("structure")
 
 
-def _numbers(results: Results) -> dict[str, Any]:
+def _numbers(results):
     return {name: value for name, value in workflows.document(results).items() if name != "timings"}
 
 
-def test_a_scene_in_every_form(damper: Results, structure: Scene, tmp_path: Path) -> None:
+def test_a_scene_in_every_form(damper, structure, tmp_path):
     path = write(structure, tmp_path / "scene.toml")
     for form in (path, str(path), structure, workflows.parse(structure), workflows.load("structure")):
         assert _numbers(workflows.run(form)) == _numbers(damper)
     assert _numbers(workflows.run(scene=structure)) == _numbers(damper)
 
 
-def test_the_face_for_people(damper: Results, coarse: Results, paper: Scene, structure: Scene, tmp_path: Path) -> None:
+def test_the_face_for_people(damper, coarse, paper, structure, tmp_path):
     """What `import spindamp` offers does what the packages beneath it do."""
     assert _numbers(spindamp.run(structure)) == _numbers(damper)
     one = spindamp.ringdown("structure", rpm=5000)
@@ -68,7 +64,7 @@ def test_the_face_for_people(damper: Results, coarse: Results, paper: Scene, str
     for mine, theirs in zip(found.speeds, coarse.speeds, strict=True):
         assert [m.frequency_hz for m in mine.modes] == pytest.approx([m.frequency_hz for m in theirs.modes], rel=1e-6)
     assert spindamp.report(one, tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!doctype html>")
-    assert json.loads((spindamp.save(one, tmp_path / "out") / "results.json").read_text(encoding="utf-8"))
+    assert stored(spindamp.save(one, tmp_path / "out") / "results.json")
     assert spindamp.dataset(one).sizes["rpm"] == 1
     with pytest.raises(spindamp.BadInput, match="ringdown needs a damper"):
         spindamp.ringdown(found.scene)
@@ -84,7 +80,7 @@ def test_the_face_for_people(damper: Results, coarse: Results, paper: Scene, str
     [Response, Reproduction, WorkPrecision, EffectStudy, Comparison, DesignResult],
     ids=lambda kind: kind.__name__,
 )
-def test_the_result_of_a_study_prints_as_its_command_does(kind: type[files.StudyResult], monkeypatch: Any) -> None:
+def test_the_result_of_a_study_prints_as_its_command_does(kind, monkeypatch):
     """It was an object's address, or all of its arrays."""
     report = import_module(kind.REPORT)
     assert isinstance(report.text, FunctionType)
@@ -93,7 +89,7 @@ def test_the_result_of_a_study_prints_as_its_command_does(kind: type[files.Study
     assert str(result) == repr(result) == "as typed"
 
 
-def test_what_is_no_scene(damper: Results) -> None:
+def test_what_is_no_scene(damper):
     for wrong in (None, 3, ["paper"], b"paper", damper):
         with pytest.raises(TypeError, match=f"a dict, a Scene or what load returns, got {_kind(wrong)}$"):
             workflows.run(wrong)
@@ -108,11 +104,11 @@ def test_what_is_no_scene(damper: Results) -> None:
         workflows.run({})
 
 
-def _kind(value: object) -> str:
+def _kind(value):
     return type(value).__name__
 
 
-def test_values_of_numpy_and_paths(structure: Scene, paper: Scene) -> None:
+def test_values_of_numpy_and_paths(structure, paper):
     """What a notebook computes goes into a scene as it is."""
     speeds = np.array([100.0, 200.0])
     given = changed(structure, rotor__speeds=speeds, damper__cavity=(np.float64(2.5e-3), np.float32(3e-3)))
@@ -124,22 +120,20 @@ def test_values_of_numpy_and_paths(structure: Scene, paper: Scene) -> None:
         workflows.parse(changed(paper, rotor__modes=np.float64(3.5)))
 
 
-def test_a_mesh_is_looked_for_from_the_current_folder(
-    paper: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mesh_is_looked_for_from_the_current_folder(paper, tmp_path, monkeypatch):
     alone = changed(paper, rotor__speeds=[0], rotor__modes=1, damper=None, release=None)
     scene = changed(alone, plate__length=None, plate__width=None, plate__mesh="plate_coarse.msh")
     monkeypatch.chdir(tmp_path)
     for form in (scene, workflows.parse(scene)):
         with pytest.raises(workflows.BadInput, match=r"^scene: \[plate\] mesh = 'plate_coarse.msh': no such file"):
             workflows.run(form)
-    shutil.copy(ROOT / "meshes" / "plate_coarse.msh", tmp_path)
+    shutil.copy(MESHES / "plate_coarse.msh", tmp_path)
     results = workflows.run(scene)
     assert results.mesh_sha256 is not None
     assert results.speeds[0].modes[0].frequency_hz == pytest.approx(198.97, rel=2e-2)
 
 
-def test_results_in_brief(damper: Results, coarse: Results) -> None:
+def test_results_in_brief(damper, coarse):
     for results in (damper, coarse, replace(damper, speeds=damper.speeds[:1]), replace(coarse, speeds=())):
         assert len(repr(results)) < 500
         assert len(repr(results).splitlines()) <= 3
@@ -149,7 +143,7 @@ def test_results_in_brief(damper: Results, coarse: Results) -> None:
         assert len(repr(part)) < 3000
 
 
-def test_results_as_a_table(damper: Results, coarse: Results, structure: Scene) -> None:
+def test_results_as_a_table(damper, coarse, structure):
     for results in (damper, coarse):
         page = Reader(results._repr_html_())
         assert page.open == []
@@ -164,15 +158,14 @@ def test_results_as_a_table(damper: Results, coarse: Results, structure: Scene) 
     assert "script" not in Reader(hostile._repr_html_()).tags
 
 
-def test_save(damper: Results, coarse: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_save(damper, coarse, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert workflows.save(damper, "out") == tmp_path / "out"
     assert workflows.save(coarse, Path("out")) == tmp_path / "out"
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names >= ALWAYS_OURS
-    assert any(re.fullmatch(files.FILES, name) for name in names)
     assert list(tmp_path.iterdir()) == [tmp_path / "out"]
-    document = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+    document = stored(tmp_path / "out" / "results.json")
     assert {name: value for name, value in document.items() if name != "timings"} == _numbers(coarse)
     times = document["timings"]
     assert times["modes"] == coarse.timings["modes"]
@@ -182,35 +175,29 @@ def test_save(damper: Results, coarse: Results, tmp_path: Path, monkeypatch: pyt
     assert "data:image/png;base64," in html, "the mode shape is drawn"
 
 
-def test_a_saved_run_is_that_of_the_command(damper: Results, tmp_path: Path, spindamp: Any) -> None:
-    outcome: Outcome = spindamp("run", "structure", "--out", "one")
+def test_a_saved_run_is_that_of_the_command(damper, tmp_path, spindamp):
+    outcome = spindamp("run", "structure", "--out", "one")
     assert outcome.status == 0
     workflows.save(damper, "two")
     for folder in ("one", "two"):
-        document = json.loads((tmp_path / folder / "results.json").read_text(encoding="utf-8"))
+        document = stored(tmp_path / folder / "results.json")
         del document["timings"]
         (tmp_path / folder / "results.json").write_text(json.dumps(document), encoding="utf-8")
     for name in ("results.json", MANIFEST):
         assert (tmp_path / "one" / name).read_text() == (tmp_path / "two" / name).read_text()
 
 
-def test_a_report_that_fails_leaves_the_old_one(
-    damper: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_report_that_fails_leaves_the_old_one(damper, tmp_path, monkeypatch):
     path = workflows.save_report(damper, tmp_path / "report.html")
     before = path.read_text(encoding="utf-8")
-
-    def refused(*_: object) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(os, "replace", refused)
+    monkeypatch.setattr(os, "replace", raising(PermissionError(13, "Permission denied")))
     with pytest.raises(workflows.BadInput, match=r"path = .*: cannot be written: Permission denied"):
         workflows.save_report(replace(damper, speeds=damper.speeds[:1]), path)
     assert path.read_text(encoding="utf-8") == before
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_places_where_nothing_can_be_saved(damper: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_places_where_nothing_can_be_saved(damper, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
@@ -230,18 +217,18 @@ def test_places_where_nothing_can_be_saved(damper: Results, tmp_path: Path, monk
     assert {path.name for path in tmp_path.iterdir()} == {"file", "folder"}
 
 
-def test_in_a_thread(tmp_path: Path) -> None:
+def test_in_a_thread(tmp_path):
     """A widget's callback and a server's worker run there."""
     with ThreadPoolExecutor(1) as pool:
         results = pool.submit(workflows.run, "structure").result(120)
         assert pool.submit(workflows.save, results, tmp_path / "out").result(120).is_dir()
 
 
-def _blocks(page: Path, language: str) -> list[str]:
+def _blocks(page, language):
     return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
 
 
-def _executed(cells: list[str], folder: Path) -> list[Any]:
+def _executed(cells, folder):
     """Cells as a notebook in a folder, after its kernel has run them."""
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     pytest.importorskip("ipykernel")
@@ -261,7 +248,7 @@ stage.damping_curve = lambda system, **how: damping_curve(system, **stage.QUICK,
 
 
 @pytest.mark.filterwarnings("default")  # of the notebook's client: those of the cells are on their stderr
-def test_the_cells_of_the_guide_run_in_a_notebook_and_show_their_pictures(paper: Scene, tmp_path: Path) -> None:
+def test_the_cells_of_the_guide_run_in_a_notebook_and_show_their_pictures(paper, tmp_path):
     """The page on Python, on a machine without a screen; each cell that draws shows one picture.
 
     The folder has a scene of its own by the name of the paper's, of fewer speeds and modes.
@@ -286,7 +273,7 @@ OTHERWISE = ("python.md", "modes.md")
 
 
 @pytest.mark.parametrize("page", [*sorted(GUIDE.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
-def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_snippets_of_readme_and_guide(page, tmp_path, monkeypatch):
     """Each runs as it stands, beside the scene of its page."""
     for scene in _blocks(page, "toml")[:1]:
         (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
@@ -298,7 +285,7 @@ def test_the_snippets_of_readme_and_guide(page: Path, tmp_path: Path, monkeypatc
     pyplot.close("all")
 
 
-def test_the_tables_of_the_guide_are_accepted() -> None:
+def test_the_tables_of_the_guide_are_accepted():
     """A scene alone, and the tables that other pages add to it or put in the place of a key."""
     scene, thickness, root = (tomllib.loads(block) for block in _blocks(GUIDE / "scenes.md", "toml"))
     (excitation,) = (tomllib.loads(block) for block in _blocks(GUIDE / "response.md", "toml"))
@@ -312,7 +299,7 @@ def test_the_tables_of_the_guide_are_accepted() -> None:
         assert (given.plate.root is None) == ("root" not in table["plate"])
 
 
-def test_a_report_replaces_plain_files_alone(damper: Results, tmp_path: Path) -> None:
+def test_a_report_replaces_plain_files_alone(damper, tmp_path):
     """Not what a program reads from, nor a device."""
     if not hasattr(os, "mkfifo"):
         pytest.skip("no named pipes here")
@@ -322,6 +309,6 @@ def test_a_report_replaces_plain_files_alone(damper: Results, tmp_path: Path) ->
     assert (tmp_path / "pipe").is_fifo()
     with pytest.raises(workflows.BadInput, match="is a folder"):
         workflows.save_report(damper, f"{tmp_path}/x.html/")
-    wrong: Any = "3000 rpm"
+    wrong = "3000 rpm"
     with pytest.raises(workflows.BadInput, match=r"^rpm = .*number of revolutions"):
         spindamp.ringdown("structure", rpm=wrong)

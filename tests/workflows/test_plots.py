@@ -4,8 +4,6 @@ import itertools
 from base64 import b64encode
 from dataclasses import replace
 from io import BytesIO
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,18 +15,12 @@ from PIL import Image
 import workflows
 from workflows.io import files
 from workflows.report import figures, plots
-from workflows.solve.results import SpeedPoint
 
 
-@pytest.fixture
-def results(coarse: workflows.Results) -> workflows.Results:
-    return coarse
-
-
-def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path) -> None:
-    axes = results.plot.campbell()
+def test_campbell_has_the_frequencies(coarse, tmp_path):
+    axes = coarse.plot.campbell()
     drawn = [line.get_xydata() for line in axes.get_lines()]
-    for track in files.campbell(results):
+    for track in files.campbell(coarse):
         assert any(np.array_equal(np.column_stack([track.x, track.y]), line) for line in drawn)
     assert axes.get_xlabel() == "rotation speed, rpm"
     path = tmp_path / "campbell.png"
@@ -36,55 +28,53 @@ def test_campbell_has_the_frequencies(results: workflows.Results, tmp_path: Path
     assert path.stat().st_size > 5000
 
 
-def test_a_mode_keeps_its_name_from_the_lowest_speed(
-    results: workflows.Results, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mode_keeps_its_name_from_the_lowest_speed(coarse, monkeypatch):
     """A flap that is a twist at all speeds but the first; the marks of the diagram say where."""
     for other in ("mesh", "velocity", "capacity", "damping_ratio", "cavity_path"):
         monkeypatch.setattr(figures, other, lambda _: None)
-    order = sorted(results.speeds, key=lambda point: point.rpm)
+    order = sorted(coarse.speeds, key=lambda point: point.rpm)
     numbers = {point.rpm: next(k for k, m in enumerate(point.modes) if m.branch == 0) for point in order}
 
-    def renamed(point: SpeedPoint) -> SpeedPoint:
+    def renamed(point):
         family = "flap" if point in order[:1] else "twist"
         modes = list(point.modes)
         modes[numbers[point.rpm]] = replace(modes[numbers[point.rpm]], family=family)
         return replace(point, modes=tuple(modes))
 
-    changing = replace(results, speeds=tuple(map(renamed, results.speeds)))
+    changing = replace(coarse, speeds=tuple(map(renamed, coarse.speeds)))
     assert "campbell_flap_1" in [track.name for track in files.campbell(changing)]
     page = figures.report(changing)["campbell"]
     assert page.count("flap 1 (twist here), mode ") == len(order) - 1 > 0
-    assert "here), mode " not in figures.report(results)["campbell"]
+    assert "here), mode " not in figures.report(coarse)["campbell"]
 
 
-def test_damping_has_the_curves(results: workflows.Results) -> None:
-    drawn = [line.get_xydata() for line in results.plot.damping().get_lines()]
-    for line in files.damping_ratio(results):
+def test_damping_has_the_curves(coarse):
+    drawn = [line.get_xydata() for line in coarse.plot.damping().get_lines()]
+    for line in files.damping_ratio(coarse):
         shown = line.y > 0
         assert any(np.array_equal(np.column_stack([1e3 * line.x, 100 * line.y])[shown], each) for each in drawn)
 
 
-def test_ringdown_and_mesh_are_axes(results: workflows.Results) -> None:
-    assert results.plot.ringdown().get_xlabel() == "time, ms"
-    axes = results.plot.mesh()
-    at = results.scene.damper.at
+def test_ringdown_and_mesh_are_axes(coarse):
+    assert coarse.plot.ringdown().get_xlabel() == "time, ms"
+    axes = coarse.plot.mesh()
+    at = coarse.scene.damper.at
     marks = [line.get_xydata() for line in axes.get_lines() if line.get_label() == "damper"]
     assert marks[0] == pytest.approx(1e3 * np.array([at]))
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
-def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name: str) -> None:
+def test_a_notebook_shows_the_figure_of_a_plot(coarse, name):
     """Which goes by pyplot's current figure, and is no new one where axes are named."""
     before = pyplot.get_fignums()
-    axes = getattr(results.plot, name)()
+    axes = getattr(coarse.plot, name)()
     assert pyplot.gcf() is axes.figure
     assert len(pyplot.get_fignums()) == len(before) + 1
     labels = {text.get_text() for text in axes.figure.findobj(Text)}
     pyplot.close(axes.figure)
     figure, (left, right) = pyplot.subplots(1, 2)
     left.plot([1, 2], [3, 4])
-    assert getattr(results.plot, name)(ax=right) is right
+    assert getattr(coarse.plot, name)(ax=right) is right
     assert right.get_xlabel() == axes.get_xlabel()
     assert len(right.lines) + len(right.patches) == len(axes.lines) + len(axes.patches) > 0
     assert {text.get_text() for text in right.findobj(Text)} >= {label for label in labels if label.isalpha()}
@@ -96,17 +86,17 @@ def test_a_notebook_shows_the_figure_of_a_plot(results: workflows.Results, name:
 
 
 @pytest.mark.parametrize("wrong", [Figure(), np.array([None, None]), 3])
-def test_a_plot_takes_axes_alone(results: workflows.Results, wrong: Any) -> None:
+def test_a_plot_takes_axes_alone(coarse, wrong):
     with pytest.raises(TypeError, match=rf"^ax must be axes of matplotlib, .* got {type(wrong).__name__}$"):
-        results.plot.damping(ax=wrong)
+        coarse.plot.damping(ax=wrong)
 
 
 @pytest.mark.parametrize("name", ["campbell", "damping", "ringdown", "mesh"])
-def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str) -> None:
+def test_no_placeholder_of_a_page_is_left(coarse, name):
     from matplotlib.colors import to_hex
 
-    places = {plots.INK, plots.MUTED, plots.RULE, plots.PAPER, *plots.shades(len(results.speeds))}
-    figure = getattr(results.plot, name)().figure
+    places = {plots.INK, plots.MUTED, plots.RULE, plots.PAPER, *plots.shades(len(coarse.speeds))}
+    figure = getattr(coarse.plot, name)().figure
     pyplot.close(figure)
     for artist in figure.findobj():
         for part in ("color", "edgecolor", "facecolor"):
@@ -118,45 +108,43 @@ def test_no_placeholder_of_a_page_is_left(results: workflows.Results, name: str)
             assert colour not in places, (artist, part)
 
 
-def test_a_mode_moves_as_its_shape(results: workflows.Results) -> None:
-    plotter = results.plot.mode(2, rpm=0).plotter()
+def test_a_mode_moves_as_its_shape(coarse):
+    plotter = coarse.plot.mode(2, rpm=0).plotter()
     try:
-        plate = next(mesh for mesh in plotter.meshes if mesh.n_cells == len(results.surface.cells[1]))
-        moved = np.asarray(plate.points) - results.surface.points
-        shape = results.surface.shapes[0, 1]
+        plate = next(mesh for mesh in plotter.meshes if mesh.n_cells == len(coarse.surface.cells[1]))
+        moved = np.asarray(plate.points) - coarse.surface.points
+        shape = coarse.surface.shapes[0, 1]
         assert np.abs(moved / np.abs(moved).max() - shape / np.abs(shape).max()).max() < 1e-4
     finally:
         plotter.close()
 
 
-def test_a_notebook_shows_a_mode_as_a_picture(
-    results: workflows.Results, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_notebook_shows_a_mode_as_a_picture(coarse, monkeypatch, tmp_path):
     """Also where no screen is, and of the mode that was asked for."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sys.platform", "linux")
-    pictures = [results.plot.mode(number, rpm=0) for number in (1, 2)]
+    pictures = [coarse.plot.mode(number, rpm=0) for number in (1, 2)]
     first, second = (Image.open(BytesIO(view._repr_png_())).convert("RGBA") for view in pictures)
     assert first.size != second.size or first.tobytes() != second.tobytes()
     page = pictures[1]._repr_html_()
     assert b64encode(pictures[1]._repr_png_()).decode() in page
-    assert f"mode 2, {results.speeds[0].modes[1].family}, {results.speeds[0].modes[1].frequency_hz:.2f} Hz" in page
+    assert f"mode 2, {coarse.speeds[0].modes[1].family}, {coarse.speeds[0].modes[1].frequency_hz:.2f} Hz" in page
     path = pictures[1].screenshot(tmp_path / "mode.png")
     assert path.read_bytes() == pictures[1]._repr_png_()
     with pytest.raises(workflows.BadInput, match="no screen to open a window on: expected screenshot"):
         pictures[1].show()
 
 
-def test_what_is_not_there_is_said(results: workflows.Results) -> None:
-    with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
-        results.plot.mode(4)
-    with pytest.raises(workflows.BadInput, match="expected a mode from 1 to 3"):
-        results.plot.mode(1.5)  # type: ignore[arg-type]
-    with pytest.raises(workflows.BadInput, match="expected a speed with shapes"):
-        results.plot.mode(1, rpm=12345)
-    with pytest.raises(workflows.BadInput, match=r"^rpm = 10: expected a speed with shapes"):
-        results.plot.mode(1, rpm=10)
+def test_what_is_not_there_is_said(coarse):
+    for number, rpm, says in (
+        (4, 0, "expected a mode from 1 to 3"),
+        (1.5, 0, "expected a mode from 1 to 3"),
+        (1, 12345, "expected a speed with shapes"),
+        (1, 10, r"^rpm = 10: expected a speed with shapes"),
+    ):
+        with pytest.raises(workflows.BadInput, match=says):
+            coarse.plot.mode(number, rpm=rpm)
     structure = workflows.run("structure")
     for name in ("campbell", "mesh", "mode"):
         with pytest.raises(workflows.BadInput, match="nothing to draw"):
@@ -164,7 +152,7 @@ def test_what_is_not_there_is_said(results: workflows.Results) -> None:
 
 
 @pytest.mark.parametrize("ends", [(1.0, 1e-9), (0.5, 2e-6), (1e-3, 1e-8), (2e-2, 1e-3), (1e-9, 1.0)])
-def test_a_logarithmic_axis_has_a_few_numbers_that_do_not_overlap(ends: tuple[float, float]) -> None:
+def test_a_logarithmic_axis_has_a_few_numbers_that_do_not_overlap(ends):
     """Also one that runs backwards, as that of errors does."""
     with plots.style():
         figure, (axes,) = plots.canvas(3.0)

@@ -14,7 +14,7 @@ import spindamp
 from fem import Effects, Material, Plate, Rotor, assemble, campbell, modes_at, rectangle, solve_modes, with_point_mass
 from fem.rotor import in_rpm
 from tests.workflows.browser import findings, needs_chromium
-from tests.workflows.conftest import BALL, KNOWN, changed, shipped_scene
+from tests.workflows.conftest import BALL, BLADE, KNOWN, changed, shipped_scene
 from workflows.errors import BadInput
 from workflows.io.files import write_study
 from workflows.progress import Stages
@@ -41,13 +41,6 @@ STRUCTURE = KNOWN | {
 
 
 @pytest.fixture
-def few_speeds(monkeypatch):
-    """A quarter of the speeds, the crossing's among them."""
-    monkeypatch.setattr(study, "SPEEDS", 9)
-    monkeypatch.setattr(study, "ROUNDS", 1)
-
-
-@pytest.fixture
 def requested_alone(monkeypatch):
     """No level besides those that are asked for."""
     for more in ("best_levels", "levels_above"):
@@ -66,15 +59,22 @@ def known():
     return respond(as_scene_file(STRUCTURE))
 
 
-def with_passage(known, **changes):
-    """The same response with a passage of which something is otherwise."""
+def with_passage(known, estimate=None, **changes):
+    """The same response with a passage, or its estimate, of which something is otherwise."""
     (passage,) = known.passages
-    return replace(known, passages=(replace(passage, **changes),))
+    reduction = replace(passage.reduction, **estimate or {})
+    return replace(known, passages=(replace(passage, **{"reduction": reduction} | changes),))
 
 
-def with_estimate(known, **changes):
-    """The same response with an estimate of which something is otherwise."""
-    return with_passage(known, reduction=replace(known.passages[0].reduction, **changes))
+def with_scene(known, **tables):
+    """The same response of a scene with other tables, or other keys in them."""
+    return replace(known, results=replace(known.results, scene=known.results.scene.changed(**tables)))
+
+
+@pytest.fixture
+def with_rows(monkeypatch):
+    """Makes the page of responses one of these rows."""
+    return lambda every: monkeypatch.setattr(report, "rows", lambda *_: every)
 
 
 def table(found):
@@ -155,12 +155,11 @@ def test_the_last_line_says_what_the_table_shows(known):
         ({2.0: 0.995, 10.0: 1.0}, (math.nan, math.nan), "not useful at the levels followed, 2 and 10 N"),
     ],
 )
-def test_the_range_is_of_levels_followed(known, monkeypatch, ratios, expected, said):
+def test_the_range_is_of_levels_followed(known, with_rows, ratios, expected, said):
     """Whatever free vibration says between them."""
     (passage,) = known.passages
     row = study.rows(known)[0]
-    every = [replace(row, force=force, mean=ratio * row.without) for force, ratio in ratios.items()]
-    monkeypatch.setattr(report, "rows", lambda *_: every)
+    with_rows([replace(row, force=force, mean=ratio * row.without) for force, ratio in ratios.items()])
     known = replace(known, requested_levels=tuple(ratios))
     assert report.confirmed(known, passage).range == pytest.approx(expected, nan_ok=True)
     first = report.sentences(known)[0]
@@ -175,20 +174,22 @@ def test_the_headline_says_that_a_cavity_that_sticks_out_has_to_fit(known):
     out = replace(results, speeds=tuple(replace(p, sticks_out=1.2e-3) for p in results.speeds))
     first = report.sentences(known)[0]
     assert report.sentences(replace(known, results=out))[0] == first + said
-    unknown = replace(with_estimate(known, reason="outside_speeds"), results=out)
+    unknown = replace(with_passage(known, {"reason": "outside_speeds"}), results=out)
     assert "no estimate" in report.sentences(unknown)[0]
     assert "cavities fit" not in " ".join(report.sentences(unknown))
 
 
 @pytest.mark.usefixtures("unpictured")
 def test_what_the_table_leaves_open_is_open_in_json(known):
-    """A ratio that answers nothing; and an estimate of a ball that the load holds loosely is rough."""
-    entries = report.document(with_estimate(known, reason="outside_speeds"))["crossings"]
+    """A ratio that answers nothing, an error that two files of modes do not tell; and what is held loosely is rough."""
+    unknown = with_passage(known, crossing=replace(known.passages[0].crossing, basis=math.nan))
+    assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
+    entries = report.document(with_passage(known, {"reason": "outside_speeds"}))["crossings"]
     assert {(each["ratio"], each["shortcut"] and each["shortcut"]["difference"]) for each in entries} <= {(None, None)}
     assert all(each["ratio"] is not None for each in report.document(known)["crossings"])
     rpm = known.passages[0].crossing.rpm
     rough = f"Estimated ratios are rough at order 3 ({rpm:.0f} rpm), since the load holds the balls"
-    for known_well, page in ((True, known), (False, with_estimate(known, loose=True))):
+    for known_well, page in ((True, known), (False, with_passage(known, {"loose": True}))):
         assert (rough in report.text(page)) != known_well
         assert (rough in report.render(page)) != known_well
 
@@ -208,13 +209,12 @@ def test_the_axis_of_amplitudes_is_told(known):
     assert not report.damping(across)
 
 
-def test_a_prediction_that_failed_is_said(known, monkeypatch):
+def test_a_prediction_that_failed_is_said(known, with_rows):
     """Of the level evaluated besides: what free vibration predicts there, and what the motion shows."""
     *_, best = every = study.rows(known)
     assert report.sentences(known)[-1].endswith("near the largest reduction that free vibration predicts.")
     for ratio, shown in ((0.9, "10 %"), (1.01, "none")):
-        failed = replace(best, mean=ratio * best.without)
-        monkeypatch.setattr(report, "rows", lambda *_, failed=failed: [*every[:2], failed])
+        with_rows([*every[:2], replace(best, mean=ratio * best.without)])
         predicted = f"{100 * (1 - best.estimate.ratio):.2g} %"
         assert report.sentences(known)[-1] == (
             f"{best.force:g} N is evaluated too: for engine order 3 free vibration predicts a reduction by {predicted}"
@@ -229,9 +229,7 @@ def test_a_peak_at_the_end_of_the_speeds_is_said(known, monkeypatch):
     monkeypatch.setattr(report, "peak", lambda *_: (0, 0))
     followed = said.replace("scene's speeds", "speeds followed")
     assert [each for each in report.sentences(known) if "may lie outside" in each] == [followed]
-    rotor = known.results.scene.rotor.model_copy(update={"speeds": (float(passage.omega[0]), 600.0)})
-    scene = known.results.scene.model_copy(update={"rotor": rotor})
-    ends_here = replace(known, results=replace(known.results, scene=scene))
+    ends_here = with_scene(known, rotor={"speeds": (float(passage.omega[0]), 600.0)})
     assert [each for each in report.sentences(ends_here) if "may lie outside" in each] == [said]
 
 
@@ -247,16 +245,11 @@ def test_another_modes_tail_is_no_answer(known):
     assert [line[7] for line in table(hidden)] == ["–"] * 3
 
 
-def unsettled(known, monkeypatch, of_without):
-    """The row of the headline, not settled, with an error of so much of the amplitude without the ball."""
+def test_motion_that_has_not_settled_is_said_with_its_error(known, with_rows):
+    """The row of the headline, with an error of 14.6 % of the amplitude without the ball."""
     *others, best = study.rows(known)
-    row = replace(best, regime="not settled", error=of_without * best.without, smallest=best.mean, rms=best.mean)
-    monkeypatch.setattr(report, "rows", lambda *_: [*others, row])
-    return row
-
-
-def test_motion_that_has_not_settled_is_said_with_its_error(known, monkeypatch):
-    row = unsettled(known, monkeypatch, 0.146)
+    row = replace(best, regime="not settled", error=0.146 * best.without, smallest=best.mean, rms=best.mean)
+    with_rows([*others, row])
     most = f"roughly up to {100 * (1 - row.ratio):.2g} % less vibration at {row.force:g} N"
     error = (
         "(± 15 percentage points: the motion has not settled), at least half of that at all levels evaluated from 20 to"
@@ -273,7 +266,7 @@ def test_motion_that_has_not_settled_is_said_with_its_error(known, monkeypatch):
     assert [each.ratio_error for each in (row, *dwells)] == pytest.approx([0.146, 0.2, 0.2])
 
 
-def test_closing_lines_are_of_what_the_headline_calls_useful(known, monkeypatch):
+def test_closing_lines_are_of_what_the_headline_calls_useful(known, with_rows):
     """A ball at rest whose mass makes the amplitude smaller damps nothing; nor is 0.5 % of use."""
     *others, best = study.rows(known)
     assert report.text(known).splitlines()[-1].startswith("At engine order 3 (4020 rpm, flap mode) and ")
@@ -282,10 +275,10 @@ def test_closing_lines_are_of_what_the_headline_calls_useful(known, monkeypatch)
     still = replace(locked, passage=never)
     little = replace(best, mean=0.995 * best.without)
     for every in ([*others, still], [replace(row, mean=row.without) for row in others] + [little]):
-        monkeypatch.setattr(report, "rows", lambda *_, every=every: every)
+        with_rows(every)
         assert report.best_rows(known) == []
         assert "additional damping ratio" not in report.text(known)
-    monkeypatch.setattr(report, "rows", lambda *_: [*others, locked])
+    with_rows([*others, locked])
     assert report.best_rows(known) == [locked], "set off nearer to the resonance, where the amplitude is less"
 
 
@@ -309,12 +302,6 @@ def written(known, tmp_path_factory):
     folder = tmp_path_factory.mktemp("response") / "out"
     assert spindamp.save(known, folder) == folder
     return folder
-
-
-def test_an_interpolation_whose_error_is_not_known(known):
-    """As of modes that two files give: null in JSON."""
-    unknown = with_passage(known, crossing=replace(known.passages[0].crossing, basis=math.nan))
-    assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
 
 
 def test_files(known, written):
@@ -581,12 +568,18 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
     assert row.stress_without == pytest.approx(200e9 * 0.002 * root, rel=0.015)
 
 
+HOLLOW = changed(
+    STRUCTURE,
+    structure__floor_tilt="6.8 1/m",
+    damper=STRUCTURE["damper"] | {"cavity": ["10 mm", "10 mm"], "mass_ratio": 0.006, "damping_ratio": 0.002},
+)
+"""A ball in a hollow floor, to be given its radius, with a force."""
+
+
 @pytest.mark.usefixtures("few_speeds")
 def test_a_floor_tuned_to_the_order():
     """The ball swings against the force, hits hardly a wall, and leaves little of the amplitude."""
-    tuned = {"damper__floor_radius": "16.87 mm", "damper__cavity": ["10 mm", "10 mm"], "damper__mass_ratio": 0.006}
-    tuned |= {"damper__damping_ratio": 0.002, "structure__floor_tilt": "6.8 1/m", "excitation__force": "20 N"}
-    found = respond(as_scene_file(changed(STRUCTURE, **tuned)))
+    found = respond(as_scene_file(changed(HOLLOW, damper__floor_radius="16.87 mm", excitation__force="20 N")))
     row = study.rows(found)[0]
     assert row.ratio < 0.3
     assert (found.passages[0].states.hits_per_cycle < 0.5).mean() > 0.9
@@ -598,9 +591,9 @@ def test_a_floor_tuned_to_the_order():
 
 def test_both_halves_of_a_peak_that_a_ball_splits_are_looked_at(monkeypatch):
     """In a hollow floor near the order the ball leaves a third at 0.965 of the speed, where the band ended at 0.986."""
-    tuned = {"damper__floor_radius": "16.2 mm", "damper__cavity": ["10 mm", "10 mm"], "damper__mass_ratio": 0.006}
-    tuned |= {"damper__damping_ratio": 0.002, "structure__floor_tilt": "6.8 1/m", "excitation__force": "0.5 N"}
-    scene = as_scene_file(changed(STRUCTURE, damper__rolling_friction="1e-4 mm", **tuned))
+    monkeypatch.setattr(study, "SPEEDS", 20)
+    loose = {"damper__floor_radius": "16.2 mm", "damper__rolling_friction": "1e-4 mm", "excitation__force": "0.5 N"}
+    scene = as_scene_file(changed(HOLLOW, **loose))
     (row,) = study.rows(respond(scene))
     monkeypatch.setattr(study, "band", lambda both, *_: (0.8 * both[1], 1.2 * both[1]))
     (fine,) = study.rows(respond(scene))
@@ -611,11 +604,10 @@ def test_both_halves_of_a_peak_that_a_ball_splits_are_looked_at(monkeypatch):
 
 def test_motion_that_rolls_says_nothing_without_friction(known):
     """Where rolling requires more friction than is usual, the motion is the answer; where there is none, it is not."""
-    slides = with_estimate(known, reason="slip")
+    slides = with_passage(known, {"reason": "slip"})
     assert {entry["shortcut_reason"] for entry in report.document(slides)["crossings"]} == {"slip"}
     assert "less vibration" in report.sentences(slides)[0]
-    bare = replace(slides.results, scene=slides.results.scene.changed(damper={"friction": 0.0}))
-    slides = replace(slides, results=bare)
+    slides = with_scene(slides, damper={"friction": 0.0})
     said = report.sentences(slides)[0]
     assert said.endswith(": no estimate, since the balls would slide at the amplitude of largest damping.")
     assert [line[7] for line in table(slides)] == ["–"] * 3
@@ -717,14 +709,12 @@ def test_the_report_says_where_the_stress_is(known, monkeypatch):
     monkeypatch.setattr(study.excitation, "largest_stress", lambda *_: 1e10)
     assert "Stress: Young’s modulus times the mode’s largest strain in the mesh" in report.render(known)
     plate = as_scene_file(shipped_scene("paper")).scene.plate
-    scene = known.results.scene.model_copy(update={"plate": plate, "given": None})
-    flat = replace(known, results=replace(known.results, scene=scene))
-    assert "Stress: the largest by bending along the plate, in its first flap mode at that speed" in report.render(flat)
+    flat = report.render(with_scene(known, plate=plate, given=None))
+    assert "Stress: the largest by bending along the plate, in its first flap mode at that speed" in flat
 
 
 def test_a_ball_denser_than_any_solid_has_no_verdict(known):
-    scene = known.results.scene.changed(damper={"count": 1})
-    said = report.sentences(replace(known, results=replace(known.results, scene=scene)))
+    said = report.sentences(with_scene(known, damper={"count": 1}))
     assert said[0].startswith("No verdict: a ball of radius 1 mm and 10 g would be 110 times as dense as osmium")
     assert "such as 305 of steel" in said[1]
 
@@ -758,13 +748,6 @@ def test_nothing_hinders_a_reader(written):
     assert findings(written / "report.html") == []
 
 
-THICK = {
-    "title": "thick",
-    "plate": {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"},
-    "material": {"name": "Ti-6Al-4V"},
-}
-
-
 def titanium(hub, ball, force):
     """A slender blade along whose first mode order 2 runs."""
     return {
@@ -795,13 +778,9 @@ def test_without_the_ball_nothing_pulls_on_the_blade():
 
 def test_a_crossing_between_speeds_far_apart_is_where_the_mode_is():
     """From rest to 40000 rpm f² bends over Ω²: by two speeds the orders meet the modes where twenty-one have them."""
-    ball = {"radius": "2 mm", "cavity": ["4.05 mm", "4.05 mm"], "rolling_friction": "0.02 mm", "damping_ratio": 0.002}
-    scene = THICK | {
-        "rotor": {"hub_radius": "150 mm", "modes": 4, "speeds": ["0 rpm", "40000 rpm"]},
-        "damper": {**ball, "count": 1, "ball_material": "steel", "restitution": 0.6, "friction": 0.2},
-        "excitation": {"orders": [2], "force": ["1 N", "10 N"]},
-        "accuracy": {"frequency": 0.05},
-    }
+    far = {"rotor__speeds": ["0 rpm", "40000 rpm"], "rotor__modes": 4, "accuracy": {"frequency": 0.05}}
+    ball = {"damper__count": 1, "damper__cavity": ["4.05 mm", "4.05 mm"], "damper__damping_ratio": 0.002}
+    scene = changed(BLADE, **far, **ball, excitation={"orders": [2], "force": ["1 N", "10 N"]})
     solver = StructureSolver(as_scene_file(scene), Stages())
     few, many = solver.at().points, solver.at(np.linspace(0, 40000, 21) * math.pi / 30).points
     (straight,), (fine,) = (engine_orders.of_points(points, (2,)) for points in (few, many))
@@ -924,13 +903,10 @@ def test_modes_that_hits_feed_are_followed_where_they_count(monkeypatch):
     monkeypatch.setattr(study, "SPEEDS", 4)
     monkeypatch.setattr(study, "ROUNDS", 1)
     monkeypatch.setattr(study, "MOST_CYCLES", 2000)
-    ball = {"count": 2, "ball_material": "steel", "radius": "2 mm", "cavity": ["5.9 mm", "12 mm"], "restitution": 0.6}
-    scene = THICK | {
-        "rotor": {"speeds": ["7000 rpm", "9500 rpm"], "modes": 3, "hub_radius": "150 mm", "stagger": "60 deg"},
-        "damper": ball | {"friction": 0.2, "rolling_friction": "auto", "damping_ratio": 0.002},
-        "excitation": {"orders": [3], "force": ["2 N"]},
-        "accuracy": {"frequency": 0.05},
-    }
+    rotor = {"speeds": ["7000 rpm", "9500 rpm"], "modes": 3, "stagger": "60 deg"}
+    ball = {"cavity": ["5.9 mm", "12 mm"], "rolling_friction": "auto", "damping_ratio": 0.002}
+    scene = BLADE | {"rotor": BLADE["rotor"] | rotor, "damper": BLADE["damper"] | ball}
+    scene |= {"excitation": {"orders": [3], "force": ["2 N"]}, "accuracy": {"frequency": 0.05}}
     (row,) = study.rows(respond(as_scene_file(scene)))
     assert 0.57e-3 < row.mean < 0.72e-3
 

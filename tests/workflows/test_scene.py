@@ -5,7 +5,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 import jsonschema
 import numpy as np
@@ -13,15 +13,15 @@ import pytest
 
 import fem
 import workflows
+from fem.meshes import read as meshfile
 from fem.theory.registry import THEORIES
 from tests.soak import plates
-from tests.workflows.conftest import KNOWN, Command, Scene, changed, on_mesh, refused, shipped_scene, write
+from tests.workflows.conftest import KNOWN, MESHES, QUIET, changed, on_mesh, refused, shipped_scene, stored
 from workflows import pipeline
 from workflows.effects import ball, plate, selection
 from workflows.effects.selection import EFFECTS
 from workflows.io import provenance
 from workflows.pipeline import run
-from workflows.progress import Stages
 from workflows.report.remarks import assumptions
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
@@ -32,26 +32,20 @@ from workflows.solve import model_choice
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
-ROOT = Path(__file__).parents[2]
 PUBLISHED = Path(workflows.__file__).with_name("scene.schema.json")
 
 
-@pytest.mark.parametrize("name", shipped())
-def test_shipped_scenes_load(name: str) -> None:
-    assert load(name).scene == load(SHIPPED / f"{name}.toml").scene
+def test_shipped_scenes_load():
+    """By name and by path; without either the paper's."""
+    for name in shipped():
+        assert load(name).scene == load(SHIPPED / f"{name}.toml").scene == parse(shipped_scene(name))
+    assert load().scene == load("paper").scene
 
 
-def test_default_is_the_papers(paper: Scene) -> None:
-    assert load().scene == parse(paper)
-
-
-def test_speeds_as_a_ladder(paper: Scene) -> None:
+def test_speeds_as_a_ladder(paper):
     ladder = {"start": "0 rpm", "stop": "17500 rpm", "count": 36}
     speeds = parse(changed(paper, rotor__speeds=ladder)).rotor.speeds
-    assert len(speeds) == 36
-    assert speeds[0] == 0
-    assert speeds[1] == pytest.approx(500 * math.pi / 30)
-    assert speeds[-1] == pytest.approx(17500 * math.pi / 30)
+    assert speeds == pytest.approx([500 * k * math.pi / 30 for k in range(36)])
 
 
 BARE = [
@@ -66,46 +60,42 @@ BARE = [
 
 
 @pytest.mark.parametrize(("speeds", "remark"), BARE)
-def test_speeds_without_a_unit_are_remarked_on(
-    speeds: object, remark: str | None, structure: Scene, spindamp: Command, tmp_path: Path
-) -> None:
-    scene = write(changed(structure, rotor__speeds=speeds), tmp_path / "scene.toml")
-    checked = spindamp("check", scene)
-    said = checked.out
-    assert ("scene.toml: Speeds without a unit" in checked.err) == (remark is not None)
+def test_speeds_without_a_unit_are_remarked_on(speeds, remark, structure, spindamp, tmp_path):
+    scene = changed(structure, rotor__speeds=speeds)
+    checked, remarks = spindamp("check", scene), spindamp.json("check", scene)["remarks"]
     assert spindamp("ringdown", scene, "--json").err == checked.err, "of every command"
-    assert ("Speeds without a unit are in rad/s" in said) == (remark is not None)
-    assert remark is None or remark in said.splitlines()[1]
-    remarks = json.loads(spindamp("check", scene, "--json").out)["remarks"]
     assert len(remarks) == (remark is not None)
-    (tmp_path / "again.toml").write_text(said, encoding="utf-8")
+    for said in (checked.err, checked.out):
+        assert ("Speeds without a unit are in rad/s" in said) == (remark is not None)
+    assert remark is None or remark in checked.out.splitlines()[1]
+    (tmp_path / "again.toml").write_text(checked.out, encoding="utf-8")
     assert "without a unit" not in spindamp("check", "again.toml").out
-    assert load(tmp_path / "again.toml").scene.rotor.speeds == load(scene).scene.rotor.speeds
+    assert load("again.toml").scene.rotor.speeds == parse(scene).rotor.speeds
 
 
-def test_a_run_says_its_speeds_first_and_remarks(structure: Scene, spindamp: Command, tmp_path: Path) -> None:
-    bare = spindamp("ringdown", write(changed(structure, rotor__speeds=[1000]), tmp_path / "scene.toml")).out
+def test_a_run_says_its_speeds_first_and_remarks(structure, spindamp, tmp_path):
+    bare = spindamp("ringdown", changed(structure, rotor__speeds=[1000])).out
     assert bare.splitlines()[0] == "A known structure: 9549.3 rpm"
     assert bare.splitlines()[1] == "Speeds without a unit are in rad/s: 1000 is 9549.3 rpm. Was '1000 rpm' meant?"
     assert bare.count("without a unit") == 1
     written = spindamp("run", "scene.toml", "--out", "out").out
     assert written.splitlines()[1] == bare.splitlines()[1]
-    assert "without a unit" in json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["notes"][0]
-    assert spindamp("campbell", "campbell").out.startswith(
+    assert "without a unit" in stored(tmp_path / "out" / "results.json")["notes"][0]
+    many = changed(shipped_scene("campbell"), rotor__modes=2, accuracy__frequency=0.05)
+    assert spindamp("campbell", many).out.startswith(
         "Campbell diagram of the paper's plate: 36 speeds from 0 to 17500 rpm\n"
     )
 
 
-def test_where_nothing_is_left_the_speeds_are_asked_about(paper: Scene, spindamp: Command, tmp_path: Path) -> None:
+def test_where_nothing_is_left_the_speeds_are_asked_about(paper, spindamp):
     changes = {"rotor__stagger": "90 deg", "effects__stress_stiffening": False}
-    scene = write(changed(paper, rotor__speeds=[6000], **changes), tmp_path / "scene.toml")
-    done = spindamp("campbell", scene)
+    done = spindamp("campbell", changed(paper, rotor__speeds=[6000], **changes))
     warning, _, message = done.err.partition("\n")
     assert "WARNING" in warning
     refused(replace(done, err=message), "", "Was '6000 rpm' meant?", status=3)
 
 
-def test_release_alternatives(paper: Scene) -> None:
+def test_release_alternatives(paper):
     scene = parse(changed(paper, release={"acceleration": ["6000 g", 5.0]}))
     assert scene.release.acceleration == (60_000.0, 5.0)
     default = parse(changed(paper, rotor__gravity=None, release={"acceleration": ["1 g", "0 g"]}))
@@ -113,7 +103,7 @@ def test_release_alternatives(paper: Scene) -> None:
     assert parse(changed(paper, release={"ratio": 0.3, "cycles": 20})).release is not None
 
 
-def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() -> None:
+def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves():
     """By hand: mu_r / r of the load, in the frequency with the ball stuck, 1.5 times; at rest, by the gap of 5/7 u."""
     scene = changed(KNOWN, release=None, rotor__speeds=["0 rpm", "3500 rpm", "10000 rpm"])
     assert parse(changed(scene, release={"cycles": 20})).release == Release(cycles=20)
@@ -124,13 +114,13 @@ def test_a_scene_without_a_release_lets_the_structure_go_where_the_ball_moves() 
         assert point.damper.events > 0
 
 
-def test_a_plate_may_have_every_theory_that_there_is() -> None:
+def test_a_plate_may_have_every_theory_that_there_is():
     known = get_args(Plate.model_fields["theory"].annotation)
     assert sorted(known) == sorted(("auto", *THEORIES))
 
 
 @pytest.mark.parametrize("name", shipped())
-def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
+def test_resolved_scene_is_a_scene_that_means_the_same(name):
     scene = load(name).scene
     decided = selection.resolve(scene)
     theory = None if scene.plate is None else model_choice.chosen_theory(scene)[0]
@@ -139,17 +129,16 @@ def test_resolved_scene_is_a_scene_that_means_the_same(name: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def published() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(PUBLISHED.read_text(encoding="utf-8"))
-    return found
+def published():
+    return stored(PUBLISHED)
 
 
-def test_published_schema_comes_from_the_model(published: dict[str, Any]) -> None:
+def test_published_schema_comes_from_the_model(published):
     assert published == schema(), "run python -m workflows.scene.load"
     jsonschema.Draft202012Validator.check_schema(published)
 
 
-def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit(published: dict[str, Any]) -> None:
+def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit(published):
     found = published
     keys = {(name, key): entry for name, table in found["$defs"].items() for key, entry in table["properties"].items()}
     keys |= {("", key): entry for key, entry in found["properties"].items()}
@@ -169,15 +158,13 @@ def test_every_key_of_the_schema_says_what_it_is_and_in_what_unit(published: dic
 @pytest.mark.parametrize(
     ("material", "valid"), [({"name": "steel"}, True), ({}, False), ({"name": "stel"}, False), ({"density": 1}, False)]
 )
-def test_the_schema_knows_both_ways_to_give_a_material(
-    material: Scene, valid: bool, paper: Scene, published: dict[str, Any]
-) -> None:
+def test_the_schema_knows_both_ways_to_give_a_material(material, valid, paper, published):
     scene = changed(paper, material=material)
     assert jsonschema.Draft202012Validator(published).is_valid(scene) is valid
 
 
 @pytest.mark.parametrize("name", shipped())
-def test_shipped_scenes_meet_the_published_schema(name: str, published: dict[str, Any]) -> None:
+def test_shipped_scenes_meet_the_published_schema(name, published):
     scene = shipped_scene(name)
     validator = jsonschema.Draft202012Validator(published)
     validator.validate(scene)
@@ -185,7 +172,7 @@ def test_shipped_scenes_meet_the_published_schema(name: str, published: dict[str
         validator.validate(changed(scene, rotor__sped=1))
 
 
-def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
+def test_rules_of_effects(paper, structure):
     decided = selection.resolve(parse(changed(paper, effects=None)))
     on = {name for name, effect in decided.items() if effect.on}
     plate = {"stress_stiffening", "spin_softening", "coriolis", "rotary_inertia"}
@@ -213,7 +200,7 @@ def test_rules_of_effects(paper: Scene, structure: Scene) -> None:
         (1e-4, 5000, True, "0.04 %"),
     ],
 )
-def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rpm: float, on: bool, moved: str) -> None:
+def test_coriolis_is_called_for_where_it_shows(paper, accuracy, rpm, on, moved):
     """It lowers the lag mode at 17500 rpm by 0.43 %; a rule without modes says 0.5; with the square of the speed."""
     scene = changed(paper, rotor__speeds=[f"{rpm} rpm"], accuracy={"frequency": accuracy})
     effect = selection.resolve(parse(scene))["coriolis"]
@@ -222,7 +209,7 @@ def test_coriolis_is_called_for_where_it_shows(paper: Scene, accuracy: float, rp
 
 
 @pytest.mark.parametrize(("thickness", "hub", "moved"), [("14.2 mm", "10 cm", "1 %"), ("14.8 mm", "0 m", "1.8 %")])
-def test_coriolis_is_called_for_where_modes_nearly_coincide(paper: Scene, thickness: str, hub: str, moved: str) -> None:
+def test_coriolis_is_called_for_where_modes_nearly_coincide(paper, thickness, hub, moved):
     """Twist and lag of a steel plate in the plane of rotation: it moves them by 0.77 and 1.8 %, flap by 0.09 %."""
     steel = {"youngs_modulus": 2e11, "poissons_ratio": 0.3, "density": 7850}
     scene = changed(paper, damper=None, release=None, material=steel, plate__theory="auto", plate__thickness=thickness)
@@ -233,7 +220,7 @@ def test_coriolis_is_called_for_where_modes_nearly_coincide(paper: Scene, thickn
     assert not selection.resolve(parse(changed(scene, rotor__modes=1)))["coriolis"].on
 
 
-def frequencies(scene: Any, switches: fem.Effects) -> np.ndarray | None:
+def frequencies(scene, switches):
     """The six lowest with these effects; None where the plate diverges."""
     given, metal = scene.plate, scene.material
     material = fem.Material(metal.youngs_modulus, metal.poissons_ratio, metal.density)
@@ -245,7 +232,7 @@ def frequencies(scene: Any, switches: fem.Effects) -> np.ndarray | None:
         return None
 
 
-def test_what_is_left_out_moves_no_frequency_by_more_than_the_accuracy() -> None:
+def test_what_is_left_out_moves_no_frequency_by_more_than_the_accuracy():
     """Random plates at one speed each, on a mesh finer than the one it was decided on."""
     left_out = 0
     for seed in range(5):
@@ -261,8 +248,8 @@ def test_what_is_left_out_moves_no_frequency_by_more_than_the_accuracy() -> None
     assert left_out > 5
 
 
-def test_the_length_of_a_mesh_is_read() -> None:
-    source = load(Path(__file__).parents[2] / "meshes" / "blade.toml")
+def test_the_length_of_a_mesh_is_read():
+    source = load(MESHES / "blade.toml")
     form = plate_mesh.planform(source)
     assert form.sides[0] == pytest.approx(0.25)
     assert "requested" in selection.resolve(source.scene, source.name, form)["coriolis"].why
@@ -270,14 +257,14 @@ def test_the_length_of_a_mesh_is_read() -> None:
         selection.resolve(source.scene)
 
 
-def test_switches_override_the_rules(paper: Scene) -> None:
+def test_switches_override_the_rules(paper):
     decided = selection.resolve(parse(changed(paper, effects={"stress_stiffening": False, "spin_softening": True})))
     assert not decided["stress_stiffening"].on
     assert "switched off by the scene" in decided["stress_stiffening"].why
     assert decided["spin_softening"].why == "requested by the scene"
 
 
-def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
+def test_large_deflection_goes_with_stress_stiffening(paper):
     off = {"stress_stiffening": False}
     bent = selection.resolve(parse(changed(paper, rotor__stagger="30 deg", effects=off)))["large_deflection"]
     assert (bent.on, bent.why) == (False, "it is part of stress_stiffening, which is off")
@@ -287,52 +274,46 @@ def test_large_deflection_goes_with_stress_stiffening(paper: Scene) -> None:
 
 
 @pytest.mark.parametrize("command", [["run", "--json"], ["campbell", "--json"], ["check"]])
-def test_a_mesh_file_is_read_once(
-    command: list[str], paper: Scene, spindamp: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_mesh_file_is_read_once(command, paper, spindamp, monkeypatch):
     """What a big mesh costs to read is paid once, and all of a run is about one state of the file.
 
     It is split all the same: to know how good it is takes one that is finer.
     """
-    from fem.meshes import read as meshfile
-
-    mesh, few = ROOT / "meshes" / "plate_coarse.msh", {"rotor__modes": 2, "release__cycles": 2}
-    scene = on_mesh(paper, mesh, rotor__speeds=["3500 rpm"], **few)
-    path = write(scene, tmp_path / "scene.toml")
+    few = {"rotor__speeds": ["3500 rpm"], "rotor__modes": 2, "release__cycles": 2}
+    scene = on_mesh(paper, MESHES / "plate_coarse.msh", **few)
     reads, read = [], meshfile.read_field
     monkeypatch.setattr(meshfile, "read_field", lambda *given: reads.append(given) or read(*given))
-    outcome = spindamp(*command, path)
+    outcome = spindamp(*command, scene)
     assert outcome.status == 0, outcome.err
     assert len(reads) == 1
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "meshes").glob("*.toml")), ids=lambda path: path.stem)
-def test_scenes_with_meshes_are_solved(path: Path) -> None:
+@pytest.mark.parametrize("path", sorted(MESHES.glob("*.toml")), ids=lambda path: path.stem)
+def test_scenes_with_meshes_are_solved(path):
     """The mesh is found beside the scene, split until it is fine enough, and says so."""
     source = load(path)
     at_rest = source.changed(rotor={"speeds": (0.0,)}, damper=None, release=None, accuracy={"frequency": 0.05})
-    results = pipeline.run(at_rest, Stages(visible=False))
+    results = pipeline.run(at_rest, QUIET)
     assert path.stem in results.diagram.mesh
     parts = [mode.error_parts for mode in results.speeds[0].modes if mode.error_parts is not None]
     assert len(parts) == 6
     assert all(part.mesh is not None and 0 < part.mesh <= 0.05 for part in parts)
 
 
-def test_every_key_has_a_definition_and_every_definition_a_key() -> None:
+def test_every_key_has_a_definition_and_every_definition_a_key():
     assert [*plate.EFFECTS, *ball.EFFECTS] == list(Effects.model_fields) == list(EFFECTS)
     assert {kind.of for kind in plate.EFFECTS.values()} == {"plate"}
     assert {kind.of for kind in ball.EFFECTS.values()} == {"damper"}
 
 
-@pytest.mark.parametrize("name", EFFECTS)
-def test_words_of_an_effect_are_its_own(name: str) -> None:
-    words = [kind.word for kind in EFFECTS.values()]
-    assert words.count(EFFECTS[name].word) == 1
-    assert EFFECTS[name].part_of in {"", *EFFECTS}
-    assert set(EFFECTS[name].after) <= EFFECTS.keys() - {name}
+def test_words_of_an_effect_are_its_own():
+    assert len({kind.word for kind in EFFECTS.values()}) == len(EFFECTS)
+    for name, kind in EFFECTS.items():
+        assert kind.part_of in {"", *EFFECTS}
+        assert set(kind.after) <= EFFECTS.keys() - {name}
 
 
-def test_a_ball_that_slips_is_not_said_to_roll(structure: Scene) -> None:
+def test_a_ball_that_slips_is_not_said_to_roll(structure):
     """What is taken for granted goes with the effects."""
     for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
         found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))

@@ -2,15 +2,13 @@
 
 import re
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.workflows.conftest import Command, Scene, changed, refused, shipped_scene, write
+from tests.workflows.conftest import changed, refused, shipped_scene, write
 from tests.workflows.test_blades import TAPER
 from workflows import pipeline
 from workflows.errors import BadInput
@@ -19,15 +17,15 @@ from workflows.scene.load import parse
 from workflows.studies.sweep import study
 
 REFUSED = tomllib.loads(Path(__file__).with_name("wrong_scenes.toml").read_text(encoding="utf-8"))
-SCENES: dict[str, Scene] = {"taper": TAPER}
+SCENES = {"taper": TAPER}
 SCENES |= {name: shipped_scene(name) for name in ("paper", "structure")}
 
 
 @pytest.fixture
-def wrong(spindamp: Command, tmp_path: Path) -> Callable[..., str]:
+def wrong(spindamp, tmp_path):
     """Write a scene and have it refused, with the file, the key and a message; nothing is written."""
 
-    def call(scene: Scene, key: str, message: str, *command: str) -> str:
+    def call(scene, key, message, *command):
         path = write(scene, tmp_path / "bad.toml")
         said = refused(spindamp(*(command or ("run", "--out", "out")), path), f"{path}: {key}", message)
         assert list(tmp_path.iterdir()) == [path]
@@ -36,7 +34,7 @@ def wrong(spindamp: Command, tmp_path: Path) -> Callable[..., str]:
     return call
 
 
-def test_every_unknown_key_is_named(paper: Scene, wrong: Callable[..., str]) -> None:
+def test_every_unknown_key_is_named(paper, wrong):
     """In one line, with what was probably meant; what is missing for their sake is not said as well."""
     changes = {"plate__lenght": "20 cm", "rotor__rpm": 3, "damper__diameter": "2 mm", "accuracy__frequenzy": 1e-3}
     changes |= {"plate__length": None, "damper__radius": None, "wings": {"a": 1}, "colour": "red"}
@@ -53,19 +51,19 @@ def test_every_unknown_key_is_named(paper: Scene, wrong: Callable[..., str]) -> 
     assert "more" not in error
 
 
-def test_a_thousand_unknown_keys_are_counted(paper: Scene, wrong: Callable[..., str]) -> None:
+def test_a_thousand_unknown_keys_are_counted(paper, wrong):
     scene = changed(paper, plate={f"{'x' * 500}{i}": 1 for i in range(1000)})
     assert len(wrong(scene, "[plate] xxx", "and 979 more", "check")) < 3000
 
 
 @pytest.mark.parametrize(("base", "case"), [(base, case) for base, cases in REFUSED.items() for case in cases])
-def test_wrong_scene(base: str, case: dict[str, Any], wrong: Callable[..., str]) -> None:
+def test_wrong_scene(base, case, wrong):
     changes = case.get("change", {}) | dict.fromkeys(case.get("without", ()))
     scene = changed(SCENES[base], **{key.replace(".", "__"): value for key, value in changes.items()})
     wrong(scene, case["key"], case["says"])
 
 
-def test_every_error_is_named(structure: Scene) -> None:
+def test_every_error_is_named(structure):
     wrong = changed(structure, rotor__speeds=["60 Hz"], damper__friction=-1, damper__restitution=2)
     with pytest.raises(BadInput) as found:
         parse(wrong)
@@ -75,7 +73,7 @@ def test_every_error_is_named(structure: Scene) -> None:
     assert "more)" not in said
 
 
-def test_a_place_on_the_edge_has_no_room(paper: Scene) -> None:
+def test_a_place_on_the_edge_has_no_room(paper):
     with pytest.raises(BadInput, match="no room for a cavity") as found:
         parse(changed(paper, damper__at=["20 cm", "4 cm"]))
     assert "[damper] at" in str(found.value)
@@ -83,7 +81,7 @@ def test_a_place_on_the_edge_has_no_room(paper: Scene) -> None:
 
 
 @pytest.mark.parametrize(("asked", "taken"), [(1e-14, False), (0.9e-10, False), (1e-10, True)])
-def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool, paper: Scene) -> None:
+def test_no_more_is_asked_than_double_precision_gives(asked, taken, paper):
     scene = changed(paper, accuracy={"frequency": asked})
     if taken:
         assert parse(scene).accuracy.frequency == asked
@@ -95,11 +93,11 @@ def test_no_more_is_asked_than_double_precision_gives(asked: float, taken: bool,
 @pytest.mark.parametrize(
     ("length", "width", "said"), [(30, 200, True), (30, 61, True), (30, 59, False), (200, 30, False)]
 )
-def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length: float, width: float, said: bool) -> None:
+def test_a_mesh_clamped_along_its_long_edge_is_remarked_on(length, width, said):
     points = 1e-3 * np.array([[0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]])
     plate = SimpleNamespace(mesh="m.msh", length=None, thickness=0.01)
     scene = SimpleNamespace(plate=plate, blade=None, damper=None, ball_count=1)
-    found: Any = SimpleNamespace(scene=scene, surface=SimpleNamespace(points=points), speeds=())
+    found = SimpleNamespace(scene=scene, surface=SimpleNamespace(points=points), speeds=())
     note = remarks.wide(found)
     assert (note is not None) is said
     if note is not None:

@@ -1,23 +1,21 @@
 """Speeds that are solved beside those asked for, so that modes can be followed: only as many as they are worth."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import Scene, changed
+from tests.workflows.conftest import changed
 
 
 @pytest.fixture
-def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+def bases(monkeypatch):
     """How many speeds each reduced basis that is grown is for."""
     from fem.sweep import reduced_basis as adaptive
 
-    speeds: list[int] = []
+    speeds = []
     plain = adaptive.grow
 
-    def counted(question: Any, omega: np.ndarray, *arguments: Any) -> Any:
+    def counted(question, omega, *arguments):
         speeds.append(omega.size)
         return plain(question, omega, *arguments)
 
@@ -25,7 +23,7 @@ def bases(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return speeds
 
 
-def test_two_speeds_far_apart_take_no_hundred(paper: Scene, bases: list[int]) -> None:
+def test_two_speeds_far_apart_take_no_hundred(paper, bases):
     """The first frequency grows fiftyfold between them: no one basis answers what lies between."""
     thin = {"plate__thickness": "0.3 mm", "plate__theory": "mindlin", "accuracy__frequency": 0.05}
     scene = changed(paper, **thin, rotor__speeds=["0 rpm", "17500 rpm"], damper=None, release=None)
@@ -35,7 +33,7 @@ def test_two_speeds_far_apart_take_no_hundred(paper: Scene, bases: list[int]) ->
     assert [mode.branch for mode in fast.modes[:2]] == [0, 1]
 
 
-def test_steps_between_speeds_grow_with_the_stiffness() -> None:
+def test_steps_between_speeds_grow_with_the_stiffness():
     """Where modes are stiffened much, their squared frequencies grow by like factors from step to step."""
     from workflows.solve.structure import steps
 

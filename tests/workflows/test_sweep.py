@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.stats import qmc
+from scipy.stats import norm, qmc
 
 import spindamp
 from tests.workflows.browser import findings
-from tests.workflows.conftest import changed, shipped_scene, write
+from tests.workflows.conftest import ROOT, changed, refused, shipped_scene, stored
 from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.report import plots
@@ -72,9 +72,8 @@ HUGE = 10**9
 def test_a_sweep_that_no_machine_would_end_is_refused_first(spindamp, tmp_path, vary, sampled, points):
     """With four speeds, unless they are varied; the values of a key are not computed before."""
     speeds = {"start": "1000 rpm", "stop": "4000 rpm", "count": 4}
-    write(changed(shipped_scene("paper"), rotor__speeds=speeds), tmp_path / "scene.toml")
     options = [each for text in vary for each in ("--vary", text)]
-    done = spindamp("sweep", "scene.toml", *options, *sampled, "--out", "out")
+    done = spindamp("sweep", changed(shipped_scene("paper"), rotor__speeds=speeds), *options, *sampled, "--out", "out")
     assert done.status == 2
     assert f"expected at most 10000000 points, all speeds counted, not {points}" in " ".join(done.err.split())
     assert not (tmp_path / "out").exists()
@@ -103,10 +102,11 @@ def test_what_says_the_same_is_varied_once(pair):
 
 def test_the_key_that_another_takes_the_place_of():
     scene = load("paper").scene
-    replaced = {name: axes.find(name, "--vary").replaced(scene) for name in ("damper.mass", "damper.ball_material")}
-    assert set(replaced.values()) == {"damper.mass_ratio"}
-    for name in ("damper.mass_ratio", "damper.radius", "rotor.speeds", "material.density"):
-        assert axes.find(name, "--vary").replaced(scene) is None
+    for names, replaced in (
+        (("damper.mass", "damper.ball_material"), "damper.mass_ratio"),
+        (("damper.mass_ratio", "damper.radius", "rotor.speeds", "material.density"), None),
+    ):
+        assert {axes.find(name, "--vary").replaced(scene) for name in names} == {replaced}
 
 
 @pytest.mark.usefixtures("no_workers")
@@ -119,10 +119,9 @@ def test_what_is_replaced_is_said_first(spindamp):
 
 
 def test_every_key_of_the_schema_is_known():
-    published = json.loads((SHIPPED.parent / "scene.schema.json").read_text(encoding="utf-8"))
-    tables = {name: published["$defs"][name.capitalize()] for name in ("plate", "rotor", "damper", "release")}
-    for name, table in tables.items():
-        assert {f"{name}.{key}" for key in table["properties"]} <= set(axes.every())
+    published = stored(SHIPPED.parent / "scene.schema.json")["$defs"]
+    for name in ("plate", "rotor", "damper", "release"):
+        assert {f"{name}.{key}" for key in published[name.capitalize()]["properties"]} <= set(axes.every())
 
 
 def scene_with(name, **values):
@@ -169,8 +168,6 @@ def test_a_grid_puts_plates_first_and_speeds_last():
 
 
 def test_a_normal_distribution_has_its_quantiles():
-    from scipy.stats import norm
-
     spread = axis("damper.friction=normal:0.3:0.05").spread
     inner = norm.cdf(3) - norm.cdf(-3)
     shares = (norm.cdf([-1, 0, 1]) - norm.cdf(-3)) / inner
@@ -258,29 +255,25 @@ def test_a_sample_has_its_keys_as_coordinates(here):
 
 
 def test_nothing_to_vary():
-    with pytest.raises(BadInput, match="nothing is varied"):
-        study.of_scene("structure", {})
-    with pytest.raises(BadInput, match="needs its COUNT"):
-        study.of_scene("structure", ["damper.friction=0:1"])
-    with pytest.raises(BadInput, match=r"no \[plate\]"):
-        study.of_scene("structure", ["plate.thickness=5 mm,6 mm"])
-    with pytest.raises(BadInput, match="sweep needs a damper"):
-        study.of_scene("campbell", ["rotor.modes=4,5"])
+    for scene, varied, says in (
+        ("structure", {}, "nothing is varied"),
+        ("structure", ["damper.friction=0:1"], "needs its COUNT"),
+        ("structure", ["plate.thickness=5 mm,6 mm"], r"no \[plate\]"),
+        ("campbell", ["rotor.modes=4,5"], "sweep needs a damper"),
+    ):
+        with pytest.raises(BadInput, match=says):
+            study.of_scene(scene, varied)
 
 
 @pytest.mark.usefixtures("no_workers")
 def test_from_the_command_line(spindamp, tmp_path):
     vary = ("--vary", "damper.friction=0.1:0.3:2", "--vary", "damper.clearance=0.2 mm:1 mm:2")
-    done = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
-    assert done.status == 0, done.err
-    assert json.loads(done.out) == json.loads((tmp_path / "out" / "sweep.json").read_text(encoding="utf-8"))
+    command = ("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", "out")
+    found = spindamp.json(*command)
+    assert found == stored(tmp_path / "out" / "sweep.json") == spindamp.json(*command)
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").count("<svg") >= 1
     assert findings(tmp_path / "out" / "report.html") == []
-    again = spindamp("sweep", "structure", *vary, "--quick", "--workers", "1", "--out", tmp_path / "out", "--json")
-    assert (again.status, again.out) == (0, done.out)
-    wrong = spindamp("sweep", "structure", "--vary", "damper.frictoin=1,2")
-    assert wrong.status == 2
-    assert "did you mean 'damper.friction'?" in wrong.err
+    refused(spindamp("sweep", "structure", "--vary", "damper.frictoin=1,2"), "", "did you mean 'damper.friction'?")
 
 
 @pytest.mark.usefixtures("no_workers")
@@ -313,7 +306,7 @@ def test_lengths_that_may_be_meant_are_taken(varied):
 
 
 def test_a_quick_sweep_promises_the_same_in_python_as_in_the_guide():
-    guide = Path(__file__).parents[2].joinpath("docs", "guide", "sweeps.md").read_text(encoding="utf-8")
+    guide = (ROOT / "docs" / "guide" / "sweeps.md").read_text(encoding="utf-8")
     for text in (guide, spindamp.sweep.__doc__):
         said_of_it = " ".join(text.split())
         for promise in (
@@ -509,10 +502,9 @@ def test_the_cutoff_depends_on_rolling_friction_alone(here):
 
 @pytest.mark.usefixtures("no_workers")
 def test_uncertain_from_the_command_line(spindamp, tmp_path):
-    arguments = ("--uncertain", "--sample", 8, "--quick", "--workers", 1, "--out", tmp_path / "out", "--json")
-    done = spindamp("sweep", "structure", "--vary", "damper.restitution=normal:0.5:0.05", *arguments)
-    assert done.status == 0, done.err
-    (entry, *_) = json.loads(done.out)["uncertain"]
+    arguments = ("--uncertain", "--sample", 8, "--quick", "--workers", 1, "--out", "out")
+    found = spindamp.json("sweep", "structure", "--vary", "damper.restitution=normal:0.5:0.05", *arguments)
+    (entry, *_) = found["uncertain"]
     assert entry["quantity"] == "damping_ratio_peak"
     assert entry["percentiles"]["5.0"] < entry["percentiles"]["95.0"]
     assert "worth measuring" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

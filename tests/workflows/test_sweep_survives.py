@@ -13,12 +13,10 @@ import pytest
 import xarray as xr
 import zarr
 
-from tests.workflows.conftest import python
+from tests.workflows.conftest import QUIET, python
 from workflows.errors import BadInput
 from workflows.io import folder
-from workflows.progress import Stages
 from workflows.studies.sweep import evaluate, executor, store, study
-from workflows.studies.sweep.evaluate import Rows
 from workflows.studies.sweep.executor import Workers
 
 VARY = {"damper.friction": [0.1, 0.2, 0.4], "damper.restitution": [0.3, 0.6]}
@@ -31,7 +29,7 @@ COORDINATES, ARRAYS = 4, len(evaluate.QUANTITIES) + 2
 """Writings before the first block, and those of each block."""
 
 
-COMPUTED: dict[tuple[int, int], Rows] = {}
+COMPUTED = {}
 """The rows of each region of the one study here, which are computed once for all tests."""
 
 
@@ -84,7 +82,7 @@ def asked():
 
 
 def complete(asked, out, executor=None, size=2):
-    study.complete(asked, out, workers_of(executor or Here(), size), Stages(visible=False))
+    study.complete(asked, out, workers_of(executor or Here(), size), QUIET)
     return contents(out)
 
 
@@ -331,14 +329,14 @@ def test_a_cluster_gives_the_same_bits(asked, undisturbed, tmp_path):
     distributed = pytest.importorskip("distributed")
     how = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": ":0"}
     with distributed.LocalCluster(**how) as cluster:
-        study.complete(asked, tmp_path / "out", executor.cluster(cluster.scheduler_address), Stages(visible=False))
+        study.complete(asked, tmp_path / "out", executor.cluster(cluster.scheduler_address), QUIET)
     assert contents(tmp_path / "out") == undisturbed
 
 
 def test_no_cluster(asked, tmp_path):
     pytest.importorskip("distributed")
     with pytest.raises(BadInput, match="no scheduler answers there"):
-        study.complete(asked, tmp_path / "out", executor.cluster("nonsense://there:1"), Stages(visible=False))
+        study.complete(asked, tmp_path / "out", executor.cluster("nonsense://there:1"), QUIET)
 
 
 def test_processes_give_the_same_bits_to_a_script_without_a_guard(in_parts, tmp_path):

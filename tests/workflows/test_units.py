@@ -24,11 +24,11 @@ TABLES = tomllib.loads(Path(__file__).with_name("units.toml").read_text(encoding
     ("value", "kind", "expected", "error"),
     [*((*case, 1e-15) for case in TABLES["right"]), *((*case, 1e-13) for case in TABLES["customary"])],
 )
-def test_reads(value: object, kind: str, expected: float, error: float) -> None:
+def test_reads(value, kind, expected, error):
     assert to_si(value, getattr(quantities, kind)) == pytest.approx(expected, rel=error)
 
 
-def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
+def test_g_is_gravity_in_loads_and_gram_in_masses():
     assert to_si("6000 g", quantities.LOAD, gravity=10.0) == 60_000
     assert to_si("6000 g", quantities.MASS) == 6
     with pytest.raises(UnitError):
@@ -39,18 +39,18 @@ def test_g_is_gravity_in_loads_and_gram_in_masses() -> None:
     ("value", "kind", "message"),
     [*TABLES["wrong"], (10**400, "LENGTH", "finite"), (None, "LENGTH", "expected a length")],
 )
-def test_refuses(value: object, kind: str, message: str) -> None:
+def test_refuses(value, kind, message):
     with pytest.raises(UnitError, match=message.replace("(", "\\(")):
         to_si(value, getattr(quantities, kind))
 
 
 @given(st.floats(1e-6, 1e9) | st.floats(-1e9, -1e-6) | st.just(0.0))
-def test_a_unit_is_a_factor(number: float) -> None:
+def test_a_unit_is_a_factor(number):
     assert to_si(f"{number!r} mm", quantities.LENGTH) == pytest.approx(1e-3 * number, rel=1e-15)
 
 
 @given(st.text(max_size=40))
-def test_any_text_is_read_or_refused(text: str) -> None:
+def test_any_text_is_read_or_refused(text):
     try:
         value = to_si(text, quantities.LENGTH)
     except UnitError:
@@ -59,7 +59,7 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize(("unit", "si"), quantities._FACTORS)
-def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
+def test_the_factors_at_hand_are_those_of_pint(unit, si):
     assert quantities._FACTORS[unit, si] == quantities._by_pint(unit, si)
 
 
@@ -75,12 +75,12 @@ def test_the_factors_at_hand_are_those_of_pint(unit: str, si: str) -> None:
         (0.12136, "12.136"),
     ],
 )
-def test_a_loss_that_rounds_to_nothing_has_no_sign(share: float, said: str) -> None:
+def test_a_loss_that_rounds_to_nothing_has_no_sign(share, said):
     """One below 0 that is more than what rounding leaves keeps its digits."""
     assert formatting.percent(share, 3) == said
 
 
-def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
+def test_a_ratio_beside_one_is_not_rounded_to_it():
     assert [formatting.beside(ratio, 1) for ratio in (2.345, 1.043, 1.0004, 0.997)] == [
         "2.3",
         "1.04",
@@ -96,7 +96,7 @@ def test_a_ratio_beside_one_is_not_rounded_to_it() -> None:
     assert "), and at 1 further place, modes change" in said
 
 
-def test_what_is_compared_reads_otherwise() -> None:
+def test_what_is_compared_reads_otherwise():
     """What Coriolis forces move is just above what is asked for: 2 (2 Omega L / (pi c))², twice in one digit."""
     source = load("paper")
     wave = math.sqrt(182.6e9 / 7850.0)
@@ -112,7 +112,7 @@ def test_what_is_compared_reads_otherwise() -> None:
     assert said.startswith("Mode 1 is accurate to 0.1004 % (")
 
 
-def test_a_range_without_width_is_one_value() -> None:
+def test_a_range_without_width_is_one_value():
     assert formatting.span(3.204, 3.196) == "3.2"
     assert formatting.interval("2", "3", " and ", "between ", "at ") == "between 2 and 3"
     assert formatting.revolutions([366.5191, 366.5192, 366.5191, 366.5192, 366.5191]) == "5 speeds at 3500 rpm"
@@ -128,5 +128,5 @@ def test_a_range_without_width_is_one_value() -> None:
 
 
 @pytest.mark.parametrize(("value", "said"), [(-0.4, "0"), (-0.6, "−1"), (-12345.0, "−12\u2009345"), (-0.0, "0")])
-def test_no_whole_number_is_minus_nothing(value: float, said: str) -> None:
+def test_no_whole_number_is_minus_nothing(value, said):
     assert formatting.fixed(value) == said

@@ -3,10 +3,8 @@
 import base64
 import json
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import meshio
 import meshlane
@@ -16,39 +14,37 @@ import pytest
 from fem import modal_model
 from fem.meshes.cells import cell, edges_of
 from tests.workflows.browser import VIEWER, driven, findings, needs_chromium
-from tests.workflows.conftest import Command, Scene, changed, refused, shipped_scene, write
+from tests.workflows.conftest import MESHES, changed, refused, shipped_scene, write
 from workflows.cli.main import main
 from workflows.report import figures, mode_viewer, viewer
 from workflows.report.page import load_results
 from workflows.solve.results import Surface
 
-MESHES = Path(__file__).parents[2] / "meshes"
 KNOWN = Path(__file__).parents[1] / "fem" / "data" / "plate_paper_0.frd.gz"
 SIDE = 0.1
 
 
 @pytest.fixture(autouse=True)
-def _no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+def _no_screen(monkeypatch):
     monkeypatch.setattr(mode_viewer, "screen_exists", lambda: False)
 
 
 @pytest.fixture
-def plain(paper: Scene, tmp_path: Path) -> Path:
+def plain(paper):
     """A scene whose plate is soon solved."""
-    soon = changed(paper, rotor__speeds=["3000 rpm", "9000 rpm"], rotor__modes=3, accuracy={"frequency": 0.05})
-    return write(soon, tmp_path / "scene.toml")
+    return changed(paper, rotor__speeds=["3000 rpm", "9000 rpm"], rotor__modes=3, accuracy={"frequency": 0.05})
 
 
-def mesh_file(path: Path, points: list[list[float]], cells: list[list[int]]) -> Path:
+def mesh_file(path, points, cells):
     kind = "triangle" if len(cells[0]) == 3 else "quad"
     meshio.write(path, meshio.Mesh(np.array([[*p, 0.0] for p in points]), [(kind, np.array(cells))]))
     return path
 
 
-def test_two_triangles_by_hand(spindamp: Command, tmp_path: Path) -> None:
+def test_two_triangles_by_hand(spindamp, tmp_path):
     """An isosceles right triangle has angles of 45°, 45° and 90°, and a longest side √2 times its shortest."""
     square = mesh_file(tmp_path / "square.vtu", [[0, 0], [SIDE, 0], [SIDE, SIDE], [0, SIDE]], [[0, 1, 2], [0, 2, 3]])
-    found = json.loads(spindamp("view", square, "--json").out)
+    found = spindamp.json("view", square)
     assert (found["kind"], found["cells"], found["points"], found["holes"]) == ("triangle", 2, 4, 0)
     assert found["extent"] == {"x": [0.0, SIDE], "y": [0.0, SIDE]}
     assert found["root"] == {"x": 0.0, "edges": 1, "length": pytest.approx(SIDE)}
@@ -61,22 +57,22 @@ def test_two_triangles_by_hand(spindamp: Command, tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.html")), "--json writes nothing that was not asked for"
 
 
-def test_what_is_shown_is_said_to_programs(spindamp: Command, plain: Path) -> None:
+def test_what_is_shown_is_said_to_programs(spindamp, plain):
     """The damper is at the middle of the tip of 20 cm."""
-    found = json.loads(spindamp("view", plain, "--rpm", 9000, "--mode", 2, "--out", "shown.html", "--json").out)
+    found = spindamp.json("view", plain, "--rpm", 9000, "--mode", 2, "--out", "shown.html")
     assert (found["file"], found["rpm"], found["mode"]) == ("shown.html", pytest.approx(9000), 2)
     assert Path(found["file"]).is_file()
     assert found["damper"] == pytest.approx([0.2, 0.0])
 
 
-def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
+def test_a_sharp_cell_is_counted(spindamp, tmp_path):
     """A triangle of base 1 and height 0.1 in its middle has two angles of atan 0.2 = 11.3° and one of 157.4°."""
     flat = mesh_file(
         tmp_path / "flat.vtu",
         [[0, 0], [0, 1], [0.1, 0.5], [1, 0], [1, 1]],
         [[0, 2, 1], [0, 3, 2], [3, 4, 2], [4, 1, 2]],
     )
-    found = json.loads(spindamp("view", flat, "--json").out)["angles"]
+    found = spindamp.json("view", flat)["angles"]
     assert found["least"] == pytest.approx(np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["greatest"] == pytest.approx(180 - 2 * np.degrees(np.arctan(0.2)), rel=1e-9)
     assert found["odd_cells"] == 1
@@ -85,18 +81,12 @@ def test_a_sharp_cell_is_counted(spindamp: Command, tmp_path: Path) -> None:
     assert ": 1 edge, " in told
 
 
-def test_a_mesh_file_as_text_and_picture(spindamp: Command, tmp_path: Path) -> None:
-    outcome = spindamp("view", MESHES / "plate_with_hole.msh")
-    assert outcome.status == 0
-    for words in (
-        "560 triangles, 322 points",
-        "x 0 to 200 mm, y −40 to 40 mm",
-        "80 mm long",
-        "m, an assumption",
-    ):
-        assert words in outcome.out
-    assert "open spindamp-view-plate-with-hole-msh.html" in outcome.out
-    text = (tmp_path / "spindamp-view-plate-with-hole-msh.html").read_text(encoding="utf-8")
+def test_a_mesh_file_as_text_and_picture(spindamp, tmp_path):
+    said, page = spindamp("view", MESHES / "plate_with_hole.msh").out, "spindamp-view-plate-with-hole-msh.html"
+    described = ("560 triangles, 322 points", "x 0 to 200 mm, y −40 to 40 mm", "80 mm long", "m, an assumption")
+    for words in (*described, f"open {page}"):
+        assert words in said
+    text = (tmp_path / page).read_text(encoding="utf-8")
     assert "560 triangles, 322 points" in text
     assert len(text) < 500_000
 
@@ -105,10 +95,10 @@ SOLIDS = {"tetra10": "C3D10", "hexahedron20": "C3D20", "wedge15": "C3D15"}
 
 
 @pytest.mark.parametrize("kind", SOLIDS)
-def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Command, tmp_path: Path) -> None:
+def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind, spindamp, tmp_path):
     """One cell of 100 mm, in mm; the same with its corners in each other's place is none of a blade."""
 
-    def written(nodes: Any) -> Path:
+    def written(nodes):
         rows = "".join(f"{k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(nodes.tolist(), 1))
         numbers = [*map(str, range(1, len(nodes) + 1))]
         cell_lines = f"1, {', '.join(numbers[:10])}{',' * (len(nodes) > 10)}\n{', '.join(numbers[10:])}\n"
@@ -138,7 +128,7 @@ def test_a_mesh_of_a_volume_is_shown_or_named_as_one(kind: str, spindamp: Comman
     refused(spindamp("view", written(nodes)), "", "solid.inp: line 2: node 1 has coordinates that are not finite")
 
 
-def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path) -> None:
+def test_a_mesh_in_millimetres_is_asked_about(spindamp, tmp_path):
     large = mesh_file(tmp_path / "mm.vtu", [[0, 0], [200, 0], [200, 80], [0, 80]], [[0, 1, 2, 3]])
     assert "200 m is long: --unit mm?" in spindamp("view", large, "--out", "page.html").out
     said = spindamp("view", large, "--unit", "mm", "--out", "page.html").out
@@ -146,7 +136,7 @@ def test_a_mesh_in_millimetres_is_asked_about(spindamp: Command, tmp_path: Path)
     assert "mm, as --unit says" in said
 
 
-def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mesh_in_inches_is_taken_as_such(spindamp, tmp_path, monkeypatch):
     """A box of 8 x 1 x 1 inches, which could be one of 8 m, too; each file is read once."""
     nodes = cell("hexahedron20").nodes
     nodes = (nodes - nodes.min(axis=0)) / np.ptp(nodes, axis=0) * [8.0, 1.0, 1.0]
@@ -155,7 +145,7 @@ def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path, mo
     monkeypatch.setattr(meshlane, "read", lambda path: reads.append(path) or read(path))
     assert "taken as m, an assumption: --unit sets" in spindamp("view", "box.vtu", "--out", "page.html").out
     assert len(reads) == 1
-    found = json.loads(spindamp("view", "box.vtu", "--unit", "in", "--json").out)
+    found = spindamp.json("view", "box.vtu", "--unit", "in")
     assert found["unit"] == "in"
     assert found["extent"]["x"] == pytest.approx([0.0, 8 * 0.0254])
     wrong = "box.vtu: --unit = 'um': the mesh measures 8e-06 m in the unit given: are its coordinates in m or mm?"
@@ -164,7 +154,7 @@ def test_a_mesh_in_inches_is_taken_as_such(spindamp: Command, tmp_path: Path, mo
     refused(spindamp("view", "box.vtu"), "box.vtu: --unit: the mesh measures 8e+04 m: expected 2 mm to 20 m")
 
 
-def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, Any], spindamp: Command) -> None:
+def test_a_folder_shows_what_its_run_kept(finished, document, spindamp):
     speed = document["speeds"][2]
     outcome = spindamp("view", finished, "--rpm", speed["rpm"], "--mode", 3, "--out", "page.html")
     assert outcome.status == 0, outcome.err
@@ -181,7 +171,7 @@ def test_a_folder_shows_what_its_run_kept(finished: Path, document: dict[str, An
     assert data["thickness"]["largest"] == document["scene"]["plate"]["thickness"]
 
 
-def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: Command, tmp_path: Path) -> None:
+def test_a_scene_is_solved_at_the_speed_asked_for(plain, spindamp, tmp_path):
     outcome = spindamp("view", plain, "--rpm", 6000, "--out", "page.html")
     assert outcome.status == 0, outcome.err
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -189,9 +179,8 @@ def test_a_scene_is_solved_at_the_speed_asked_for(plain: Path, spindamp: Command
     assert '"rpm":3000' not in text
 
 
-def test_speeds_without_a_unit_are_remarked(plain: Path, spindamp: Command) -> None:
-    scene = tomllib.loads(plain.read_text(encoding="utf-8"))
-    bare = write(changed(scene, rotor__speeds=[200, 3000]), plain)
+def test_speeds_without_a_unit_are_remarked(plain, spindamp):
+    bare = changed(plain, rotor__speeds=[200, 3000])
     said = spindamp("view", bare, "--rpm", 3000, "--out", "page.html").out
     assert re.search(r"^remark +Speeds without a unit are in rad/s: 3000 is 28647\.9 rpm\.", said, re.MULTILINE)
 
@@ -214,34 +203,29 @@ def test_speeds_without_a_unit_are_remarked(plain: Path, spindamp: Command) -> N
         (("paper", "--rpm", "-1"), "--rpm = -1: expected a rotation speed between 0"),
     ],
 )
-def test_what_cannot_be_looked_at(arguments: tuple[object, ...], said: str, spindamp: Command) -> None:
+def test_what_cannot_be_looked_at(arguments, said, spindamp):
     refused(spindamp("view", *arguments), "", said)
     assert not Path("nosuch").exists()
 
 
 @pytest.mark.parametrize(("option", "value"), [("--rpm", 9000), ("--mode", 7), ("--mode", 0)])
-def test_speeds_and_modes_that_a_folder_has_not(finished: Path, spindamp: Command, option: str, value: int) -> None:
+def test_speeds_and_modes_that_a_folder_has_not(finished, spindamp, option, value):
     refused(spindamp("view", finished, option, value), "", f"{option} = {value}")
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_results_without_a_plate(spindamp: Command) -> None:
+def test_results_without_a_plate(spindamp):
     assert spindamp("run", "structure", "--out", "out").status == 0
     assert "without a plate" in spindamp("view", "out").err
 
 
 @pytest.fixture(scope="module")
-def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def turning(tmp_path_factory):
     """The folder of a run whose modes are complex: a plate whose bending is in the plane of rotation."""
     paper = shipped_scene("paper")
-    scene = changed(
-        paper,
-        rotor={"speeds": ["9000 rpm"], "modes": 3, "stagger": "45 deg"},
-        effects={"coriolis": True},
-        accuracy={"frequency": 0.05},
-        damper=None,
-        release=None,
-    )
+    rotor = {"speeds": ["9000 rpm"], "modes": 3, "stagger": "45 deg"}
+    few = {"rotor": rotor, "effects": {"coriolis": True}, "accuracy": {"frequency": 0.05}}
+    scene = changed(paper, **few, damper=None, release=None)
     folder = tmp_path_factory.mktemp("turning")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(figures, "report", lambda _: dict.fromkeys(figures.SHOWN, ""))
@@ -249,7 +233,7 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
+def test_complex_modes_of_a_folder_keep_their_phase(turning):
     """In an undamped gyroscopic mode points lag behind others; a mode without that would move along a fixed shape."""
     view_data = viewer.of(str(turning))
     kept = load_results(turning).surface
@@ -258,10 +242,8 @@ def test_complex_modes_of_a_folder_keep_their_phase(turning: Path) -> None:
     assert data["behind"]
 
 
-def test_a_browser_opens_the_page_where_there_is_a_screen(
-    monkeypatch: pytest.MonkeyPatch, spindamp: Command, tmp_path: Path
-) -> None:
-    opened: list[str] = []
+def test_a_browser_opens_the_page_where_there_is_a_screen(monkeypatch, spindamp, tmp_path):
+    opened = []
     monkeypatch.setattr(mode_viewer, "screen_exists", lambda: True)
     monkeypatch.setattr("webbrowser.open", opened.append)
     outcome = spindamp("view", MESHES / "plate_coarse.msh")
@@ -273,7 +255,7 @@ def test_a_browser_opens_the_page_where_there_is_a_screen(
 
 
 @needs_chromium
-def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
+def test_a_browser_shows_the_mesh_with_its_hole(tmp_path):
     path = tmp_path / "page.html"
     viewer.write(viewer.of(str(MESHES / "plate_with_hole.msh")), path)
     script = """
@@ -295,7 +277,7 @@ def test_a_browser_shows_the_mesh_with_its_hole(tmp_path: Path) -> None:
 
 
 @needs_chromium
-def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
+def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path):
     """A flat tetrahedron, whose three edges to its apex meet in the middle: seen from above, not from below."""
     corners = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.087, 0.0], [0.05, 0.043, 0.001]])
     meshio.write(tmp_path / "flat.vtu", meshio.Mesh(corners, [("tetra", np.arange(4)[None])]))
@@ -317,14 +299,14 @@ def test_lines_at_the_back_of_a_thin_body_are_hidden(tmp_path: Path) -> None:
     assert found["axes"] == "xyz"
 
 
-def cube(**options: Any) -> Surface:
+def cube(**options):
     """The surface of one cell, of 2 m about the origin."""
     cells = (("hexahedron20", np.arange(20)[None]),)
     lines, triangles, none = edges_of(cells), modal_model.faces(cells), np.zeros((0, 0, 20, 3))
     return Surface(cell("hexahedron20").nodes, ("triangle", triangles), lines, lines[:0], none, (), **options)
 
 
-def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
+def test_the_still_picture_of_a_solid_shows_its_upper_side():
     """Of the 12 edges of a cube, in two parts each, the four around its top."""
     surface = cube(frame=np.eye(3))
     seen = figures.seen_from_above(surface)
@@ -333,7 +315,7 @@ def test_the_still_picture_of_a_solid_shows_its_upper_side() -> None:
 
 
 @pytest.mark.parametrize(("origin", "least"), [(None, -1.0), ([7.0, 0.0, -2.0], 1.0)])
-def test_the_still_picture_measures_outwards_from_the_spin_axis(origin: list[float] | None, least: float) -> None:
+def test_the_still_picture_measures_outwards_from_the_spin_axis(origin, least):
     """Not from the origin of the file: a cube of 2 m about it with its damper, and an axis 2 m away."""
     frame, turns = np.array([[0.0, 0, 1], [0, -1, 0], [1, 0, 0]]), None if origin is None else np.array(origin)
     surface = cube(frame=frame, origin=turns)
@@ -347,7 +329,7 @@ def test_the_still_picture_measures_outwards_from_the_spin_axis(origin: list[flo
 
 
 @needs_chromium
-def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
+def test_nothing_hinders_a_reader(turning, tmp_path):
     for number, view_data in enumerate((viewer.of(str(turning)), viewer.of(str(MESHES / "plate_with_hole.msh")))):
         path = tmp_path / f"{number}.html"
         viewer.write(view_data, path)
@@ -355,7 +337,7 @@ def test_nothing_hinders_a_reader(turning: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("study", ["sweep", "response", "design", "accuracy", "effects", "reproduce"])
-def test_the_folder_of_a_study_leads_to_its_page(study: str, tmp_path: Path, spindamp: Command) -> None:
+def test_the_folder_of_a_study_leads_to_its_page(study, tmp_path, spindamp):
     (tmp_path / "out").mkdir()
     for name in (f"{study}.json", "report.html"):
         (tmp_path / "out" / name).write_text("{}", encoding="utf-8")

@@ -5,12 +5,11 @@ import dataclasses
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.workflows.browser import NO_GL, VIEWER, Page, driven, needs_chromium
+from tests.workflows.browser import NO_GL, VIEWER, driven, needs_chromium
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
 from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
@@ -32,7 +31,7 @@ const count = () => {
 """
 
 
-def plate(cells: int, kind: str = "triangle", hole: bool = False) -> Surface:
+def plate(cells, kind="triangle", hole=False):
     """A rectangle of cells along, with a square hole of twice HOLE in its middle or not."""
     from fem.meshes.planform import rectangle, root_facets
 
@@ -47,7 +46,7 @@ def plate(cells: int, kind: str = "triangle", hole: bool = False) -> Surface:
     return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
 
 
-def swinging(surface: Surface, modes: int = 4) -> Surface:
+def swinging(surface, modes=4):
     """The same with bending and stretching shapes that change from speed to speed."""
     x, y = surface.points.T[:2] / LENGTH
     shapes = np.zeros((len(SPEEDS), modes, len(x), 3))
@@ -58,17 +57,17 @@ def swinging(surface: Surface, modes: int = 4) -> Surface:
     return dataclasses.replace(surface, shapes=shapes, at=tuple(range(len(SPEEDS))))
 
 
-def points_of(speeds: tuple[float, ...] = SPEEDS, modes: int = 4) -> tuple[SpeedPoint, ...]:
+def points_of(speeds=SPEEDS, modes=4):
     named = tuple(Mode(100.0 * (k + 1), f"flap{k}", branch=k) for k in range(modes))
     return tuple(SpeedPoint(rpm * np.pi / 30, rpm, LENGTH, 0.0, named) for rpm in speeds)
 
 
-def area(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def area(points, triangles):
     a, b, c = points[triangles].transpose(1, 2, 0)[:, :2]
     return 0.5 * np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def read(data: dict[str, Any], number: int) -> np.ndarray:
+def read(data, number):
     """A packed displacement (n, 3), as the page's script reads it."""
     found = []
     for along in data["shapes"]:
@@ -83,7 +82,7 @@ def read(data: dict[str, Any], number: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["triangle", "quad"])
-def test_what_is_packed_is_what_was_there(kind: str) -> None:
+def test_what_is_packed_is_what_was_there(kind):
     surface = swinging(plate(20, kind))
     view = mode_viewer.of_surface(surface, points_of())
     data = json.loads(view.data)
@@ -98,7 +97,7 @@ def test_what_is_packed_is_what_was_there(kind: str) -> None:
         assert np.abs(sign * found * size - shape).max() <= 2 * mode_viewer.ERROR * size
 
 
-def test_motion_a_quarter_of_a_period_behind_is_kept() -> None:
+def test_motion_a_quarter_of_a_period_behind_is_kept():
     surface = swinging(plate(20))
     behind = np.roll(surface.shapes, 1, axis=-1)
     view = mode_viewer.of_surface(dataclasses.replace(surface, behind=behind), points_of())
@@ -115,7 +114,7 @@ def test_motion_a_quarter_of_a_period_behind_is_kept() -> None:
 
 @pytest.mark.parametrize("hole", [False, True])
 @pytest.mark.parametrize("kind", ["triangle", "quad"])
-def test_a_thinned_surface_is_the_plate_still(kind: str, hole: bool) -> None:
+def test_a_thinned_surface_is_the_plate_still(kind, hole):
     surface = plate(100, kind, hole)
     drawn = mode_viewer.thinned(surface, 600)
     assert 300 < len(drawn.kept) < 900
@@ -136,7 +135,7 @@ def test_a_thinned_surface_is_the_plate_still(kind: str, hole: bool) -> None:
     assert held == pytest.approx(WIDTH, rel=1e-9)
 
 
-def test_a_million_unknowns_are_thinned() -> None:
+def test_a_million_unknowns_are_thinned():
     view = mode_viewer.of_surface(swinging(plate(640)), points_of())
     assert view.of > 160_000, "three unknowns each, and two slopes: a million"
     assert view.thinned
@@ -144,7 +143,7 @@ def test_a_million_unknowns_are_thinned() -> None:
     assert len(view.data) < 150_000
 
 
-def test_a_surface_in_space_is_thinned_to_points_of_its_own_without_a_dent() -> None:
+def test_a_surface_in_space_is_thinned_to_points_of_its_own_without_a_dent():
     """Of a lens, bent and twisted, a fifth of the points enclose the same volume, by the divergence theorem."""
     turn, along = np.meshgrid(np.linspace(0, 2 * np.pi, 60, endpoint=False), np.linspace(0, 0.3, 40))
     y, z = 0.05 * np.cos(turn), 0.004 * np.sin(turn) + 0.01 * np.cos(turn) ** 2
@@ -163,7 +162,7 @@ def test_a_surface_in_space_is_thinned_to_points_of_its_own_without_a_dent() -> 
     surface = Surface(points, ("triangle", triangles), held, held, none, (), frame=np.eye(3))
     drawn = mode_viewer.thinned(surface, 480)
 
-    def enclosed(corners: np.ndarray) -> float:
+    def enclosed(corners):
         return float(abs(np.linalg.det(corners).sum())) / 6
 
     assert 300 < len(drawn.kept) <= 500
@@ -172,20 +171,19 @@ def test_a_surface_in_space_is_thinned_to_points_of_its_own_without_a_dent() -> 
     assert enclosed(points[drawn.kept][drawn.triangles]) == pytest.approx(enclosed(points[triangles]), rel=0.02)
 
 
-def test_the_script_is_small_and_fetches_nothing() -> None:
+def test_the_script_is_small_and_fetches_nothing():
     text = SCRIPT.read_text(encoding="utf-8")
     assert len(text) < 60_000
     assert not re.search(r"https?:|fetch\(|XMLHttpRequest|import\s*\(|eval\(|</script", text)
 
 
-def test_a_report_stays_small(finished: Path) -> None:
+def test_a_report_stays_small(finished):
     assert (finished / "report.html").stat().st_size < 500_000
 
 
-def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
+def test_a_coarse_mesh_is_looked_at_between_its_points(finished):
     surface = load_results(finished).surface
     fine = surface.finer
-    assert fine.lines is not None
     assert len(surface.points) < 0.5 * len(fine.points) <= 0.75 * SMOOTH
     data = json.loads((mode_viewer.view(load_results(finished)) or pytest.fail("a plate")).data)
     assert len(base64.b64decode(data["points"])) == 4 * len(fine.points)
@@ -196,15 +194,13 @@ def test_a_coarse_mesh_is_looked_at_between_its_points(finished: Path) -> None:
     place = {tuple(place): k for k, place in enumerate(np.round(fine.points[:, :2], 9).tolist())}
     at = [place[tuple(each)] for each in np.round(surface.points[:, :2], 9).tolist()]
     largest = np.abs(surface.shapes).max(axis=(2, 3), keepdims=True)
-    assert surface.behind is not None
-    assert fine.behind is not None
     for drawn, found in ((fine.shapes, surface.shapes), (fine.behind, surface.behind)):
         assert np.abs((drawn[:, :, at] - found) / largest).max() <= 2.0**-15, "16 bits"
     assert (finished / "results.nc").stat().st_size < 650_000, "no more digits than a picture shows"
 
 
 @needs_chromium
-def test_the_plate_is_drawn_and_turns(standing: Page) -> None:
+def test_the_plate_is_drawn_and_turns(standing):
     script = """
     figure.viewer.play(true);  // frames by hand: a page that is only written out has none
     const now = performance.now(); figure.viewer.frame(now + 60); const before = count();
@@ -233,7 +229,7 @@ def test_the_plate_is_drawn_and_turns(standing: Page) -> None:
 
 
 @needs_chromium
-def test_every_mode_at_every_speed_is_there(standing: Page, document: dict[str, Any]) -> None:
+def test_every_mode_at_every_speed_is_there(standing, document):
     script = """
     figure.viewer.play(false);
     const found = [];
@@ -261,7 +257,7 @@ def test_every_mode_at_every_speed_is_there(standing: Page, document: dict[str, 
 
 
 @needs_chromium
-def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: Path) -> None:
+def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished):
     script = VIEWER + "return [figure.querySelector('.viewer-remark').textContent, form.hidden,"
     script += " getComputedStyle(figure.querySelector('img')).display, getComputedStyle(canvas).display]"
     said, hidden, still, moving = driven(finished / "report.html", script, before=NO_GL)
@@ -272,7 +268,7 @@ def test_without_webgl_the_still_picture_stands_and_the_page_says_so(finished: P
 
 
 @needs_chromium
-def test_in_print_the_still_picture_stands(standing: Page) -> None:
+def test_in_print_the_still_picture_stands(standing):
     paper = standing.file("Page.printToPDF", printBackground=True)
     assert paper.startswith(b"%PDF")
     assert b"/Subtype /Image" in paper or b"/Subtype/Image" in paper
