@@ -7,7 +7,7 @@ table (`PARAMETERS`), so that many are computed at once: derived quantities and 
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import lru_cache
 from numbers import Integral, Real
 from typing import Any, TypeAlias
 
@@ -463,26 +463,16 @@ class ParticleDamper:
             if pair("floor_tilt", self.floor_tilt) != (0.0, 0.0):
                 raise ValueError("floor_tilt belongs to a structure without modes; modes have slopes of their own")
             object.__setattr__(self, "modes", tuple(self.modes))
-        validate(self.parameters)
+        validate(_row(self))
         pairs = "stiffness", "cavity", "floor_tilt", "floor_radius", "lateral_acceleration"
         for name in pairs:  # lists and arrays have no hash
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, pair(name, getattr(self, name)))
 
-    @cached_property
+    @property
     def parameters(self) -> Parameters:
         """The fields as one row, shape (1,), for what works on many dampers alike; not to be written to."""
-        rows = np.zeros(1, PARAMETERS)
-        rows["printed"] = self.formulation == Formulation.PRINTED
-        rows["restitution_by_speed"] = (math.inf, 0.0)
-        for k, each in enumerate(self.restitution_by_speed):
-            rows["restitution_by_speed"][0, k] = each
-        for name in (name for name in FIELDS if name not in {"printed", "restitution_by_speed"}):
-            value = getattr(self, name)
-            absent = value is None and name in _ABSENT
-            rows[name] = _ABSENT[name] if absent else (pair if rows[name].ndim == 2 else number)(name, value)
-        rows.flags.writeable = False
-        return rows
+        return _known_row(self)
 
     @property
     def level(self) -> bool:
@@ -635,3 +625,20 @@ def _speed_pairs(pairs: object) -> tuple[tuple[float, float], ...]:
     if not isinstance(pairs, tuple | list | np.ndarray) or len(pairs) > PAIRS:
         raise ValueError(f"{name} must be at most {PAIRS} pairs of an impact speed and a restitution, got {pairs!r}")
     return tuple(pair(name, each) for each in pairs)
+
+
+def _row(damper: ParticleDamper) -> Parameters:
+    rows = np.zeros(1, PARAMETERS)
+    rows["printed"] = damper.formulation == Formulation.PRINTED
+    rows["restitution_by_speed"] = (math.inf, 0.0)
+    for k, each in enumerate(damper.restitution_by_speed):
+        rows["restitution_by_speed"][0, k] = each
+    for name in (name for name in FIELDS if name not in {"printed", "restitution_by_speed"}):
+        value = getattr(damper, name)
+        absent = value is None and name in _ABSENT
+        rows[name] = _ABSENT[name] if absent else (pair if rows[name].ndim == 2 else number)(name, value)
+    rows.flags.writeable = False
+    return rows
+
+
+_known_row = lru_cache(maxsize=256)(_row)

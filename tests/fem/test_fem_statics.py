@@ -79,7 +79,7 @@ def test_turning_in_space_strains_nothing(triangles):
     felt = []
     for turns in ((0.0, 0.0), (tx, ty)):  # a director that stays behind, and one that turns too
         values = np.concatenate([sampled, of_points(shear.samples, *turns).values])
-        felt.append(np.abs(replace(shear, samples=Prescribed(values)).at(None).felt).max())
+        felt.append(np.abs(replace(shear, samples=Prescribed(values)).at(None).stress).max())
     assert felt[1] < 1e-12 * felt[0]
 
 

@@ -708,8 +708,8 @@ def test_the_report_says_where_the_stress_is(known, monkeypatch):
     assert "Stress:" not in report.render(known)
     monkeypatch.setattr(study.excitation, "largest_stress", lambda *_: 1e10)
     assert "Stress: Young’s modulus times the mode’s largest strain in the mesh" in report.render(known)
-    plate = as_scene_file(shipped_scene("paper")).scene.plate
-    flat = report.render(with_scene(known, plate=plate, given=None))
+    paper = as_scene_file(shipped_scene("paper")).scene
+    flat = report.render(with_scene(known, plate=paper.plate, material=paper.material, given=None))
     assert "Stress: the largest by bending along the plate, in its first flap mode at that speed" in flat
 
 
