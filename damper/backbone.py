@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve_measurement import damping_curve, in_one_mode, in_wide_cavity, rolling, swinging, undamped
+from damper.curve_measurement import (
+    damping_curve,
+    drawn_aside_from,
+    in_one_mode,
+    in_wide_cavity,
+    rolling,
+    swinging,
+    undamped,
+)
 from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
@@ -209,7 +217,7 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     """A ball that rolls to and fro about the middle and reaches no wall; None where there is none.
 
     Up to the amplitude at which its even motion reaches the walls, it is followed without these: as it begins, it may
-    meet them at less. Where the load draws it aside before, or a bowl holds it, it goes on up to its first hit.
+    meet them at less. Where the load draws it to a wall before, it goes on up to there; in a bowl, up to its first hit.
     """
     gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
     if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
@@ -218,6 +226,10 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     ball = rolling(bare, low, threads)
     if ball.is_centred:
         high, bare = ball.ends, in_wide_cavity(bare, high)
+    else:
+        high = min(high, drawn_aside_from(bare, low, threads))
+    if not low < high:
+        return None
     points = []
     amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)
     for amplitude, place, velocity in zip(amplitudes, *swinging(bare, amplitudes), strict=True):

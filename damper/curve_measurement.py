@@ -508,6 +508,17 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)
 
 
+def drawn_aside_from(damper: ParticleDamper, low: float, threads: int | None) -> float:
+    """Amplitude at which the load has drawn a rolling ball from the middle to a wall; inf where it does not [m].
+
+    Arguments as of `rolling`.
+    """
+    if damper.restoring[0, 0] >= 0:
+        return math.inf
+    ends = rolling(damper, low, threads).ends
+    return ends if math.isfinite(ends) else 0.0
+
+
 def in_wide_cavity(damper: ParticleDamper, amplitude: float) -> ParticleDamper:
     """The same in a cavity so wide that up to an amplitude [m] a ball rolls along x without a hit."""
     return replace(damper, cavity=(2 * (damper.ball_radius + 100 * amplitude), damper.cavity[1]))

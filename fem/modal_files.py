@@ -347,7 +347,8 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
 
 _OPTIONAL = ("node_labels", *(name for name in _SHAPES if name not in _REQUIRED))
 
-_KEYS = {"errors": "frequency_errors", **{name: name for name in ("static", "rotations", "damping_ratios", "drawn")}}
+_KEYS = {name: name for name in ("static", "rotations", "damping_ratios")}
+_KEYS |= {"errors": "frequency_errors", "drawn": "drawn"}
 """Under which key the neutral file has what need not be known of modes."""
 
 

@@ -265,7 +265,7 @@ class Reduction:
     def __init__(self, operators: Operators, diagram: Campbell, at: tuple[float, float]) -> None:
         self._bent = operators.effects.large_deflection
         if not self._bent:
-            operators, diagram = without_coriolis(operators, diagram)
+            operators, diagram = without_coriolis(operators, diagram, SEARCHED)
         self.operators, self.diagram, self.at = operators, diagram, at
         self._bending: dict[int, tuple[float, float]] = {}
         if self._bent:

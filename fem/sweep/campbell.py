@@ -231,11 +231,11 @@ def campbell(
     return diagram
 
 
-def without_coriolis(operators: Operators, diagram: Campbell) -> tuple[Operators, Campbell]:
-    """A plate and its diagram without Coriolis forces: the modes are real."""
+def without_coriolis(operators: Operators, diagram: Campbell, least: int = 1) -> tuple[Operators, Campbell]:
+    """A plate and its diagram, of so many modes at least, without Coriolis forces: the modes are real."""
     if operators.gyroscopic is None:
         return operators, diagram
-    operators, count = operators.without_coriolis, diagram.frequencies_hz.shape[1]
+    operators, count = operators.without_coriolis, max(least, diagram.frequencies_hz.shape[1])
     pairs = zip(map(float, diagram.omega), diagram.states, strict=True)
     states = tuple((omega, state) for omega, state in pairs if state is not None)
     bases = [basis.without_coriolis for basis in diagram.bases]

@@ -158,18 +158,24 @@ def test_a_ball_from_rest_goes_on_rolling_up_to_the_step() -> None:
     np.testing.assert_allclose(1e6 * peaks, list(witness.values()), rtol=5e-3)
 
 
+DRAWN_ASIDE = {"cavity": (4.1e-3, 4.1e-3), "rolling_friction": 2e-6, "stagger": math.radians(25)}
+
+
 @pytest.mark.parametrize(
-    "changes",
+    ("changes", "within"),
     [
-        {},
-        {"cavity": (4.2e-3, 4.2e-3), "rolling_friction": 5e-6},
-        {"cavity": (4.1e-3, 4.1e-3), "rolling_friction": 2e-6, "stagger": math.radians(25)},
-        {"cavity": (4.05e-3, 4.05e-3), "rolling_friction": 3e-6, "floor_radius": (2.0, 2.0)},
+        ({}, 5e-3),
+        ({"cavity": (4.2e-3, 4.2e-3), "rolling_friction": 5e-6}, 5e-3),
+        (DRAWN_ASIDE, 2e-2),
+        ({"cavity": (4.05e-3, 4.05e-3), "rolling_friction": 3e-6, "floor_radius": (2.0, 2.0)}, 5e-3),
     ],
     ids=["narrow", "wide", "drawn aside", "hollow"],
 )
-def test_the_best_level_is_so_from_rest(changes: dict[str, Any]) -> None:
-    """Of all forces the one under which the amplitude is least, over that of the ball at rest: motion from rest."""
+def test_the_best_level_is_so_from_rest(changes: dict[str, Any], within: float) -> None:
+    """Of all forces the one under which the amplitude is least, over that of the ball at rest: motion from rest.
+
+    A ball drawn aside has its best level where it hits one wall alone, in no even motion: to the error of sweeps.
+    """
     damper = replace(NARROW, **changes)
     found = backbone(damper)
     at_rest = 1 / (found.dashpot * damper.stuck_frequency)
@@ -178,7 +184,17 @@ def test_the_best_level_is_so_from_rest(changes: dict[str, Any]) -> None:
     force, least = float(forces[np.argmin(ratio)]), float(ratio.min())
     frequencies = damper.stuck_frequency * np.linspace(0.9995, 1.0005, 41)
     truth = forced(damper, [Harmonic(float(nu), (force, 0.0)) for nu in frequencies], [Start.UP]).mean.max()
-    assert least == pytest.approx(truth / (at_rest * force), rel=5e-3)
+    assert least == pytest.approx(truth / (at_rest * force), rel=within)
+
+
+@pytest.mark.parametrize("newton", [0.1363, 0.319, 0.4236])
+def test_a_ball_that_the_load_draws_to_a_wall_rolls_no_further(newton: float) -> None:
+    """From rest it rolls up to 29 um and then hits a wall; 79 um were estimated under 0.319 N, as if it rolled on."""
+    damper = replace(NARROW, **DRAWN_ASIDE)
+    frequencies = damper.stuck_frequency * np.linspace(0.9995, 1.0005, 21)
+    truth = forced(damper, [Harmonic(float(nu), (newton, 0.0)) for nu in frequencies], [Start.UP]).mean.max()
+    found = backbone(damper)
+    assert found.peaks(np.array([newton]))[0] == pytest.approx(truth, rel=2e-2)
 
 
 @pytest.mark.parametrize("times", [3.0, 10.0, 40.0])

@@ -604,6 +604,9 @@ def test_a_thin_plate_bends_little_before_it_is_strained():
     assert limits.endured(found) == pytest.approx(0.125)
     beyond = remarks.phrase("phrases/beyond", found, by_deflection=limits.deflection_governs(found))
     assert beyond.startswith("bend the plate by over 25 % of its length")
+    assert remarks.beyond_means(found, [0.0]) == f"{BEYOND} Beyond small deflections"
+    assert remarks.phrase("phrases/bounds", found, by_deflection=True) == "small deflections"
+    assert remarks.phrase("phrases/bounds", found, by_deflection=False) == "what the plate endures"
 
 
 def test_the_friction_that_rolling_needs_is_that_of_a_ring_down():

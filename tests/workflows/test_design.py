@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import spindamp
-from damper import DampingCurve, Mode, ParticleDamper, Start, damping_curve, forced, work_bound
+from damper import DampingCurve, Mode, ParticleDamper, Start, Way, backbone, damping_curve, forced, work_bound
 from damper.curve_measurement import Sweeps, _ramped, settled, undamped
 from fem.rotor import from_rpm
+from tests.damper.test_backbone import DRAWN_ASIDE, NARROW
 from tests.workflows.browser import findings
 from tests.workflows.conftest import (
     BALL,
@@ -521,6 +522,17 @@ def test_a_limit_that_nothing_free_changes_limits_nothing(slow):
         best = Optimum(shares, evaluation, 2)
         constraints = report.active_constraints(space, best, lambda space, *given: score_of(space)(*given))
         assert [each.said for each in constraints] == ["98 % of the mass allowed is used"] * limited
+
+
+def test_a_ball_that_the_load_draws_to_a_wall_is_not_taken_to_roll_on():
+    """It rolls as far as the branch of free vibration on which it does."""
+    damper = replace(NARROW, **DRAWN_ASIDE)
+    found = backbone(damper)
+    (rolls,) = (each for each in found.branches if each.way is Way.ROLLS)
+    own, resting = damper.damping_ratio, 0.319 / (found.dashpot * damper.stuck_frequency)
+    assert objectives.rolling(damper, own, resting) == pytest.approx(rolls.range[1], rel=0.02)
+    level = replace(damper, stagger=0.0)
+    assert objectives.rolling(level, own, resting) > 2 * rolls.range[1]
 
 
 def test_one_design_is_not_said_to_be_the_best_of_several(slow):

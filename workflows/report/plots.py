@@ -218,7 +218,7 @@ def svg(figure: Figure, name: str, description: str, values: Iterable[Value] = (
 def standalone(drawn: str, count: int = 1) -> str:
     """An SVG for a page as a file of its own, in the colours of a light page, `count` of them shades."""
     light = _LIGHT | {"--sans": "sans-serif"}
-    light |= {f"--shade-{i}": colour for i, colour in enumerate(_plasma(*_ON_LIGHT, count))}
+    light |= {f"--shade-{i}": colour for i, colour in enumerate(_plasma(_ON_LIGHT, count))}
     for variable, colour in light.items():
         drawn = drawn.replace(f"var({variable})", colour)
     width, height = re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn)[0]
@@ -232,7 +232,7 @@ def coloured(drawn: Figure | Axes, count: int) -> None:
     from matplotlib.colors import to_hex, to_rgba
 
     known = {place: _LIGHT[_VARIABLES[place]] for place in (INK, MUTED, RULE, PAPER)}
-    known |= dict(zip(shades(count), _plasma(*_ON_LIGHT, count), strict=False))
+    known |= dict(zip(shades(count), _plasma(_ON_LIGHT, count), strict=False))
     for artist in drawn.findobj():
         for part in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
             colour: Any = getattr(artist, f"get_{part}", lambda: None)()
@@ -260,18 +260,19 @@ _ON_LIGHT = 0.05, 0.76
 def shades_css(count: int) -> str:
     """The variables behind :func:`shades`, for a light and for a dark page."""
 
-    def block(low: float, high: float) -> str:
-        colours = _plasma(low, high, count)
+    def block(part: tuple[float, float]) -> str:
+        colours = _plasma(part, count)
         return ":root{" + "".join(f"--shade-{i}:{colour};" for i, colour in enumerate(colours)) + "}"
 
-    return f"{block(*_ON_LIGHT)}@media screen and (prefers-color-scheme: dark){{{block(0.34, 0.97)}}}"
+    return f"{block(_ON_LIGHT)}@media screen and (prefers-color-scheme: dark){{{block((0.34, 0.97))}}}"
 
 
-def _plasma(low: float, high: float, count: int) -> list[str]:
+def _plasma(part: tuple[float, float], count: int) -> list[str]:
     """Colours from a part of the map of that name, 256 at most."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
+    low, high = part
     steps = [low + (high - low) * i / max(count - 1, 1) for i in range(min(count, 256))]
     return [to_hex(colour) for colour in colormaps["plasma"](steps)]
 

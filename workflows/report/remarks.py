@@ -81,7 +81,8 @@ def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> l
     """What the marks of a table over all speeds stand for, and what it leaves open: of cut-offs, of damping ratios."""
     points, means = results.speeds, {AT_REST: AT_REST_MEANS}
     marks = {cutoff_mark(results, p) for p in points if cutoffs} | {mark(results, p) for p in points if damping}
-    means[BEYOND] = f"{BEYOND_MEANS}; the verdict uses the largest value within that limit."
+    beyond = [p.omega for p in points if limits.is_beyond(results, p)]
+    means[BEYOND] = f"{beyond_means(results, beyond)}; the verdict uses the largest value within that limit."
     still = "; at 0 rpm no load presses a ball on its floor" if any(p.load_g == 0 for p in points) else ""
     means[NO_VERDICT] = f"{NO_VERDICT_MEANS}{still}."
     judged = [p for p in points if damping and p.verdict is not None and p.verdict.rank >= 0]
@@ -90,6 +91,12 @@ def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> l
     lines += said("remarks/rough", results, points=rough) if rough else []
     tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in points)
     return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not limits.is_printed(results) else lines
+
+
+def beyond_means(results: Results, speeds: list[float]) -> str:
+    """What the mark of amplitudes at these speeds stands for [rad/s]."""
+    small = all(limits.deflection_governs(results, omega) for omega in speeds)
+    return f"{BEYOND} Beyond small deflections" if small else BEYOND_MEANS
 
 
 def cutoff_mark(results: Results, point: SpeedPoint) -> str:

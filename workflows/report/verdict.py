@@ -39,6 +39,7 @@ def between(results: Results, points: list[SpeedPoint]) -> list[str]:
         others = [(begin, min(end, limit)) for begin, end in apart]
         g = limits.in_g(results, point, 1.0) if point.reduced and point.load_g else None
         of = {"of": sorted([*others, (low, high)]), "g": g, "limited": limited, "error": error}
+        of["by_deflection"] = limits.deflection_governs(results, point.omega)
         ranges.setdefault(phrase("answer/range", results, **of), []).append(point)
         if figures.cutoff > 0:
             last = goes_on(results, point, figures.cutoff)
@@ -322,6 +323,7 @@ def _how_much(results: Results, points: list[SpeedPoint], *, turning: bool) -> l
     error = 0.0 if at.damping_curve is None else at.damping_curve.error
     less = there is not at and least.damping_ratio < 0.9 * top.damping_ratio
     more = {"least": least if less else None, "there": there, "error": error, "turning": turning}
+    more["by_deflection"] = limits.deflection_governs(results, there.omega)
     return said("answer/how_much", results, top=top, at=at, **more)
 
 

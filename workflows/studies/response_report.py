@@ -240,7 +240,8 @@ def text(result: Response) -> str:
 
 def legend(result: Response, table: list[Row]) -> list[str]:
     """What the mark of amplitudes stands for, where a table has it."""
-    return [f"{remarks.BEYOND_MEANS}."] if any(is_beyond(result, row) for row in table) else []
+    beyond = [row.passage.crossing.omega for row in table if is_beyond(result, row)]
+    return [f"{remarks.beyond_means(result.results, beyond)}."] if beyond else []
 
 
 def captions(result: Response) -> list[str]:

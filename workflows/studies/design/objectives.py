@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from damper import DampingCurve, Harmonic, ParticleDamper, Start, damping_curve, forced, work_bound
-from damper.curve_measurement import SWEEPS, settled
+from damper.curve_measurement import SWEEPS, drawn_aside_from, settled, undamped
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
@@ -450,7 +450,8 @@ def rolling(system: ParticleDamper, own: float, resting: float) -> float:
     """The greatest amplitude with a ball that rolls to and fro and reaches no wall [m].
 
     In a cycle it goes four times as far as `reach` says, and loses 4 m f / beta times that. Where it would reach a wall
-    at resonance, it rolls at speeds beside it, up to the amplitude at which it grazes the wall.
+    at resonance, it rolls at speeds beside it, up to the amplitude at which it grazes the wall, or at which the load
+    has drawn it to one.
     """
     omega, beta = system.stuck_frequency, system.inertia_ratio
     drive = beta * abs(1 - system.tilt_share[0]) * omega**2  # per amplitude
@@ -461,7 +462,8 @@ def rolling(system: ParticleDamper, own: float, resting: float) -> float:
     reach = scan * drive / omega**2 * reaches(resistance / (drive * scan))
     lost = 4 * reach * system.ball_mass * system.rolling_threshold
     amplitude = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
-    return min(amplitude, float(np.interp(system.half_gap[0], reach, scan)))
+    grazes = float(np.interp(system.half_gap[0], reach, scan))
+    return min(amplitude, grazes, drawn_aside_from(undamped(system), float(scan[0]), 1))
 
 
 def reaches(friction: Floats) -> Floats:
