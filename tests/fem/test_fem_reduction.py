@@ -14,6 +14,7 @@ from fem import (
     Material,
     PlaceError,
     Plate,
+    Rectangle,
     Rotor,
     assemble,
     campbell,
@@ -254,3 +255,12 @@ def test_strain_of_a_single_triangle():
     coarse, fine = (bending_of(mesh, 0.003, (0.1, 0.0)) for mesh in (corners.refined(1), corners.refined(4)))
     assert coarse == pytest.approx(fine, rel=0.1)
     assert np.isfinite(bending_of(corners, 0.003, (0.1, 0.0)))
+
+
+def test_a_diagram_of_one_mode_is_reduced_where_coriolis_forces_act():
+    """The lowest mode of a plate thicker than wide is lag: the flap mode is sought among more modes than those."""
+    plate = Plate(Rectangle(0.2, 0.02).mesh(4), 0.03, STEEL)
+    operators = assemble(plate, Rotor(hub_radius=0.1), Effects(coriolis=True))
+    diagrams = (campbell(operators, [100.0, 900.0], count=count) for count in (1, 4))
+    one, four = (reduce_over(operators, diagram, at=(0.2, 0.0), ball_mass=2e-3) for diagram in diagrams)
+    np.testing.assert_allclose([each.K2 for each in one], [each.K2 for each in four], rtol=1e-6)
