@@ -15,15 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper.curve_measurement import (
-    damping_curve,
-    drawn_aside_from,
-    in_one_mode,
-    in_wide_cavity,
-    rolling,
-    swinging,
-    undamped,
-)
+from damper.curve_measurement import damping_curve, in_one_mode, in_wide_cavity, rolling, swinging, undamped
 from damper.curves import DampingCurve
 from damper.model import number
 from damper.ringdown import ringdown
@@ -226,8 +218,8 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     ball = rolling(bare, low, threads)
     if ball.is_centred:
         high, bare = ball.ends, in_wide_cavity(bare, high)
-    else:
-        high = min(high, drawn_aside_from(bare, low, threads))
+    elif bare.restoring[0, 0] < 0:  # the load draws it to a wall
+        high = min(high, ball.last)
     if not low < high:
         return None
     points = []

@@ -464,6 +464,11 @@ class Rolling(NamedTuple):
         """Whether it goes on about the middle until it meets the walls, or nearly so."""
         return math.isfinite(self.ends) and self.ends > _AROUND[0] * self.meets
 
+    @property
+    def last(self) -> float:
+        """Amplitude up to which it goes on rolling, 0 where there is none [m]."""
+        return self.ends if math.isfinite(self.ends) else 0.0
+
 
 def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     """Follow a ball that rolls to and fro about the middle as the amplitude grows, until the load has drawn it away.
@@ -506,17 +511,6 @@ def rolling(damper: ParticleDamper, low: float, threads: int | None) -> Rolling:
     lost = np.interp(ends, amplitude[which], np.bincount(number, rows[:, 0] - rows[:, 1]) / cycles)
     there = np.array([[math.log(ends), math.log(ends) - lost, 0.0]])
     return Rolling(rows[amplitude[which][number] < ends], ends, there, meets)
-
-
-def drawn_aside_from(damper: ParticleDamper, low: float, threads: int | None) -> float:
-    """Amplitude at which the load has drawn a rolling ball from the middle to a wall; inf where it does not [m].
-
-    Arguments as of `rolling`.
-    """
-    if damper.restoring[0, 0] >= 0:
-        return math.inf
-    ends = rolling(damper, low, threads).ends
-    return ends if math.isfinite(ends) else 0.0
 
 
 def in_wide_cavity(damper: ParticleDamper, amplitude: float) -> ParticleDamper:

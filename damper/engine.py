@@ -345,7 +345,7 @@ def _of_the_structure(it: Record) -> float:
 
 @part
 def _twice_stored(it: Record, twice: float, led: bool) -> float:
-    """So much and twice the energy of masses and springs, of all or of what is led [J]."""
+    """Twice the energy of masses and springs, of all or of what is led, added to what is there so far [J]."""
     system, motion = it.system, it.motion
     for m in range(system.coordinates):
         for n in range(system.coordinates):

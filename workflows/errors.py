@@ -81,9 +81,9 @@ class ImpossibleResult(SpindampError):
 
 
 def present(part: T | None) -> T:
-    """A part of a scene or of a result that is there, as was seen before."""
+    """A part of a scene or of a result that is known to be there: what led here has checked it."""
     if part is None:
-        raise ValueError("a part is missing that was seen before")
+        raise ValueError("a part of the scene or of the results is missing that was checked before")
     return part
 
 

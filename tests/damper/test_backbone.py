@@ -187,14 +187,17 @@ def test_the_best_level_is_so_from_rest(changes: dict[str, Any], within: float) 
     assert least == pytest.approx(truth / (at_rest * force), rel=within)
 
 
-@pytest.mark.parametrize("newton", [0.1363, 0.319, 0.4236])
-def test_a_ball_that_the_load_draws_to_a_wall_rolls_no_further(newton: float) -> None:
-    """From rest it rolls up to 29 um and then hits a wall; 79 um were estimated under 0.319 N, as if it rolled on."""
+@pytest.mark.parametrize(("newton", "within"), [(0.1363, 2e-2), (0.319, 2e-2), (0.4236, 5e-3), (0.9913, 5e-3)])
+def test_a_ball_that_the_load_draws_to_a_wall_rolls_no_further(newton: float, within: float) -> None:
+    """From rest it rolls up to 29 um and then hits a wall; 79 um were estimated under 0.319 N, as if it rolled on.
+
+    From 0.42 N on its motion is even, between both walls.
+    """
     damper = replace(NARROW, **DRAWN_ASIDE)
     frequencies = damper.stuck_frequency * np.linspace(0.9995, 1.0005, 21)
     truth = forced(damper, [Harmonic(float(nu), (newton, 0.0)) for nu in frequencies], [Start.UP]).mean.max()
     found = backbone(damper)
-    assert found.peaks(np.array([newton]))[0] == pytest.approx(truth, rel=2e-2)
+    assert found.peaks(np.array([newton]))[0] == pytest.approx(truth, rel=within)
 
 
 @pytest.mark.parametrize("times", [3.0, 10.0, 40.0])

@@ -94,8 +94,9 @@ def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> l
 
 
 def beyond_means(results: Results, speeds: list[float]) -> str:
-    """What the mark of amplitudes at these speeds stands for [rad/s]."""
-    small = all(limits.deflection_governs(results, omega) for omega in speeds)
+    """What the mark of amplitudes at these speeds [rad/s] stands for."""
+    bears = limits.torn_above(results)
+    small = all(omega <= bears and limits.deflection_governs(results, omega) for omega in speeds)
     return f"{BEYOND} Beyond small deflections" if small else BEYOND_MEANS
 
 

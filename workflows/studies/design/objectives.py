@@ -12,8 +12,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from damper import DampingCurve, Harmonic, ParticleDamper, Start, damping_curve, forced, work_bound
-from damper.curve_measurement import SWEEPS, drawn_aside_from, settled, undamped
+from damper import (
+    DampingCurve,
+    Harmonic,
+    ParticleDamper,
+    Start,
+    curve_measurement,
+    damping_curve,
+    forced,
+    work_bound,
+)
+from damper.curve_measurement import SWEEPS, settled, undamped
 from damper.starts import Motions, motions_of
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
@@ -462,8 +471,10 @@ def rolling(system: ParticleDamper, own: float, resting: float) -> float:
     reach = scan * drive / omega**2 * reaches(resistance / (drive * scan))
     lost = 4 * reach * system.ball_mass * system.rolling_threshold
     amplitude = _greatest(scan, lost / (2 * math.pi * system.stiffness[0] * scan**2), own, resting)
-    grazes = float(np.interp(system.half_gap[0], reach, scan))
-    return min(amplitude, grazes, drawn_aside_from(undamped(system), float(scan[0]), 1))
+    last = float(np.interp(system.half_gap[0], reach, scan))
+    if system.restoring[0, 0] < 0:  # the load draws it to a wall
+        last = min(last, curve_measurement.rolling(undamped(system), float(scan[0]), 1).last)
+    return min(amplitude, last)
 
 
 def reaches(friction: Floats) -> Floats:
