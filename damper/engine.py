@@ -420,7 +420,7 @@ def fly(g: int, x: float, it: Record) -> None:
     travel(g, x, it)
     for i in range(system.first[g], system.last[g]):
         if axes[i].regime == ROLLING:
-            account(motion.series[g, system.lane[i]], x, motion.bend[system.place[i]], span, axes[i], it.ball)
+            account(motion.series[g, system.lane[i]], x, span, axes[i], it.ball)
         read(i, it)
         spend(axes[i], motion.gain[system.place[i]], x * span, it.ball, it.books)
 

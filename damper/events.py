@@ -226,11 +226,9 @@ def drives(i: int, time: float, it: Record, flow: Floats) -> tuple[float, float]
 def departure(i: int, time: float, it: Record, flow: Floats) -> int:
     """Direction in which a ball at relative rest sets off now: -1, 1, or 0 if it stays."""
     one, other = drives(i, time, it, flow)
-    least = _least(it.ball)
-    for d in (-1, 1):
-        if d * it.motion.z[it.system.place[i]] < it.axes[i].half_gap and d * one > least and d * other > least:
-            return d
-    return 0
+    d = 1 if one > 0.0 else -1
+    free = d * it.motion.z[it.system.place[i]] < it.axes[i].half_gap
+    return d if free and min(d * one, d * other) > _least(it.ball) else 0
 
 
 @part
@@ -485,14 +483,14 @@ def _end_of_slip(i: int, it: Record, end: float) -> tuple[float, int]:
 
 
 @inlined
-def account(s: Floats, x: float, bend: float, span: float, axis: Record, ball: Record) -> None:
+def account(s: Floats, x: float, span: float, axis: Record, ball: Record) -> None:
     """Largest force that rolling asked of the floor on this flight, per unit of the ball's mass [m/s^2].
 
-    That is (1 / beta - 1) s'' + rolling resistance: largest where s'' is, at an end (`bend`) or where its slope
-    vanishes. Between two ends it exceeds the larger one by x²/8 times the fourth derivative at most.
+    That is (1 / beta - 1) s'' + rolling resistance: largest where s'' is, at an end or where its slope vanishes.
+    Between two ends it exceeds the larger one by x²/8 times the fourth derivative at most.
     """
     share, resistance = (1.0 / ball.inertia_ratio - 1.0) / (span * span), axis.direction * ball.threshold
-    here, there = share * s[2] + resistance, share * bend + resistance
+    here, there = share * s[2] + resistance, share * derivatives(s, x)[2] + resistance
     axis.demand = max(axis.demand, abs(here), abs(there))
     beyond = 0.125 * abs(share) * x * x * sizes(s, 4, 0, x)
     if max(max(here, there), -min(here, there)) + beyond > axis.demand:

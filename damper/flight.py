@@ -341,18 +341,15 @@ def travel(g: int, x: float, it: Record) -> None:
     low, high, c, scaled = system.low[g], system.high[g], motion.series[g], motion.scaled
     dashpots = system.dashpot[0 if it.axes[system.first[g]].regime == STUCK else 1]
     if x == 0.0:
-        for m in range(low, high):
-            motion.gain[m], motion.bend[m] = 0.0, c[m - low, 2]
+        motion.gain[low:high] = 0.0
         return
     squares = fill(0.0)
     for m in range(low, high):
         series, dashpot = c[m - low], dashpots[m]
-        motion.gain[m], rate, bend, _ = derivatives(series, x)
+        motion.gain[m], rate, _, _ = derivatives(series, x)
         motion.z[m] += motion.gain[m]
         motion.rate[m] = rate / system.span[g]  # times an inverse it would drift, the same way at each event
-        if dashpot == 0.0:
-            motion.bend[m] = bend
-        else:
+        if dashpot != 0.0:
             _terms(series, x, scaled)
             at = _at_points(scaled, _SLOPES)
             squares = add_times(squares, times(at, at), fill(dashpot))

@@ -281,7 +281,6 @@ MOTION = lines(
     ("source", "f8", 2 * _N + 4),  # to work on: what a group's flight begins with
     ("gain", "f8", _N),  # what z gained on the last flight
     ("seen", "f8", (2, 3)),  # a time, and the first two derivatives of the cavity's series along each axis then
-    ("bend", "f8", _N),  # second derivatives of the series of balls at the end of the last flight
 )
 """What moves: z and its rate at each group's start, their series, and when each group's next event is."""
 
