@@ -641,6 +641,17 @@ def negligible_strain(results: Results) -> Values:
 
 
 @remark
+def faint_capacity(results: Results) -> Values:
+    """Largest capacities of a ring-down that are those of a vibration which hardly strains the structure."""
+    rung = [(p, d, limits.in_g(results, p, limits.least_amplitude(p))) for p, _, d in ring_downs(results)]
+    faint = [(p, d) for p, d, least in rung if d.peak_sdc_at_g is not None and 0 < d.peak_sdc_at_g < least]
+    if not faint:
+        return None
+    point, most = max(faint, key=lambda each: each[1].peak_sdc or 0.0)
+    return {"points": [p for p, _ in faint], "among": [p for p, _, _ in rung], "most": most, "at": point}
+
+
+@remark
 def nothing_released(results: Results) -> Values:
     """A release by a ratio of a load that is not there."""
     release = results.scene.release
