@@ -340,6 +340,7 @@ def systems_of(
     equations, members = equations_of(rows, structures, harmonic), members_of(structures)
     order = [z for group in members for z in group]
     spans = _spans(equations, members)
+    several = ((structures.shape != 0).sum(axis=2) > 1).any(axis=1) | (k > 2)
     compliance = (structures.shape**2 / structures.mass[:, None, :]).sum(axis=2)
     constants = np.zeros(n, SYSTEM)
     for values in (
@@ -349,7 +350,7 @@ def systems_of(
         {"pull": equations.pull[..., order], "sway": equations.sway, "excess": equations.excess, "span": spans},
         {"lateral": lateral_pull(rows), "reduced": 1.0 / (1.0 / rows["ball_mass"][:, None] + compliance)},
         {"frequency": equations.frequency, "phase": equations.phase, "flow": np.arange(n)},
-        {"several": k > 2 and harmonic is None, "damped": (structures.dashpot > 0).any(axis=1)},
+        {"several": several & (harmonic is None), "damped": (structures.dashpot > 0).any(axis=1)},
     ):
         for name, value in values.items():
             _fill(constants[name], np.asarray(value))

@@ -232,10 +232,9 @@ def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes
     require("every hit is an event", "number of hits", run.impacts, run.events, where)
     if extremes.driven:
         return
-    speed, riding = bounds.speed(books.initial + 0 * present), bounds.mobility
-    if structures.mass.shape[1] > 2:  # velocity maxima then stand for the energy of all modes: `damper.engine`
-        riding = (1 + rows["ball_mass"] * bounds.mobility) / (rows["modal_mass"] + rows["ball_mass"])
-    most = np.where(consistent, np.sqrt(riding) * speed * (1 + EXACT), np.inf)
+    speed, ball = bounds.speed(books.initial + 0 * present), rows["ball_mass"]
+    riding = (1 + ball * bounds.mobility) / (rows["modal_mass"] + ball)  # where they stand for the energy of all modes
+    most = np.where(consistent, np.sqrt(np.maximum(bounds.mobility, riding)) * speed * (1 + EXACT), np.inf)
     require("no velocity exceeds that of the total energy", "velocity maximum [m/s]", extremes.velocity, most, where)
     if damper.modes is not None and structures.dashpot.any():
         return  # the last term of the bound on the work has no bound there

@@ -88,14 +88,17 @@ def flights(
     runs[SHARED], runs["system"] = prepared, systems.constants[which]
     n, k = len(rows), len(systems.order) - 2
     z, rate = np.zeros((n, k + 2)), np.zeros((n, k + 2))
+    structures = structures_by(damper, rows)
     if damper.modes is None:
         z[:, :k], rate[:, :k] = axes["u"], axes["v"]
     else:
-        structures = structures_by(damper, rows)
         z[:, :k] = _spread(structures.shape, structures.spring, axes["u"])
         rate[:, :k] = _spread(structures.shape, structures.mass, axes["v"])
     if amplitudes is not None:
         z[:, :k] = amplitudes
+    if harmonic is None:  # where both axes vibrate, at frequencies that differ, the cavity's speed beats
+        both = ((z[:, :k] != 0) | (rate[:, :k] != 0)).all(axis=1) & ~rows["printed"]
+        runs["system"]["several"] |= both & (np.ptp(structures.spring / structures.mass, axis=1) > 0)
     z[:, k:], rate[:, k:] = axes["s"], axes["w"]
     runs["motion"]["z"][:, : k + 2], runs["motion"]["rate"][:, : k + 2] = z[:, systems.order], rate[:, systems.order]
     if isinstance(harmonic, Harmonic):  # its cycles are those of what drives it
@@ -174,7 +177,8 @@ class RingDown(Counts[int]):
         duration: simulated time [s].
         peak_times: times of the structure's velocity maxima, one per vibration cycle, or per cycle of what drives it,
             shape (n + 1,) [s]; none in a run that ends within the first half of one.
-        peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s].
+        peak_velocities: v = sqrt(v_x^2 + v_y^2) there, shape (n + 1,) [m/s]; where modes of different frequencies
+            vibrate, sqrt(2 E / (M + m_p)) of the energy E of all, the ball counted as stuck.
         last_motion: last time at which the ball moved in its cavity [s]; None if it never did.
         rested: whether the ball came to rest for good, or only trembles.
         energy: the books.

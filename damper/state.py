@@ -262,7 +262,7 @@ SYSTEM = record(
     ("cavity", "i8", 2),  # and which is that of the cavity's displacement along it
     ("flow", "i8"),  # which terms its flights have
     ("damped", "i8"),
-    ("several", "i8"),  # whether there are modes beside one along each axis, and nothing drives them
+    ("several", "i8"),  # whether modes beside one along each axis alone move the cavity, and nothing drives them
 )
 """Constants of a damper on a structure of modes q, in the N = modes + 2 coordinates z = (q, s), sorted by groups."""
 

@@ -273,6 +273,22 @@ def test_a_cycle_tells_of_the_energy_of_all_modes() -> None:
     assert max(shares) > 0.01
 
 
+@pytest.mark.parametrize("along", ["axes", "between", "x"])
+def test_two_modes_that_lose_nothing_have_no_capacity(along: str) -> None:
+    """The load holds the ball: the energy of two modes of different frequencies stays, the cavity's speed beats."""
+    damper = replace(PAPER, damping_ratio=0.0, rolling_friction=1.0)
+    slow, fast = damper.stiffness[0], 18.0 * damper.stiffness[0]
+    one, other = {"axes": ((1, 0), (0, 1)), "between": ((0.8, 0.6), (-0.6, 0.8)), "x": ((1, 0), (0.3, 0))}[along]
+    system = replace(damper, modes=(Mode(1.0, slow, one), Mode(1.0, fast, other)))
+    run = ringdown(system, (0.0, 0.0), 40, amplitudes=(3e-4, 4e-5))
+    told = 0.5 * (damper.modal_mass + damper.ball_mass) * run.peak_velocities**2
+    assert told == pytest.approx(run.energy.initial, rel=1e-10)
+    assert run.energy.final == pytest.approx(run.energy.initial, rel=1e-12)
+    bare = replace(damper, stiffness=(slow, fast))
+    same = ringdown(bare, (3e-4, 4e-5), 40)
+    assert same.peak_velocities == pytest.approx(np.sqrt(2 * same.energy.initial / 1.006), rel=1e-10)
+
+
 def test_working_of_modes() -> None:
     """Given as modes, the same figures; a high mode beside them, at rest at first, moves them little."""
     damper = tilted(12337)

@@ -324,6 +324,23 @@ def test_damping_at_amplitudes_that_strain_next_to_nothing_is_no_use():
     assert "hardly strains" not in " ".join(remarks.remarks(released))
 
 
+def test_a_capacity_below_the_cut_off_is_of_a_ball_that_still_bounces():
+    """Twelve balls, held at rest up to about 3000 g."""
+    found = twelve()
+    point = found.speeds[0]
+    begins = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.damping_curve.cutoff / found.scene.rotor.gravity
+    low, high = (replace(point, damper=replace(point.damper, peak_sdc=0.15, peak_sdc_at_g=g)) for g in (500.0, 1e4))
+    assert 1e3 < begins < 1e4
+    assert remarks.faint_capacity(replace(found, speeds=[high])) is None
+    said = remarks.faint_capacity(replace(found, speeds=[low, high]))
+    assert said
+    assert said.startswith(f"At 8000 rpm ({point.load_g:.0f} g) the largest specific damping")
+    assert said.endswith(
+        f"15 %, is of a cycle at 500 g, below the {begins / 100:.0f}00 g at which balls at rest begin to roll: "
+        "the verdict counts on no balls that still bounce there."
+    )
+
+
 def test_the_most_within_the_limit_may_be_at_the_limit():
     """Between two points of a curve that rises: the lower one counted, a third less."""
     found = twelve()

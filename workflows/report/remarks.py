@@ -642,13 +642,19 @@ def negligible_strain(results: Results) -> Values:
 
 @remark
 def faint_capacity(results: Results) -> Values:
-    """Largest capacities of a ring-down that are those of a vibration which hardly strains the structure."""
-    rung = [(p, d, limits.in_g(results, p, limits.least_amplitude(p))) for p, _, d in ring_downs(results)]
-    faint = [(p, d) for p, d, least in rung if d.peak_sdc_at_g is not None and 0 < d.peak_sdc_at_g < least]
+    """Largest capacities of ring-downs at amplitudes that hardly strain the structure, or leave a ball at rest."""
+    faint = []
+    for p, _, d in ring_downs(results):
+        own, least = p.level or p.damping_curve, limits.least_amplitude(p)
+        begins = max(least, 0.0 if own is None or p.load_g == 0 else own.cutoff)
+        if d.peak_sdc_at_g and d.peak_sdc_at_g < limits.in_g(results, p, begins) < math.inf:
+            faint.append((p, d, begins if begins > least else None))
     if not faint:
         return None
-    point, most = max(faint, key=lambda each: each[1].peak_sdc or 0.0)
-    return {"points": [p for p, _ in faint], "among": [p for p, _, _ in rung], "most": most, "at": point}
+    point, most, held = max(faint, key=lambda each: each[1].peak_sdc or 0.0)
+    needed = None if held is None else limits.in_g(results, point, held)
+    among = [p for p, _, _ in ring_downs(results)]
+    return {"points": [p for p, _, _ in faint], "among": among, "most": most, "at": point, "needed": needed}
 
 
 @remark
