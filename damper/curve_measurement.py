@@ -38,6 +38,7 @@ from damper.curves import (
     tally,
     with_error,
 )
+from damper.equations import structures_by
 from damper.model import Mode, rim_threshold, whole
 from damper.motion import COUPLED, flights, kinds, prepare
 from damper.state import Tables
@@ -245,7 +246,7 @@ def _down(
         return _no_descent(math.inf)
     cutoff = bare.amplitude_of(bare.leaving_threshold)
     laws.check_rest_amplitude(bare, cutoff)
-    if cutoff == 0 and bare.loses_nothing_in_hits:
+    if cutoff == 0 and _loses_nothing(bare):
         return _no_descent(cutoff)
     least, reach = ends
     lowest, top = max(cutoff, least, _freely(bare) * gap / left), max(reach, 8 * max(cutoff, gap / left))
@@ -263,6 +264,14 @@ def _down(
         laws.check_curve(bare, above)
         laws.check_readings(above, samples)
     return Down(above, before, samples), max(cutoff, least, _LOWEST * gap / left), top
+
+
+def _loses_nothing(bare: ParticleDamper) -> bool:
+    """Whether a ball that rolls freely loses nothing: in hits, by slip, along walls, to modes that are damped."""
+    structures = structures_by(bare, bare.parameters)
+    slips = bare.floor_friction is not None and bare.centrifugal_acceleration > 0
+    rubs = bare.friction > 0 and bool(structures.coupled[0])
+    return bare.loses_nothing_in_hits and not (slips or rubs or structures.dashpot.any())
 
 
 def _no_descent(cutoff: float) -> tuple[Down, float, float]:

@@ -788,3 +788,32 @@ def test_what_the_width_of_the_bins_takes_from_a_narrow_peak_is_in_the_error(hal
     means = np.bincount(number, lost) / np.bincount(number)
     assert means[1:-2].max() == pytest.approx(found.peak, rel=found.error)
     assert found.error < 0.07
+
+
+@pytest.mark.parametrize("by", ["slip", "wall friction", "stagger", "nothing"])
+def test_a_ball_may_lose_energy_although_its_hits_lose_none(by: str) -> None:
+    """Elastic hits, no rolling friction: what slip or friction along a wall takes is there all the same."""
+    omega = 400 * math.pi
+    free = ParticleDamper(
+        1.0, (omega**2, omega**2), 0.01, 2.5e-3, (6e-3, 6e-3), (100 * math.pi) ** 2 * 0.2, 1.0, 0.3, 0.0, 0.0
+    )
+    between = (Mode(1.0, omega**2, (1.0, 0.5), damping_ratio=0.0),)
+    more: dict[str, dict[str, Any]] = {
+        "slip": {"floor_friction": 0.3},
+        "wall friction": {"modes": between},
+        "stagger": {"rotation": 100 * math.pi, "stagger": 0.6},
+        "nothing": {"friction": 0.0, "modes": between},
+    }
+    damper = replace(free, **more[by])
+    found = damping_curve(damper)
+    if by == "nothing":
+        assert found.peak == 0
+        return
+    assert found.peak == pytest.approx(damping_curve(replace(damper, restitution=0.9999)).peak, rel=0.3)
+    amplitude = found.peak_amplitude
+    run = ringdown(
+        damper, (amplitude, 0.0), 10, amplitudes=(amplitude,) if damper.modes else None, ball_velocity=(0.3, 0.1)
+    )
+    lost = run.energy.slip + run.energy.impact
+    assert abs(run.energy.residual) < 1e-12 * run.energy.initial
+    assert lost / run.energy.initial > 10 * 4 * math.pi * found.peak / 2

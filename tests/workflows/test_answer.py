@@ -324,6 +324,28 @@ def test_damping_at_amplitudes_that_strain_next_to_nothing_is_no_use():
     assert "hardly strains" not in " ".join(remarks.remarks(released))
 
 
+@pytest.mark.parametrize("slips", [True, False])
+def test_elastic_hits_dissipate_where_the_ball_slips_after_them(slips):
+    """Without slip nothing is lost; with it the ring-down loses all, while "dissipate nothing" was the answer."""
+    elastic = KNOWN["damper"] | {"restitution": 1.0, "rolling_friction": 0.0}
+    scene = {"damper": elastic, "effects": {"ball_slip": slips}, "release": {"displacement": ["1 mm", "0 mm"]}}
+    found = workflows.run(changed(KNOWN, rotor__speeds=["3000 rpm"], **scene))
+    verdict, said = found.speeds[0].verdict, answer(found).verdict
+    assert (verdict.reason == Reason.LOSSLESS) == ("dissipate nothing" in said) == (not slips)
+    assert (verdict.damping_ratio > 1e-4) == (found.speeds[0].damper.energy.slip > 0) == slips
+
+
+def test_a_ball_that_fills_its_cavity_along_one_axis_may_move_along_the_other():
+    """It hits the walls across all along: "never moves" was said of it."""
+    damper = BLADE["damper"] | {"cavity": ["4 mm", "5 mm"], "rolling_friction": "0.001 mm"}
+    scene = changed(BLADE, rotor__speeds=["3000 rpm"], rotor__stagger="45 deg", rotor__modes=3, damper=damper)
+    found = workflows.run(scene | {"release": {"displacement": ["2 mm", "0 mm"], "cycles": 300}})
+    assert found.speeds[0].damper.impacts > 0
+    assert answer(found).verdict == "No: along the bending direction the balls cannot move"
+    filled = changed(scene, damper=damper | {"cavity": ["4 mm", "4 mm"]})
+    assert answer(workflows.run(filled)).verdict == "No: the balls never move"
+
+
 def test_a_capacity_below_the_cut_off_is_of_a_ball_that_still_bounces():
     """Twelve balls, held at rest up to about 3000 g."""
     found = twelve()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain, starmap
 from typing import Any
 
@@ -66,6 +67,8 @@ _MOST_CYCLES, _MOST_LINEAR_CYCLES = 100_000, 10_000
 
 _SAMPLES_PER_CYCLE = 40
 _SAMPLES_AT_MOST = 4000
+_KEPT_AT_MOST = 200_000
+"""Events of a ring-down that are kept: of a ball that goes on for ever all of them fill the memory."""
 
 
 def simulate(
@@ -190,7 +193,9 @@ def _of_contact(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> 
 def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep: bool) -> results.Damping:
     release = coupling.release_displacement(scene, point, system)
     how: dict[str, Any] = {"amplitudes": coupling.amplitudes(system, release), "max_cycles": most_cycles(system)}
-    motion = damper.ringdown(system, release, scene.stop_cycles, **how, keep_events=keep, progress=_look_up)
+    ring_down = partial(damper.ringdown, system, release, scene.stop_cycles, **how, progress=_look_up)
+    kept = ring_down(keep_events=True, max_events=_KEPT_AT_MOST) if keep else None
+    motion = ring_down() if kept is None or kept.outcome is damper.Outcome.EVENT_CAP else kept
     energy, gravity = damper.capacity(motion), scene.rotor.gravity
     best = int(np.nanargmax(energy.sdc)) if np.isfinite(energy.sdc).any() else None
     cutoff = None if energy.cutoff is None else energy.cutoff / gravity
@@ -213,8 +218,8 @@ def _one(scene: Scene, system: damper.ParticleDamper, point: SpeedPoint, *, keep
         peak_velocity=energy.peak_velocity,
         energy=copy_fields(results.Energy, motion.energy),
         modal_energies=tuple(starmap(results.ModalEnergy, zip(numbers, left, strict=True))),
-        history=_history(motion) if keep else None,
-        path=ball_path(motion) if keep else None,
+        history=None if kept is None else _history(kept),
+        path=None if kept is None else ball_path(kept),
     )
 
 

@@ -190,7 +190,8 @@ def _idle(results: Results, point: SpeedPoint) -> Reason:
         return Reason.TILT
     if figures.cutoff >= limit:
         return Reason.OUT_OF_REACH
-    return Reason.LOSSLESS if damper.lossless and figures.cutoff == 0 else Reason.NOT_FOUND
+    loses = results.effects["ball_slip"].on or (damper.damping_ratio > 0 and len(point.cavity_modes) > 1)
+    return Reason.LOSSLESS if damper.lossless and not loses and figures.cutoff == 0 else Reason.NOT_FOUND
 
 
 def best(results: Results, point: SpeedPoint) -> Best | None:
