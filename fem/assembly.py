@@ -16,9 +16,9 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import coo_array, csc_array, vstack
 
-from fem.linalg import Array, Factor, Solver, factorise
+from fem.linalg import Array, Factor, Solver, factorise, perpendicular
 from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
@@ -301,10 +301,6 @@ class Operators:
         """Distance [m] of a place (x, y) [m] from the spin axis."""
         return float(np.linalg.norm(np.cross(self.rotor.axis, self.from_axis((x, y)))))
 
-    def pull(self, at: tuple[float, float]) -> float:
-        """The centrifugal load (m) along the plate's x at a place (x, y) in m, per mass and Omega²."""
-        return float(self.rotor.projector[0] @ self.from_axis(at))
-
     def at(self, omega: float) -> csc_array:
         """K(Omega), (n, n), its prestress linear in Omega²; `tangent` has that of a large deflection."""
         if self.geometric is None and self.softening is None:
@@ -494,6 +490,10 @@ def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
     return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
 
 
+_LEAST_ALONG = np.sin(np.radians(10.0))
+"""Part of the load that has to lie in the plate's plane, where a floor that faces it is to have an axis along z."""
+
+
 @dataclass(frozen=True, eq=False)
 class AtPlace:
     """A plate at a place: the rows that read its motion there, and what a ball there adds to it.
@@ -511,9 +511,41 @@ class AtPlace:
         return motion_rows(self.operators.model, np.array([self.at]))
 
     @cached_property
+    def axes(self) -> Array:
+        """Of a floor that faces the load, on the spin axis the tip (3, 3): through the thickness, across, and outwards.
+
+        Raises:
+            PlaceError: the load is along the plate's normal.
+        """
+        pull = self.operators.rotor.projector @ self.operators.from_axis(self.at)
+        normal = pull / np.linalg.norm(pull) if pull.any() else np.eye(3)[0]
+        first = perpendicular(np.eye(3)[2], normal)
+        if np.linalg.norm(first) < _LEAST_ALONG:
+            raise PlaceError(f"hardly any load lies in the plate's plane at ({self.at[0]:.6g}, {self.at[1]:.6g}) m")
+        first /= np.linalg.norm(first)
+        return np.array([first, np.cross(first, normal), normal])
+
+    @property
+    def whole_motion(self) -> float:
+        """Square of a motion along z over that of its part along the floor's first axis."""
+        return float(self.axes[0, 2] ** -2)
+
+    @cached_property
+    def floor(self) -> csc_array:
+        """Rows (4, n) for the place's displacement along the floor's two axes, and for the slopes of the floor there.
+
+        The floor bends and turns with the material: through the thickness by -w_x and -w_y.
+        """
+        moved, along, across = self.rows
+        *axes, normal = self.axes
+        turned = csc_array(normal[None, :2]) @ vstack([along[[2]], across[[2]]])
+        slopes = [each[2] * turned - csc_array(normal[None]) @ (each[0] * along + each[1] * across) for each in axes]
+        return csc_array(vstack([csc_array(self.axes[:2]) @ moved, *slopes]))
+
+    @cached_property
     def flap(self) -> Array:
-        """Rows (2, n) for w and its slope w_x."""
-        return np.vstack([rows[[2]].toarray() for rows in self.rows[:2]])
+        """Rows (2, n) for the displacement along the floor's first axis, and the slope there."""
+        return np.asarray(self.floor[[0, 2]].toarray())
 
     @cached_property
     def ball(self) -> tuple[csc_array, csc_array]:

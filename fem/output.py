@@ -176,7 +176,7 @@ def modal_model(
     if at is not None and np.linalg.norm(places - at, axis=1).min() > 0.0:
         places = np.vstack([places, at])
     rows = motion_rows(operators.model, places)
-    drawn = drawn_rows(operators, range(3))
+    drawn = drawn_rows(operators)
     speeds = []
     for number, error in zip(numbers, errors, strict=True):
         unknowns = diagram.shapes(number)[:, : None if error is None else error.size]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -211,9 +211,8 @@ def reduced_modes(
         raise Divergence(modes.omega, float(free[0]))
     stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
     mode = FlapMode(mass, float(at.slope[0, index] / lift))
-    system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck)
     whole = float((pull.place.displacement(modes.shapes[index : index + 1]) ** 2).sum()) / lift**2
-    system = replace(system, whole_motion=whole)
+    system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck, whole)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     moved, slope, drawn = (np.asarray(part[None] @ turned) for part in (at.moved, at.slope, drawn))
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned

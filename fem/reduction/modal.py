@@ -1,15 +1,14 @@
 """The plate's modes as a ball in a cavity feels them: how they move its place and tilt the floor, speed by speed.
 
-The cavity's floor faces the axis. Its axis 1 lies along z, through the thickness, and its axis 2 along y. As the plate
-moves, its place goes by (w, v), and the floor, which bends and turns with the material, tilts by (w_x, -u_y): the slope
-against the load of a ball that moves along either axis.
+The cavity's floor faces the load. On the plate's centre line its axis 1 lies along z, through the thickness, and its
+axis 2 along y. As the plate moves, its place goes by (w, v) there, and the floor, which bends and turns with the
+material, tilts by (w_x, -u_y): the slope against the load of a ball that moves along either axis.
 
 A ball in a cavity pulls on the plate even while it rolls and has no inertia of its own there. The modes are therefore
 those of the plate under that pull, within the span of its own: K(Omega) + Omega² m K_a, K_a being what the load of 1 kg
 at the place adds, against the plate's mass. What lies beyond that span changes them in second order of the mass ratio.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,10 +63,7 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     operators, diagram = without_coriolis(operators, diagram)
     count = diagram.frequencies_hz.shape[1]
     place = operators.at_place(at)
-    moved, along, across = place.rows
-    # Of the place: displacements w and v along the floor's axes, slopes w_x and -u_y.
-    floor = [moved[[2, 1]], along[[2]], -across[[0]]]
-    rows = vstack([*floor, csc_array(load_rows(operators))]).tocsc()
+    rows = vstack([place.floor, csc_array(load_rows(operators, place.axes[:2]))]).tocsc()
     stiffness, motions = [], []
     large = operators.effects.large_deflection
     pull = None if large else place.ball[0]
@@ -88,21 +84,21 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     return ModesAtPlace(diagram.omega, np.concatenate(stiffness), *parts)
 
 
-def load_rows(operators: Operators) -> Array:
-    """Load vectors (3, n): unit accelerations of the root along z and y, and a unit pressure.
+def load_rows(operators: Operators, axes: Array) -> Array:
+    """Load vectors (3, n): unit accelerations of the root along two axes (2, 3), and a unit pressure along z.
 
     Those of the accelerations have the opposite sign.
     """
     height = thickness.of(operators.plate.thickness, operators.model.points[:2])
     pressed = uniform_load(operators.model, 1.0 / height, np.eye(3)[2])
-    return np.vstack([drawn_rows(operators, (2, 1)), pressed])
+    return np.vstack([axes @ drawn_rows(operators), pressed])
 
 
-def drawn_rows(operators: Operators, axes: Iterable[int]) -> Array:
-    """Load vectors (axes, n) of unit accelerations of the root, with the opposite sign."""
+def drawn_rows(operators: Operators) -> Array:
+    """Load vectors (3, n) of unit accelerations of the root along x, y and z, with the opposite sign."""
     pulls = [mass * rows_at(operators.model, places) for places, mass in operators.points]
     drawn = []
-    for axis in axes:
+    for axis in range(3):
         load = uniform_load(operators.model, operators.plate.material.density, np.eye(3)[axis])
         drawn.append(sum((rows[axis::3].sum(axis=0) for rows in pulls), load))
     return np.array(drawn)

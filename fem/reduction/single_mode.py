@@ -1,8 +1,8 @@
 """The plate as one mass on one spring at the damper's place, with the ball in flight and with it stuck.
 
-phi is the fundamental flap mode scaled to w = 1 at the damper. Ball in flight: M2 = phi' M phi and
-K2 = omega_2² M2. Ball stuck: a point mass that has inertia, pulls on the plate and softens like all mass;
-omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1. `reduce_at` reduces at one
+phi is the fundamental flap mode scaled to 1 at the damper, along the axis 1 of a floor that faces the load. Ball in
+flight: M2 = phi' M phi and K2 = omega_2² M2. Ball stuck: a point mass that has inertia, pulls on the plate and softens
+like all mass; omega_1 is the frequency of that plate, M1 = M2 + m_p and K1 = omega_1² M1. `reduce_at` reduces at one
 speed, `reduce_over` at all speeds of a diagram.
 """
 
@@ -38,10 +38,10 @@ class Reduced:
     Attributes:
         ball_mass: m_p.
         mode_index: which of the plate's modes, from 0.
-        slope: phi_x per unit of w at the place, 1/m.
-        floor_tilt: Omega² r phi_x / omega_1², where Omega² r is the load along x: how much of the inertia drive a
-            cavity floor that tilts with the plate would cancel; the reduced model leaves it out. With precone the load
-            slopes along the floor as well, which is left out too.
+        slope: of a floor that faces the load, per unit of the place's motion along its axis 1, 1/m: phi_x on the
+            plate's centre line, without precone.
+        floor_tilt: Omega² r slope / omega_1², where Omega² r is the load: how much of the inertia drive a cavity floor
+            that tilts with the plate would cancel; the reduced model leaves it out.
         whole_motion: square of the place's displacement over that of its part along axis 1, which takes the ball along.
     """
 
@@ -96,7 +96,7 @@ def reduce_at(
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(place, modes, index, mass) if mass > 0.0 else free
-    return reduced(omega**2 * operators.pull(at), index, mode, mass, free, stuck)
+    return reduced(omega**2 * operators.radius(*at), index, mode, mass, free, stuck, place.whole_motion)
 
 
 def searched(operators: Operators, omega: float, start: Array | None = None) -> Modes:
@@ -116,14 +116,14 @@ def check_mass(ball_mass: float | None, mass_ratio: float | None) -> None:
 
 @dataclass(frozen=True)
 class FlapMode:
-    """A flap mode scaled to w = 1 at a place: its modal mass in kg and its slope phi_x in 1/m there."""
+    """A flap mode scaled to 1 along a floor's axis 1 at a place: its modal mass in kg and the floor's slope in 1/m."""
 
     mass: float
     slope: float
 
 
 def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
-    """Scale mass-normalised flap modes of which w and w_x (2, k) at a place are known.
+    """Scale mass-normalised flap modes of which the motion along the floor's axis 1 and its slope (2, k) are known.
 
     Raises:
         PlaceError: where one of them does not move.
@@ -133,16 +133,19 @@ def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
     return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
 
 
-def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float) -> Reduced:
+def reduced(
+    load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float, whole_motion: float
+) -> Reduced:
     """The reduced parameters from the frequencies without the ball and with it stuck.
 
     Args:
-        load: acceleration along x at the place [m/s²].
+        load: centrifugal acceleration at the place [m/s²].
         index: number of the mode.
         mode: at the place.
         ball_mass: [kg].
         free: squared circular frequency without the ball [rad²/s²].
         stuck: squared circular frequency with it [rad²/s²].
+        whole_motion: see `Reduced`.
 
     Raises:
         LawViolation: they do not belong together.
@@ -158,6 +161,7 @@ def reduced(load: float, index: int, mode: FlapMode, ball_mass: float, free: flo
         mode_index=index,
         slope=mode.slope,
         floor_tilt=load * mode.slope / stuck,
+        whole_motion=whole_motion,
     )
     check_reduced(system)
     return system
@@ -289,9 +293,10 @@ class Reduction:
         masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
         stuck = self._family.follow(masses)[0] if masses.any() else self._free
         self._family.check(stuck, masses, self._modes)
+        load, whole = operators.radius(*at), operators.at_place(at).whole_motion
         every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
         return [
-            reduced(omega**2 * operators.pull(at), index, mode, float(mass), float(free), float(fixed))
+            reduced(omega**2 * load, index, mode, float(mass), float(free), float(fixed), whole)
             for omega, index, mode, mass, free, fixed in every
         ]
 
@@ -332,7 +337,7 @@ class _Family:
         self._diagram, self._indices = diagram, indices
 
     def follow(self, masses: Array) -> tuple[Array, Array]:
-        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; w and w_x (2, k).
+        """Squared frequencies (k,) of the flap mode with masses (k,) in kg; motion and slope (2, k).
 
         Raises:
             Divergence: past the critical speed.
@@ -392,7 +397,7 @@ class _Family:
         return become(self._place, omega, stuck, self._diagram.shapes(k), self._indices[k])
 
     def _ritz(self, span: Array, masses: Array) -> tuple[Array, Array]:
-        """Squared frequencies (k,) at all speeds, and w and w_x (2, k), within a span (n, r)."""
+        """Squared frequencies (k,) at all speeds, motion and slope (2, k), within a span (n, r)."""
         basis = np.linalg.qr(span)[0]
         operators = self._operators
         still, spinning, mass, more_spinning, more_mass = (

@@ -5,7 +5,7 @@ import pytest
 from fem_cases import BENT, FLAT, STEEL, STRIP, WRIGHT, frequencies, unit_of
 from scipy.spatial.transform import Rotation
 
-from fem import ElasticRoot, Plate, Rotor, assemble, equilibrium, rectangle, with_point_mass
+from fem import ElasticRoot, PlaceError, Plate, Rotor, assemble, equilibrium, rectangle, with_point_mass
 from fem.assembly import point_rows
 from fem.linalg import factorise, lanczos
 from fem.meshes.thickness import Polynomial
@@ -78,13 +78,24 @@ def test_the_radius_is_the_distance_from_the_axis(precone):
     rotor, place = operators.rotor, operators.from_axis((0.15, 0.0))
     assert operators.radius(0.15) == pytest.approx(np.linalg.norm(rotor.projector @ place), rel=1e-12)
     assert operators.radius(0.15) == pytest.approx(0.1 + 0.15 * np.cos(precone), rel=1e-12)
-    assert operators.pull((0.15, 0.0)) == pytest.approx(np.cos(precone) * operators.radius(0.15), abs=1e-12)
+    floor, raised = operators.at_place((0.15, 0.0)), np.sin(precone) * np.cos(0.4)
+    assert floor.axes[2, 0] == pytest.approx(np.cos(precone), abs=1e-12)
+    assert floor.whole_motion == pytest.approx(1.0 / (1.0 - raised**2))
     assert operators.radius(0.15, 0.02) == pytest.approx(
         np.linalg.norm(rotor.projector @ operators.from_axis((0.15, 0.02))), rel=1e-12
     )
     assert precone or operators.radius(0.15, 0.02) == pytest.approx(np.hypot(0.25, 0.02 * np.cos(0.4)), rel=1e-12)
     assert rotor.axis @ rotor.outwards == pytest.approx(0.0, abs=1e-15)
     assert np.linalg.norm(rotor.outwards) == pytest.approx(1.0)
+
+
+def test_a_load_along_the_plates_normal_leaves_no_axis_through_the_thickness():
+    """Raised by 81 degrees the load is 9 degrees from the normal."""
+    raised = (Rotor(0.1, 0.0, np.radians(angle)) for angle in (79.0, 81.0))
+    near, beyond = (assemble(Plate(rectangle(0.2, 0.08, 2, 1), 0.004, STEEL), rotor, FLAT) for rotor in raised)
+    assert near.at_place((0.15, 0.0)).whole_motion == pytest.approx(np.cos(np.radians(79.0)) ** -2)
+    with pytest.raises(PlaceError, match="hardly any load lies in the plate's plane"):
+        beyond.at_place((0.15, 0.0)).axes  # noqa: B018
 
 
 @pytest.mark.parametrize("effects", [FLAT, BENT])

@@ -185,6 +185,36 @@ def test_twist_moves_a_cavity_off_the_centre_line():
     assert abs(found[1]) < 1e-9 * abs(found[0])
 
 
+@pytest.mark.parametrize("rotor", [Rotor(0.05), Rotor(0.05, 0.5), Rotor(0.05, 0.5, 0.4)])
+@pytest.mark.parametrize("at", [(0.14, 0.001), (0.13, 0.033)])
+def test_the_floor_tilts_against_the_load_wherever_it_points(rotor, at):
+    """By the centrifugal energy of a ball on a floor that bends with the plate, from displacements near by."""
+    operators = on(FLAT, rotor)
+    shapes, h, place = campbell(operators, np.zeros(1), 6).shapes(0), 1e-4, np.array(at)
+
+    def moved(x, y):
+        return operators.at_place((float(x), float(y))).rows[0] @ shapes
+
+    spun, arm = rotor.projector, operators.from_axis(at)
+    outwards = spun @ arm / np.linalg.norm(spun @ arm)
+    first = np.eye(3)[2] - outwards[2] * outwards
+    along, across = ((moved(*(place + d)) - moved(*(place - d))) / (2 * h) for d in h * np.eye(2))
+    found, (u, v) = operators.at_place(at).floor @ shapes, (found_axes := operators.at_place(at).axes)[:2]
+    assert u == pytest.approx(first / np.linalg.norm(first))
+    assert [u @ v, v @ outwards, np.linalg.det(found_axes)] == pytest.approx([0.0, 0.0, -1.0], abs=1e-12)
+    for k, axis in enumerate((u, v)):
+        turned = axis[0] * along + axis[1] * across - axis[2] * np.array([along[2], across[2], 0.0 * along[2]])
+
+        def energy(floor, lift, turned=turned, axis=axis):
+            ball = arm[:, None] + lift * moved(*at) + floor * (axis[:, None] + lift * turned)
+            return 0.5 * ((spun @ ball) ** 2).sum(axis=0)
+
+        mixed = (energy(1, 1) - energy(1, -1) - energy(-1, 1) + energy(-1, -1)) / 4
+        drawn = axis @ spun @ moved(*at) - np.linalg.norm(spun @ arm) * found[2 + k]
+        assert mixed == pytest.approx(drawn, rel=1e-5, abs=1e-5 * np.abs(mixed).max())
+        assert found[k] == pytest.approx(axis @ moved(*at), abs=1e-12 * np.abs(found[k]).max())
+
+
 def test_many_speeds_agree_with_each_by_itself():
     operators, diagram = swept(Rotor(0.1, 0.5), FLAT, 100)
     masses = np.linspace(0.001, 0.004, 100)

@@ -960,7 +960,11 @@ def points(
     from fem.accuracy.theory_selection import over_speeds
 
     rotor, operators = source.scene.rotor, discrete.choice.operators
-    radius = operators.radius(*plate_mesh.place(source, operators.plate.mesh))
+    at = plate_mesh.place(source, operators.plate.mesh)
+    radius, stagger = operators.radius(*at), rotor.stagger
+    if source.scene.damper is not None and (at[1] or rotor.precone):
+        first, across = operators.at_place(at).axes[:2] @ operators.rotor.axis
+        stagger = math.atan2(across, first)
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
@@ -981,7 +985,7 @@ def points(
     frequencies = diagram.frequencies_hz[rows, :count].ravel().tolist()
     modes = tuple(map(Mode, frequencies, families, errors, known(damping), branches))
     return tuple(
-        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count], stagger=rotor.stagger)
+        SpeedPoint.at(speed, radius, rotor.gravity, modes[n * count : (n + 1) * count], stagger=stagger)
         for n, speed in enumerate(omega.tolist())
     )
 
