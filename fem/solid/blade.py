@@ -13,6 +13,8 @@ from fem.meshes.planform import MeshError
 from fem.rotor import across
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fem.linalg import Array
     from fem.meshes.volume import Indices, VolumeMesh
     from fem.plate import Material
@@ -81,8 +83,37 @@ class Blade:
 
         By Gauss' theorem that of the faces whose nodes are all held, however deep the root's nodes reach into it.
         """
-        own = np.isin(np.arange(len(self.mesh.points)), self.held)
-        return np.asarray(self.mesh.boundary_normals(own)[1].sum(axis=0))
+        return np.asarray(self.mesh.boundary_normals(self._clamped)[1].sum(axis=0))
+
+    @property
+    def _clamped(self) -> NDArray[np.bool_]:
+        """Which nodes do not move, (nnode,)."""
+        return np.isin(np.arange(len(self.mesh.points)), self.held)
+
+    @cached_property
+    def bending(self) -> tuple[Array, Array, Array, Array]:
+        """Of that section its middle (3,) [m], unit normal (3,), second moments (3, 3) [m⁴] and nodes (m, 3) [m].
+
+        As they are seen along its normal; the nodes are those at which what is held ends.
+        """
+        normal = self.section / np.linalg.norm(self.section)
+        area, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+        for faces in self.mesh.boundary():
+            around = self.mesh.points[faces[self._clamped[faces].all(axis=1)]]
+            middles = np.broadcast_to(around.mean(axis=1, keepdims=True), around.shape)
+            corners = np.stack([middles, around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 3, 3)
+            one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+            seen, corners = 0.5 * np.cross(one, other) @ normal, perpendicular(corners, normal)
+            total = corners.sum(axis=1)
+            area += seen.sum()
+            first += seen @ total / 3.0
+            second += np.einsum("t,tki,tkj->ij", seen, corners, corners) / 12.0
+            second += np.einsum("t,ti,tj->ij", seen, total, total) / 12.0
+        middle = first / area
+        free = ~self._clamped
+        ends = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
+        at = perpendicular(self.mesh.points[ends[self._clamped[ends]]], normal)
+        return middle, normal, second - area * np.outer(middle, middle), at
 
 
 FACING = 0.7

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import polar
 
-from fem.linalg import lowest_modes, orthonormal
+from fem.linalg import lowest_modes, orthonormal, perpendicular
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.rotor import across
@@ -547,6 +547,25 @@ class SolvedBlade:
         lowest = self.at(float(self.sweep.squares[0]) ** 0.5)
         mesh = blade.mesh
         return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets)
+
+    def root_strain(self, modes: ModesAtSpeed, number: int) -> float:
+        """Largest strain over the root's section in a mode, numbered from 0, by bending and pull [m^-1 per kg^1/2 m].
+
+        By what the moving masses, and the load on them, ask of the clamp, and by Navier's linear stress: that needs no
+        mesh which resolves how rotation draws the bending of thin blades into a layer at the root. As where the clamp
+        holds the width, (1 - nu²) times the stress over E.
+        """
+        blade, masses, material = self.operators.blade, self.operators.masses[:, None], self.operators.blade.material
+        shape, still = modes.shapes[number], 0.0 if modes.static is None else modes.static
+        middle, normal, second, at = blade.bending
+        place = blade.mesh.points + still
+        arm = perpendicular(place - blade.origin, blade.axis)
+        swing = masses * (modes.squares[number] * shape + modes.omega**2 * perpendicular(shape, blade.axis))
+        depth = blade.mesh.points[blade.held].mean(axis=0) @ normal
+        moment = np.cross(place - middle - depth * normal, swing) + np.cross(shape, masses * modes.omega**2 * arm)
+        bent = np.linalg.pinv(second, rcond=1e-9) @ np.cross(normal, moment.sum(axis=0))
+        stress = swing.sum(axis=0) @ normal / np.linalg.norm(blade.section) + (at - middle) @ bent
+        return float(np.abs(stress).max() * (1.0 - material.poissons_ratio**2) / material.youngs_modulus)
 
     def at(self, omega: float) -> ModesAtSpeed:
         """The blade's modes at a speed [rad/s].

@@ -100,6 +100,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         sha256=source.mesh_sha256,
         coriolis=solved.coriolis_shifts,
         root_stress=stress,
+        root_strain=None if stress is None else solved.root_strain,
         cut=_cavities(scene, seat, solved.operators.blade.material),
         mass=float(solved.operators.masses.sum()),
     )

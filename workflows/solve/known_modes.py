@@ -71,6 +71,7 @@ class SpaceStructure:
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
         cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
         mass: of all that the mesh has [kg]; inf: not known.
+        root_strain: of a solid blade the largest strain in a mode over its root's section, by what it asks of the clamp; None: not known.
         density: of known modes, by the scale of their shapes [kg/m³]; None: not known, or not of known modes.
     """
 
@@ -84,6 +85,7 @@ class SpaceStructure:
     root_stress: float | None = None
     cut: Callable[[ModesAtSpeed], Floats] | None = None
     mass: float = math.inf
+    root_strain: Callable[[ModesAtSpeed, int], float] | None = None
     density: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
@@ -125,6 +127,8 @@ class SpaceStructure:
         lifts = every.shape[0, 0]
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
         strain = _largest_strain(self.model, modes, leads)
+        if strain is not None and self.root_strain is not None:
+            strain = max(strain, self.root_strain(modes, leads))
         return replace(
             point,
             radius=floor.radius,
