@@ -363,6 +363,27 @@ def test_a_folder_without_permission(tmp_path):
         tmp_path.chmod(0o755)
 
 
+def test_a_read_only_folder_is_not_replaced(tmp_path, monkeypatch):
+    """It was, and what it had held stayed beside it under a hidden name."""
+    (tmp_path / "out").mkdir()
+    check(tmp_path / "out")
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "out")  # root may write anywhere
+    with pytest.raises(BadInput, match="is read-only"):
+        check(tmp_path / "out")
+
+
+def test_a_scene_among_results_is_not_replaced_by_its_own(tmp_path):
+    """`best.toml` of a design, with what the user changed in it, was gone after a run into the same folder."""
+    out = tmp_path / "out"
+    _publish(out, "# best", "best.toml")
+    scene = str(out / "best.toml")
+    with pytest.raises(BadInput, match=r"holds best.toml, the scene of this run"):
+        check(out, scene=scene)
+    check(tmp_path / "other", scene=scene)
+    (out / "own.toml").write_text("")
+    check(out, scene=str(out / "own.toml"))
+
+
 WRITER = """
 import sys, time
 from pathlib import Path

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import tomllib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,29 @@ def test_a_sweep_that_no_machine_would_end_is_refused_first(spindamp, tmp_path, 
     assert done.status == 2
     assert f"expected at most 10000000 points, all speeds counted, not {points}" in " ".join(done.err.split())
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--workers", 0), "--workers = 0: expected a whole number of processes from 1 on"),
+        (("--seed", -1), "--seed = -1: expected a whole number from 0 on"),
+        (("--sample", 4), "leave out the COUNT"),
+        (("--uncertain", "--sample", 8), "leave out the COUNT"),
+    ],
+)
+def test_a_refused_sweep_leaves_no_folder(spindamp, tmp_path, options, message):
+    done = spindamp("sweep", "structure", "--vary", "damper.restitution=0.3:0.5:3", *options, "--out", "out")
+    assert done.status == 2
+    assert message in " ".join(done.err.split())
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "a", True])
+def test_seeds_are_whole_numbers(seed):
+    for search in (partial(spindamp.design, "design"), partial(spindamp.sweep, "structure", "damper.friction=0.1,0.2")):
+        with pytest.raises(BadInput, match=r"--seed = .*expected a whole number from 0 on"):
+            search(seed=seed)
 
 
 @pytest.mark.parametrize("count", [None, 10])

@@ -56,7 +56,7 @@ class Here(Executor):
 
 @contextmanager
 def workers_of(executor, size=2):
-    yield Workers(lambda: executor, lambda: size)
+    yield Workers(lambda _: executor, lambda: size)
 
 
 def finished(out):
@@ -92,6 +92,24 @@ def contents(out):
         for path in sorted(Path(out).rglob("*"))
         if path.is_file() and path.name != store.LOCK
     }
+
+
+def test_a_study_without_a_point_gives_way_to_another(tmp_path, asked):
+    """Its workers could not be reached, say; another study in that folder was refused for ever."""
+
+    @contextmanager
+    def unreachable():
+        raise BadInput("no scheduler answers there", key="--dask")
+        yield
+
+    out = tmp_path / "out"
+    with pytest.raises(BadInput, match="no scheduler"):
+        study.complete(asked, out, unreachable(), QUIET)
+    other = study.of_scene("structure", ["damper.restitution=0.2,0.3"], quick=True)
+    complete(other, out)
+    assert finished(out) == 2
+    with pytest.raises(BadInput, match="differs in its"):
+        complete(asked, out)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -187,6 +187,7 @@ def sweep(
 
     Without --out, the folder is named after the scene's title; with --json and no --out, no files are written.
     """
+    from workflows.io import folder
     from workflows.io.files import as_json
     from workflows.studies.sweep import executor, report, store, study
 
@@ -200,7 +201,8 @@ def sweep(
                 typer.echo(f"{axis.name} replaces the scene's {instead}")
     _announce_compiler()
     pool = executor.workers_of(workers, dask)
-    with Stages(lines=True) as stages:
+    going_on = nullcontext() if out is None else folder.resumable(store.GOES_ON)
+    with going_on, Stages(lines=True) as stages:
         data = study.solve(plan, out, pool, stages)
         if out is not None:
             with stages("report"):
@@ -404,7 +406,7 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
 
     resources.check(source)
     if out is not None:
-        folder.check(out, files.FILES)
+        folder.check(out, files.FILES, source.name)
     if source.scene.damper is not None:
         _announce_compiler()
     with Stages(lines=True) as stages:
@@ -422,6 +424,8 @@ def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: Scen
     from workflows.io import files, folder
 
     if out is not None:
+        for source in of:
+            folder.check(out, files.FILES_OF_STUDIES, source.name)
         folder.check(out, files.FILES_OF_STUDIES)
     if damper and all(source.scene.damper is not None for source in of):
         _announce_compiler()

@@ -149,15 +149,16 @@ _NAME_MAX, _LONGEST_NAME = 255, 100
 """Bytes that file systems take for a name, and those of a name that goes into its scratch folder's, which is longer."""
 
 
-def check(folder: Path, names: str = "") -> Path:
+def check(folder: Path, names: str = "", scene: str = "") -> Path:
     """Where results can go, resolved; looked at before any work is done, and nothing is written.
 
     Args:
         folder: what the user asked for.
         names: a regular expression for names of files that will be written besides the usual ones.
+        scene: the file that is run.
 
     Raises:
-        BadInput: `folder` is a file, the current folder or one above it, or cannot be written.
+        BadInput: `folder` is a file, the current folder or one above it, cannot be written, or would lose the scene.
     """
     try:
         target = Path(os.path.realpath(folder))
@@ -169,8 +170,10 @@ def check(folder: Path, names: str = "") -> Path:
         raise BadInput(f"cannot be a folder: {reason}", key="--out", value=str(folder)) from error
     if exists and not target.is_dir():
         problem: str | None = "is a file: expected a folder"
+    elif exists and not os.access(target, os.W_OK):
+        problem = "is read-only: expected a folder that can be written"
     else:
-        problem = _not_to_be_replaced(target) or (_conflict(target, names) if exists else None)
+        problem = _not_to_be_replaced(target) or (_conflict(target, names, Path(scene)) if exists else None)
     if problem is not None:
         raise BadInput(problem, key="--out", value=str(folder))
     return target
@@ -196,9 +199,11 @@ def unwritable(target: Path) -> str | None:
         return f"{parent} cannot be written"
 
 
-def _conflict(target: Path, names: str) -> str | None:
+def _conflict(target: Path, names: str, scene: Path) -> str | None:
     """What a folder holds that is against it."""
     foreign = _user_files(target)
+    if scene.is_file() and scene.resolve().parent == target and target / scene.resolve().name not in foreign:
+        return f"holds {scene.name}, the scene of this run, which would go: expected another folder"
     taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
     if taken:
         return f"holds a {taken[0]} that no run wrote: expected another folder"

@@ -153,6 +153,9 @@ def load(where: str | os.PathLike[str] = DEFAULT) -> SceneFile:
     if path.suffix.lower() in _MESHES and path.is_file():
         problem = f'a mesh, not a scene: name it in a scene as [plate] mesh = "{path.name}" (or [blade] mesh)'
         raise BadInput(f"{problem}, or look at it with `spindamp view {where}`", file=str(where))
+    if path.name in ("results.json", "results.nc") and path.is_file():
+        problem = "results of a run, not a scene: commands that read a run take its folder"
+        raise BadInput(f"{problem}, '{path.parent}'", file=str(where))
     if path.name.lower().endswith(_OF_MODES) and path.is_file():
         problem = f'a file of modes, not a scene: name it in a scene as [structure] modes = "{path.name}"'
         raise BadInput(problem, file=str(where))

@@ -71,7 +71,8 @@ class SpaceStructure:
         root_stress: mean stress over the root's section by the centrifugal pull, over Omega² [Pa s²]; None: not known.
         cut: relative shifts of the frequencies by cavities that the modes know nothing of; None: not known.
         mass: of all that the mesh has [kg]; inf: not known.
-        root_strain: of a solid blade the largest strain in a mode over its root's section, by what it asks of the clamp; None: not known.
+        root_strain: of a solid blade the largest strain in a mode over its root's section, by what it asks of the
+            clamp; None: not known.
         density: of known modes, by the scale of their shapes [kg/m³]; None: not known, or not of known modes.
     """
 

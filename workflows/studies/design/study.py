@@ -208,6 +208,7 @@ def design(
         BadInput: the scene is wrong, has no [design], or no design satisfies its limits.
         NoAnswer: the plate has none.
     """
+    plan.check_seed(seed)
     source = as_scene_file(scene)
     resources.check(source)
     clock = stages or Stages()

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -52,11 +52,11 @@ class Workers:
     """Who computes.
 
     Attributes:
-        executor: gives an executor that works, a new one where the workers of the last have died.
+        executor: gives an executor for so many tasks that works, a new one where the workers of the last have died.
         count: how many work now.
     """
 
-    executor: Callable[[], Executor]
+    executor: Callable[[int], Executor]
     count: Callable[[], int]
 
 
@@ -67,12 +67,13 @@ def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task
         BadInput: workers die again and again.
     """
     waiting, pending, lost = deque(tasks), dict[Future[T], Task](), 0
+    total = len(waiting)
     try:
         while waiting or pending:
             most = _AHEAD * max(workers.count(), 1)
             while waiting and len(pending) < most:
                 try:
-                    future = workers.executor().submit(compute, waiting[0])
+                    future = workers.executor(total).submit(compute, waiting[0])
                 except BrokenExecutor as error:  # the workers died in this moment
                     future = Future()
                     future.set_exception(error)
@@ -99,28 +100,36 @@ def workers_of(
     """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
     if executor is not None:
         return external(executor)
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise BadInput("expected a whole number of processes from 1 on", key="--workers", value=workers)
     return local(workers) if dask is None else cluster(dask)
 
 
 @contextmanager
 def external(executor: Executor, workers: int = 1) -> Iterator[Workers]:
     """Workers of an executor that is somebody else's, and stays open."""
-    yield Workers(lambda: executor, lambda: workers)
+    yield Workers(lambda _: executor, lambda: workers)
 
 
 @contextmanager
 def local(workers: int | None = None) -> Iterator[Workers]:
-    """Processes of this machine, one for each core unless it is said; each computes with one thread."""
+    """Processes of this machine, one for each core unless it is said, no more than tasks; each has one thread."""
     import loky
 
-    count = loky.cpu_count() if workers is None else workers
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise BadInput("expected a whole number of processes from 1 on", key="--workers", value=count)
-    executor = partial(loky.get_reusable_executor, count, initializer=_begin, initargs=(os.getpid(),), env=_ENVIRONMENT)
+    count, started = loky.cpu_count() if workers is None else workers, 0
+    how = {"initializer": _begin, "initargs": (os.getpid(),), "env": _ENVIRONMENT}
+
+    def executor(tasks: int) -> Executor:
+        nonlocal started
+        started = max(started, min(count, tasks))
+        found: Executor = loky.get_reusable_executor(started, **how)
+        return found
+
     try:
         yield Workers(executor, lambda: count)
     finally:
-        executor().shutdown(kill_workers=True)
+        if started:
+            loky.get_reusable_executor(started, **how).shutdown(kill_workers=True)
 
 
 @contextmanager
@@ -143,7 +152,7 @@ def cluster(address: str) -> Iterator[Workers]:
             problem = f"the scheduler has no workers: start some with `dask worker {address} --nthreads 1`"
             raise BadInput(problem, key="--dask", value=address)
         with client.get_executor(pure=False, retries=10) as executor:
-            yield Workers(lambda: executor, lambda: sum(client.ncores().values()))
+            yield Workers(lambda _: executor, lambda: sum(client.ncores().values()))
 
 
 def _begin(parent: int) -> None:

@@ -531,6 +531,12 @@ def sample(axes: Sequence[Axis], speeds: Sequence[float], count: int, seed: int)
     return at_shares(ordered, sobol(free, 1 << (count - 1).bit_length(), seed)[:count], {"seed": seed})
 
 
+def check_seed(seed: object) -> None:
+    """Raise BadInput unless a seed is a whole number from 0 on."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise BadInput("expected a whole number from 0 on", key="--seed", value=seed)
+
+
 def sobol(dimensions: int, count: int, seed: int) -> Floats:
     """So many points, a power of two, spread over the unit cube."""
     from scipy.stats import qmc
@@ -539,7 +545,15 @@ def sobol(dimensions: int, count: int, seed: int) -> Floats:
 
 
 def at_shares(axes: Sequence[Axis], shares: Floats, identity: Mapping[str, Any]) -> Plan:
-    """Points at rows of shares from 0 to 1, one for each axis; each at all speeds where these have no share."""
+    """Points at rows of shares from 0 to 1, one for each axis; each at all speeds where these have no share.
+
+    Raises:
+        BadInput: a range has a COUNT, which only a grid takes.
+    """
+    for axis in axes:
+        if axis.spread is not None and len(axis.values) > 1:
+            problem = "a sample spreads its points over the whole range: leave out the COUNT"
+            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.given)
     coordinates = {axis.name: (SAMPLE, _array(axis.at(column))) for axis, column in zip(axes, shares.T, strict=False)}
     dimensions = {SAMPLE: len(shares)}
     if not _samples_speeds(axes):

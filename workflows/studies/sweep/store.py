@@ -229,7 +229,9 @@ def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:
     except (OSError, ValueError, LookupError) as error:
         problem = f"its {DATA}/{_METADATA} is damaged ({error}): use another folder, or remove this one"
         raise BadInput(problem, key="--out", value=str(path)) from error
-    if before.get("study") != identity["study"]:
+    if before.get("study") != identity["study"] and not (target / DATA / DONE / "c").exists():
+        shutil.rmtree(target / DATA)  # no point of it was ever computed
+    elif before.get("study") != identity["study"]:
         names = [name for name in identity if name != "study" and identity[name] != before.get(name)]
         what = listed(list(dict.fromkeys(_CALLED.get(name, name) for name in names)) or ["key"])
         problem = f"contains a study that differs in its {what}: use another folder, or remove the old one"

@@ -87,7 +87,7 @@ class Study:
 
 def of_scene(
     scene: SceneLike = DEFAULT,
-    vary: Mapping[str, object] | Iterable[str] = (),
+    vary: Mapping[str, object] | Iterable[str] | str = (),
     *,
     count: int | None = None,
     seed: int = 0,
@@ -103,7 +103,8 @@ def of_scene(
     if source.scene.damper is None:
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
-    vary = vary if isinstance(vary, Mapping) else list(vary)
+    plan.check_seed(seed)
+    vary = vary if isinstance(vary, Mapping) else [vary] if isinstance(vary, str) else list(vary)
     if count is None and not uncertain:
         plan.check_size(vary, len(source.scene.rotor.speeds))
     axes = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
