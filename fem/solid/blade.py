@@ -123,6 +123,21 @@ INNER = 0.2
 """Part of the radial extent that counts as the inner end."""
 
 
+def up_to(mesh: VolumeMesh, axis: Array, origin: Array, radius: float) -> Indices:
+    """Nodes up to a radius [m] from the spin axis.
+
+    Raises:
+        MeshError: there are none.
+    """
+    distances = np.linalg.norm(perpendicular(mesh.points - origin, axis), axis=1)
+    if distances.min() > radius + ON_THE_FACE * mesh.size:
+        raise MeshError(
+            f"no nodes lie within {radius:.6g} m of the axis: the mesh is from {distances.min():.6g}"
+            f" to {distances.max():.6g} m from it"
+        )
+    return np.flatnonzero(distances <= radius + ON_THE_FACE * mesh.size)
+
+
 def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None = None) -> Indices:
     """Nodes of the inner end of a blade, on a cylinder about the spin axis or on a plane.
 

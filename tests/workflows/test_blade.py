@@ -5,6 +5,7 @@ import math
 import re
 import tomllib
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 
 import meshio
@@ -12,6 +13,7 @@ import numpy as np
 import psutil
 import pytest
 
+import workflows
 from damper import ringdown
 from damper.state import HIT
 from fem.rotor import from_rpm
@@ -632,6 +634,17 @@ def test_a_root_whose_stress_is_not_known_is_remarked(tmp_path, spindamp):
     flat(tmp_path, (4, 2, 1), held=lambda _, y: np.abs(y) > 0.039)
     scene(tmp_path, SCENE, "'10 rpm'")
     assert "# The mean stress at the root is not known, since" in spindamp("check", tmp_path / "fan.toml").out
+
+
+def test_a_root_up_to_a_radius_clamps_all_nodes_there(tmp_path):
+    flat(tmp_path, (20, 4, 1), held=lambda x, y: np.hypot(x, y) <= 0.1 + 1e-9)
+    roots = [
+        ('root = "nroot"', f"root = {root}") for root in ('"nroot"', '{ radius = "100 mm" }', "{ radius = '40 mm' }")
+    ]
+    named, within, nowhere = (partial(scene, tmp_path, SCENE, "'6000 rpm'", root=root, level=LEVEL) for root in roots)
+    assert workflows.run(within()).speeds[0].modes == workflows.run(named()).speeds[0].modes
+    with pytest.raises(BadInput, match=r"\[blade\] root = \{radius = 0.04\}: no nodes lie within 0.04 m of the axis"):
+        workflows.run(nowhere())
 
 
 def test_what_a_root_inside_the_mesh_cuts_off_is_held_with_it(tmp_path):

@@ -182,6 +182,17 @@ class KnownModes(Table):
         return q.unit_in_si(self.unit or unit, q.LENGTH), q.unit_in_si(self.mass_unit or mass_unit, q.MASS)
 
 
+class RootRadius(Table):
+    """A root of all nodes up to a distance from the spin axis."""
+
+    radius: Annotated[q.Length, q.Positive]
+    """from the spin axis, up to which all nodes are clamped"""
+
+
+def _kind_of_root(value: Any) -> str:
+    return "[radius]" if isinstance(value, Mapping | RootRadius) else "[named]"
+
+
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
@@ -189,17 +200,22 @@ class Blade(Table):
     """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
-    root: q.Line | None = None
-    """the clamped part: a set of nodes or faces in the file, or the radius of its nodes, such as '100 mm';
-    default: the innermost face"""
+    root: (
+        Annotated[
+            Annotated[q.Line, Tag("[named]")] | Annotated[RootRadius, Tag("[radius]")], Discriminator(_kind_of_root)
+        ]
+        | None
+    ) = None
+    """the clamped part: a set of nodes or faces in the file, the radius of its nodes, such as '100 mm', or
+    { radius = '100 mm' }, all nodes up to there; default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
     """cell size for meshing geometry (.step, .iges, .brep); needs gmsh (spindamp[step])"""
 
     @property
     def root_radius(self) -> float | None:
-        """Where the root is given by its radius, that [m]."""
+        """Where the root lies at a radius, that [m]."""
         try:
-            return None if self.root is None else q.to_si(self.root, q.LENGTH)
+            return q.to_si(self.root, q.LENGTH) if isinstance(self.root, str) else None
         except q.UnitError:
             return None
 

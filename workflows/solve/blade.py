@@ -19,7 +19,7 @@ from workflows.formatting import beside, percent, share, significant, span, turn
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
 from workflows.scene.quantities import LENGTH, unit_in_si
-from workflows.scene.scene import Scene
+from workflows.scene.scene import RootRadius, Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
 from workflows.solve.orientation import orientation_remarks
@@ -242,7 +242,7 @@ def blade_of(source: SceneFile) -> Blade:
         BadInput: the mesh or its root is no good; it needs more memory than there is.
     """
     from fem.meshes.volume import SizeError, read_volume
-    from fem.solid.blade import Blade, root_at
+    from fem.solid.blade import Blade, root_at, up_to
 
     path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
     try:
@@ -255,8 +255,11 @@ def blade_of(source: SceneFile) -> Blade:
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
     stuff = fem.Material(material.youngs_modulus, material.poissons_ratio, material.density)
-    with source.blaming("[blade] root", spec.root, fem.MeshError):
-        if spec.root is not None and spec.root_radius is None:
+    written = {"radius": spec.root.radius} if isinstance(spec.root, RootRadius) else spec.root
+    with source.blaming("[blade] root", written, fem.MeshError):
+        if isinstance(spec.root, RootRadius):
+            root = up_to(mesh, about.axis, about.origin, spec.root.radius)
+        elif spec.root is not None and spec.root_radius is None:
             root = known_modes.named_set(source, mesh.sets, spec.root, "[blade] root", " or a radius such as '100 mm'")
         else:
             root = root_at(mesh, about.axis, about.origin, spec.root_radius)
