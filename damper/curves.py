@@ -118,10 +118,12 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
 
 
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
-    """The same curve with its peak at one of its points."""
-    amplitude, ratio = curve.amplitude, curve.damping_ratio
+    """The same curve with its peak at one of its points, without what rounding leaves of a ball that takes nothing."""
+    amplitude, ratio = curve.amplitude, np.where(abs(curve.damping_ratio) < _SMALL, 0.0, curve.damping_ratio)
     half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
-    return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
+    return replace(
+        curve, damping_ratio=ratio, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half
+    )
 
 
 def at_peak(curve: DampingCurve) -> DampingCurve:
