@@ -253,7 +253,11 @@ def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))
-    return np.asarray(factor.min(axis=1))
+    return np.asarray(np.where(factor < _ROUNDED, factor, np.inf).min(axis=1))
+
+
+_ROUNDED = 1e12
+"""Factor from which on what drives the ball is what rounding leaves, as where the tilt of the floor cancels it."""
 
 
 def forgets(systems: Systems) -> float:

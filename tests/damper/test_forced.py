@@ -79,6 +79,16 @@ def test_a_ball_that_only_creeps_is_periodic(excess: float) -> None:
     assert (found.error < 1e-5 * found.mean).all()
 
 
+@pytest.mark.parametrize(("left", "factor"), [(1e-3, 1e3), (0.0, math.inf)])
+def test_a_tilt_that_cancels_the_drive_lets_no_force_move_the_ball(left: float, factor: float) -> None:
+    """At the stuck structure's resonance all of the drive is in that ratio; what rounding leaves of it moved balls."""
+    flat = paper(damping_ratio=1e-3)
+    slope = flat.stuck_frequency**2 / flat.centrifugal_acceleration
+    push = [Harmonic(flat.stuck_frequency, (1.0, 0.0))]
+    tilted = replace(flat, floor_tilt=((1.0 - left) * slope, 0.0))
+    assert moves_from(tilted, push) == pytest.approx(factor * moves_from(flat, push), rel=1e-3)
+
+
 @pytest.mark.parametrize(("frequency", "first"), [(1.3, 0), (2.3, 1)])
 def test_locked_on_several_modes_and_a_moving_base(frequency: float, first: int) -> None:
     """Against a solution of the matrices M + m Phi'Phi, C, K, assembled here; either axis moves the ball first."""
