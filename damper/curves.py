@@ -118,12 +118,10 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
 
 
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
-    """The same curve with its peak at one of its points, without what rounding leaves of a ball that takes nothing."""
-    amplitude, ratio = curve.amplitude, np.where(abs(curve.damping_ratio) < _SMALL, 0.0, curve.damping_ratio)
+    """The same curve with its peak at one of its points."""
+    amplitude, ratio = curve.amplitude, curve.damping_ratio
     half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
-    return replace(
-        curve, damping_ratio=ratio, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half
-    )
+    return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 
 def at_peak(curve: DampingCurve) -> DampingCurve:
@@ -285,19 +283,20 @@ def with_error(curve: DampingCurve, error: float, of_half: float = 0.0) -> Dampi
 
 
 def as_read(curve: DampingCurve) -> DampingCurve:
-    """The same, its error at least what the width of the bins may take from the peak.
+    """The same without rounding of a ball that takes nothing, its error at least what the bins may take from the peak.
 
     Of a tent whose top lies anywhere in a bin, the mean over that bin lacks a sixth to a half of what the means on
     either side lack of it, and of a smooth peak a sixth: a quarter counts, and of a side no more than `_STEEP`.
     """
     if curve.peak == 0:
         return curve
+    ratio = np.where(abs(curve.damping_ratio) < _SMALL, 0.0, curve.damping_ratio)
     place, best, lacks = np.log(curve.amplitude) / _WIDTH, int(np.argmax(curve.damping_ratio)), 0.0
     for way in (-1, 1):
         if 0 <= best + way < len(place) and abs(place[best + way] - place[best]) > _FOOT:
             beside = float(np.interp(place[best] + way, place, curve.damping_ratio))
             lacks += min(1 - beside / curve.peak, _STEEP)
-    return with_error(curve, lacks / 4)
+    return with_error(replace(curve, damping_ratio=ratio), lacks / 4)
 
 
 def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:

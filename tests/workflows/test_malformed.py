@@ -127,8 +127,8 @@ def _bent():
             named = key if not table else key_name([table, key])
             if path == "plate.length" and what == "shorter than thick":
                 named = "[plate] thickness"
-            if path == "plate.thickness" and what == "a table":  # where it varies it is one
-                named = "[plate] thickness.a"
+            if path in ("plate.thickness", "blade.root") and what == "a table":  # they may be one
+                named += ".a"
             yield f"{path} {what}", Case(_text(_with(raw, table, key, value)), named)
 
 
