@@ -817,13 +817,3 @@ def test_a_ball_may_lose_energy_although_its_hits_lose_none(by: str) -> None:
     lost = run.energy.slip + run.energy.impact
     assert abs(run.energy.residual) < 1e-12 * run.energy.initial
     assert lost / run.energy.initial > 10 * 4 * math.pi * found.peak / 2
-
-
-def test_of_a_ball_that_takes_nothing_rounding_leaves_nothing() -> None:
-    """Each way to an amplitude has points at which the ball rests or rolls next to nothing: -1e-16 stood there."""
-    found = curve(paper())
-    ways = [found, *(each for each in (found.from_above, found.slow_ramp, found.abrupt_start) if each is not None)]
-    assert len(ways) == 4
-    every = np.concatenate([each.damping_ratio for each in ways])
-    assert (every >= 0).all()
-    assert not ((every > 0) & (every < 1e-15)).any()

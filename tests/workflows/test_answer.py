@@ -132,6 +132,15 @@ def test_amplitudes_that_the_plate_does_not_endure_are_no_range(finished, docume
     assert cells.replace(".00<", "<") in page, "and the report's table ends there too"
 
 
+def test_of_a_ball_that_takes_nothing_rounding_leaves_nothing(document):
+    """On each way to an amplitude the ball rests or rolls next to nothing somewhere: -1e-16 stood there."""
+    ways = ("from_above", "slow_ramp", "abrupt_start")
+    curves = [own for point in document["speeds"] for own in (point["working"], *map(point["working"].get, ways))]
+    every = np.array([at["damping_ratio"] for own in curves if own is not None for at in own["curve"]])
+    assert (every >= 0).all()
+    assert not ((every > 0) & (every < 1e-15)).any()
+
+
 def test_a_ratio_of_no_load_releases_nothing():
     """At rest nothing is released; at 3500 rpm half of what rolling takes is."""
     found = workflows.run(base("0 3500") | {"release": {"ratio": 0.05}})
