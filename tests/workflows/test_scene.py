@@ -20,6 +20,7 @@ from tests.workflows.conftest import KNOWN, MESHES, QUIET, changed, on_mesh, ref
 from workflows import pipeline
 from workflows.effects import ball, plate, selection
 from workflows.effects.selection import EFFECTS
+from workflows.errors import BadInput
 from workflows.io import provenance
 from workflows.pipeline import run
 from workflows.report.remarks import assumptions
@@ -318,3 +319,24 @@ def test_a_ball_that_slips_is_not_said_to_roll(structure):
     for slips, said in ((False, "never slides except at walls"), (True, "slides there until it rolls")):
         found = run(changed(structure, effects__ball_slip=slips, release__cycles=2))
         assert said in " ".join(text for text, _ in assumptions(found))
+
+
+class Quantity:
+    """As of a library of units, whose scalars have `tolist` and do not."""
+
+    def __init__(self, number, unit):
+        self.number, self.unit = number, unit
+
+    def __str__(self):
+        return f"{self.number} {self.unit}"
+
+    def tolist(self):
+        raise AttributeError("'float' does not support tolist")
+
+
+def test_quantities_of_another_library_are_read_as_text():
+    scene = shipped_scene("structure")
+    for unit in ("mm", "millimeter"):
+        assert parse(changed(scene, damper__radius=Quantity(0.9, unit))).damper.radius == pytest.approx(0.9e-3)
+    with pytest.raises(BadInput, match=r"\[damper\] radius = '0.9 kg': expected a length"):
+        parse(changed(scene, damper__radius=Quantity(0.9, "kg")))

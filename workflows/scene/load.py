@@ -200,7 +200,10 @@ def _plain(value: Any, depth: int = 5) -> Any:
         return [_plain(item, depth - 1) for item in value]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    return value.tolist() if hasattr(value, "tolist") else value  # of NumPy
+    try:
+        return value.tolist() if hasattr(value, "tolist") else value  # of NumPy
+    except AttributeError:  # a quantity of another library, whose number is no array
+        return str(value)
 
 
 def _read(path: Path, name: str) -> str:
