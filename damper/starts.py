@@ -231,7 +231,10 @@ def locked(systems: Systems) -> Locked:
     matrix = stiffness + 1j * nu[:, None, None] * damping - (nu**2 - loss)[:, None, None] * np.eye(size)
     z = np.linalg.solve(matrix, (force * turn)[..., None])[..., 0]
     rate = (1j * nu[:, None] * z)[:, systems.order]
-    drive = np.abs((((nu**2)[:, None, None] * of.shape - of.pull) @ z[..., None])[..., 0] + of.sway * turn)
+    pushed, moved = (nu**2)[:, None, None] * of.shape, z[..., None]
+    drive = np.abs(((pushed - of.pull) @ moved)[..., 0] + of.sway * turn)
+    parts = ((abs(pushed) + abs(of.pull)) @ abs(moved))[..., 0] + abs(of.sway * turn)
+    drive[drive < _ROUNDED * parts] = 0.0
     power_in = 0.5 * np.real(of.power[:, systems.order] * turn * rate.conj()).sum(axis=1)
     power_lost = 0.5 * (systems.constants["dashpot"][:, 0, :size] * np.abs(rate) ** 2).sum(axis=1)
     return Locked(z[:, systems.order], drive, power_in, power_lost)
@@ -253,11 +256,11 @@ def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))
-    return np.asarray(np.where(factor < _ROUNDED, factor, np.inf).min(axis=1))
+    return np.asarray(factor.min(axis=1))
 
 
-_ROUNDED = 1e12
-"""Factor from which on what drives the ball is what rounding leaves, as where the tilt of the floor cancels it."""
+_ROUNDED = 1e-12
+"""Share of its parts up to which the ball's drive is what rounding leaves, as where the floor's tilt cancels it."""
 
 
 def forgets(systems: Systems) -> float:

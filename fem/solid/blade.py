@@ -83,7 +83,18 @@ class Blade:
 
         By Gauss' theorem that of the faces whose nodes are all held, however deep the root's nodes reach into it.
         """
-        return np.asarray(self.mesh.boundary_normals(self._clamped)[1].sum(axis=0))
+        return np.asarray(self._faces.sum(axis=0))
+
+    @property
+    def _faces(self) -> Array:
+        """Vector areas (nface, 3) of the faces whose nodes are all held [m²]."""
+        return self.mesh.boundary_normals(self._clamped)[1]
+
+    @property
+    def has_section(self) -> bool:
+        """Whether those areas do not cancel but for rounding, as on both sides of a tang."""
+        faces = self._faces
+        return float(np.linalg.norm(faces.sum(axis=0))) > CANCELLED * float(np.linalg.norm(faces, axis=1).sum())
 
     @property
     def _clamped(self) -> NDArray[np.bool_]:
@@ -91,11 +102,14 @@ class Blade:
         return np.isin(np.arange(len(self.mesh.points)), self.held)
 
     @cached_property
-    def bending(self) -> tuple[Array, Array, Array, Array]:
+    def bending(self) -> tuple[Array, Array, Array, Array] | None:
         """Of that section its middle (3,) [m], unit normal (3,), second moments (3, 3) [m⁴] and nodes (m, 3) [m].
 
-        As they are seen along its normal; the nodes are those at which what is held ends.
+        Moments and nodes as they are seen along its normal; the nodes are those at which what is held ends. None where
+        these do not lie in a plane, or nearly, compared with the section's lesser side: no linear stress is there.
         """
+        if not self.has_section:
+            return None
         normal = self.section / np.linalg.norm(self.section)
         area, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
         for faces in self.mesh.boundary():
@@ -110,11 +124,22 @@ class Blade:
             second += np.einsum("t,tki,tkj->ij", seen, corners, corners) / 12.0
             second += np.einsum("t,ti,tj->ij", seen, total, total) / 12.0
         middle = first / area
+        second -= area * np.outer(middle, middle)
         free = ~self._clamped
         ends = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
-        at = perpendicular(self.mesh.points[ends[self._clamped[ends]]], normal)
-        return middle, normal, second - area * np.outer(middle, middle), at
+        ends = self.mesh.points[ends[self._clamped[ends]]]
+        at, depths = perpendicular(ends, normal), ends @ normal
+        sides = np.ptp((at - middle) @ np.linalg.eigh(second)[1][:, 1:], axis=0)  # the first is the normal's
+        if np.ptp(depths) > LEVEL * sides.min():
+            return None
+        return middle + depths.mean() * normal, normal, second, at
 
+
+CANCELLED = 1e-4
+"""Part of the areas of held faces that their sum has where they cancel, in coordinates of five digits."""
+
+LEVEL = 0.5
+"""Depth over which what is held may end, in lesser sides of the section."""
 
 FACING = 0.7
 """Cosine of the angle to the axis from which on a face at the inner end looks inwards."""

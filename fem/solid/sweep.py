@@ -548,23 +548,25 @@ class SolvedBlade:
         mesh = blade.mesh
         return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets)
 
-    def root_strain(self, modes: ModesAtSpeed, number: int) -> float:
+    def root_strain(self, modes: ModesAtSpeed, number: int) -> float | None:
         """Largest strain over the root's section in a mode, numbered from 0, by bending and pull [m^-1 per kg^1/2 m].
 
         By what the moving masses, and the load on them, ask of the clamp, and by Navier's linear stress: that needs no
         mesh which resolves how rotation draws the bending of thin blades into a layer at the root. As where the clamp
-        holds the width, (1 - nu²) times the stress over E.
+        holds the width, (1 - nu²) times the stress over E. None where the root has no section.
         """
         blade, masses, material = self.operators.blade, self.operators.masses[:, None], self.operators.blade.material
         shape, still = modes.shapes[number], 0.0 if modes.static is None else modes.static
+        if blade.bending is None:
+            return None
         middle, normal, second, at = blade.bending
         place = blade.mesh.points + still
         arm = perpendicular(place - blade.origin, blade.axis)
         swing = masses * (modes.squares[number] * shape + modes.omega**2 * perpendicular(shape, blade.axis))
-        depth = blade.mesh.points[blade.held].mean(axis=0) @ normal
-        moment = np.cross(place - middle - depth * normal, swing) + np.cross(shape, masses * modes.omega**2 * arm)
+        moment = np.cross(place - middle, swing) + np.cross(shape, masses * modes.omega**2 * arm)
         bent = np.linalg.pinv(second, rcond=1e-9) @ np.cross(normal, moment.sum(axis=0))
-        stress = swing.sum(axis=0) @ normal / np.linalg.norm(blade.section) + (at - middle) @ bent
+        pulled = swing.sum(axis=0) @ normal / np.linalg.norm(blade.section)
+        stress = pulled + (at - perpendicular(middle, normal)) @ bent
         return float(np.abs(stress).max() * (1.0 - material.poissons_ratio**2) / material.youngs_modulus)
 
     def at(self, omega: float) -> ModesAtSpeed:

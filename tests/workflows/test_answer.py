@@ -360,10 +360,14 @@ def test_a_capacity_below_the_cut_off_is_of_a_ball_that_still_bounces():
     found = twelve()
     point = found.speeds[0]
     begins = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.damping_curve.cutoff / found.scene.rotor.gravity
-    low, high = (replace(point, damper=replace(point.damper, peak_sdc=0.15, peak_sdc_at_g=g)) for g in (500.0, 1e4))
+    bounced = replace(point.damper, impacts=9, peak_sdc=0.15, energy=replace(point.damper.energy, impact=1.0))
+    low, high = (replace(point, damper=replace(bounced, peak_sdc_at_g=g)) for g in (500.0, 1e4))
     assert 1e3 < begins < 1e4
-    assert remarks.faint_capacity(replace(found, speeds=[high])) is None
-    said = remarks.faint_capacity(replace(found, speeds=[low, high]))
+    still = replace(low, damper=replace(low.damper, impacts=0))
+    for none in (high, still, replace(low, damper=replace(low.damper, peak_sdc=1e-15))):
+        assert remarks.bouncing_capacity(replace(found, speeds=[none])) is None
+    assert remarks.faint_capacity(replace(found, speeds=[low, high])) is None
+    said = remarks.bouncing_capacity(replace(found, speeds=[low, high]))
     assert said
     assert said.startswith(f"At 8000 rpm ({point.load_g:.0f} g) the largest specific damping")
     assert said.endswith(

@@ -85,8 +85,6 @@ def test_a_sweep_that_no_machine_would_end_is_refused_first(spindamp, tmp_path, 
     [
         (("--workers", 0), "--workers = 0: expected a whole number of processes from 1 on"),
         (("--seed", -1), "--seed = -1: expected a whole number from 0 on"),
-        (("--sample", 4), "leave out the COUNT"),
-        (("--uncertain", "--sample", 8), "leave out the COUNT"),
     ],
 )
 def test_a_refused_sweep_leaves_no_folder(spindamp, tmp_path, options, message):
@@ -94,6 +92,13 @@ def test_a_refused_sweep_leaves_no_folder(spindamp, tmp_path, options, message):
     assert done.status == 2
     assert message in " ".join(done.err.split())
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("options", [("--sample", 2), ("--uncertain", "--sample", 8)])
+def test_a_count_that_a_sample_ignores_is_remarked(spindamp, options):
+    done = spindamp("sweep", "structure", "--vary", "damper.restitution=0.3:0.5:7", *options, "--quick", "--json")
+    said = "WARNING: structure.toml: --vary damper.restitution=0.3:0.5:7: a sample spreads over the range, without the"
+    assert (done.status, said in " ".join(done.err.split())) == (0, True)
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "a", True])

@@ -256,9 +256,13 @@ def compare(
     The result shows where their scenes differ, their verdicts, the figures at each speed and one chart. Without --out,
     no files are written.
     """
+    from workflows.io import files, folder
     from workflows.studies import comparison
 
     loaded = [each if Path(each).is_dir() else _load(each) for each in runs]
+    if out is not None:
+        for each in runs:
+            folder.check(out, files.FILES_OF_STUDIES, each)
     _study(lambda stages: comparison.compare(loaded, stages), out, json)
 
 

@@ -202,6 +202,8 @@ def unwritable(target: Path) -> str | None:
 def _conflict(target: Path, names: str, scene: Path) -> str | None:
     """What a folder holds that is against it."""
     foreign = _user_files(target)
+    if scene.is_dir() and scene.resolve() == target and scene != Path():
+        return "is one of the runs that are read: expected another folder"
     if scene.is_file() and scene.resolve().parent == target and target / scene.resolve().name not in foreign:
         return f"holds {scene.name}, the scene of this run, which would go: expected another folder"
     taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]

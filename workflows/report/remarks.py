@@ -642,19 +642,41 @@ def negligible_strain(results: Results) -> Values:
 
 @remark
 def faint_capacity(results: Results) -> Values:
-    """Largest capacities of ring-downs at amplitudes that hardly strain the structure, or leave a ball at rest."""
-    faint = []
+    """Largest capacities of ring-downs that are those of a vibration which hardly strains the structure."""
+    return _taken_below(results, [(p, d, limits.least_amplitude(p)) for p, _, d in ring_downs(results)])
+
+
+@remark
+def bouncing_capacity(results: Results) -> Values:
+    """The same at amplitudes at which the load holds a ball at rest."""
+    held = []
     for p, _, d in ring_downs(results):
         own, least = p.level or p.damping_curve, limits.least_amplitude(p)
-        begins = max(least, 0.0 if own is None or p.load_g == 0 else own.cutoff)
-        if d.peak_sdc_at_g and d.peak_sdc_at_g < limits.in_g(results, p, begins) < math.inf:
-            faint.append((p, d, begins if begins > least else None))
-    if not faint:
+        bounces = own is not None and own.cutoff < math.inf and p.load_g > 0 and d.impacts > 0
+        if own is not None and bounces and (d.peak_sdc_at_g or 0.0) >= limits.in_g(results, p, least):
+            held.append((p, d, own.cutoff))
+    return _taken_below(results, held)
+
+
+_WORTH_A_WORD = 1e-3
+"""Share of the energy that a ball takes in a cycle from which on a remark is on it."""
+
+
+def _taken_below(results: Results, each: list[tuple[SpeedPoint, Damping, float]]) -> Values:
+    """The most that balls take in a cycle, where that is at less than an amplitude [m]."""
+    taken = [
+        (p, d, needed)
+        for p, d, amplitude in each
+        if d.peak_sdc_at_g is not None
+        and lost_at_most(d) == d.peak_sdc
+        and _share(d) >= _WORTH_A_WORD
+        and d.peak_sdc_at_g < (needed := limits.in_g(results, p, amplitude))
+    ]
+    if not taken:
         return None
-    point, most, held = max(faint, key=lambda each: each[1].peak_sdc or 0.0)
-    needed = None if held is None else limits.in_g(results, point, held)
-    among = [p for p, _, _ in ring_downs(results)]
-    return {"points": [p for p, _, _ in faint], "among": among, "most": most, "at": point, "needed": needed}
+    point, most, needed = max(taken, key=lambda each: _share(each[1]))
+    points, among = [p for p, _, _ in taken], [p for p, _, _ in ring_downs(results)]
+    return {"points": points, "among": among, "share": most.peak_sdc, "most": most, "at": point, "needed": needed}
 
 
 @remark

@@ -142,17 +142,12 @@ def _cavities(scene: Scene, seat: Seat | None, material: fem.Material) -> Callab
 def root_stress(operators: SolidOperators) -> float | None:
     """Mean stress over the root's section by the pull of what it holds, over Omega² [Pa s²]; None without faces."""
     blade, section = operators.blade, operators.blade.section
-    area = float(np.linalg.norm(section))
-    if area <= _NO_AREA * blade.mesh.size**2:
+    if not blade.has_section:
         return None
     free = np.isin(np.arange(len(blade.mesh.points)), blade.held, invert=True)
     hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
     pull = operators.masses[hung] @ blade.arms[hung]
-    return float(abs(pull @ section)) / area**2
-
-
-_NO_AREA = 1e-9
-"""Area of the held faces over the square of the mesh's extent from which on a root has faces."""
+    return float(abs(pull @ section)) / float(section @ section)
 
 
 def _key(source: SceneFile, *others: str) -> str:

@@ -86,7 +86,7 @@ class SpaceStructure:
     root_stress: float | None = None
     cut: Callable[[ModesAtSpeed], Floats] | None = None
     mass: float = math.inf
-    root_strain: Callable[[ModesAtSpeed, int], float] | None = None
+    root_strain: Callable[[ModesAtSpeed, int], float | None] | None = None
     density: float | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
@@ -129,7 +129,7 @@ class SpaceStructure:
         leads = int(np.argmax(lifts**2 / every.stiffness[0]))
         strain = _largest_strain(self.model, modes, leads)
         if strain is not None and self.root_strain is not None:
-            strain = max(strain, self.root_strain(modes, leads))
+            strain = max(strain, self.root_strain(modes, leads) or 0.0)
         return replace(
             point,
             radius=floor.radius,

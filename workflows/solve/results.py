@@ -962,7 +962,7 @@ def points(
     rotor, operators = source.scene.rotor, discrete.choice.operators
     at = plate_mesh.place(source, operators.plate.mesh)
     radius, stagger = operators.radius(*at), rotor.stagger
-    if source.scene.damper is not None and (at[1] or rotor.precone):
+    if source.scene.damper is not None and at[1]:  # with precone there is none
         first, across = operators.at_place(at).axes[:2] @ operators.rotor.axis
         stagger = math.atan2(across, first)
     rows = list(numbers)

@@ -424,15 +424,17 @@ def _parsed(text: str) -> object:
     return text
 
 
-def with_speeds_remarked(source: SceneFile, axes: Iterable[Axis]) -> SceneFile:
-    """The scene with a remark on speeds without a unit: where speeds are varied, on those instead of its own.
+def with_remarks(source: SceneFile, axes: Iterable[Axis], *, grid: bool) -> SceneFile:
+    """The scene with remarks on what is varied: speeds without a unit, not its own ones; counts that a sample ignores.
 
     A scene that is read has no other remark.
     """
     for axis in axes:
         if axis.name == SPEEDS:
             source = replace(source, remarks=speed_remarks(axis.written))
-    return source
+    counted = [axis for axis in axes if axis.spread is not None and len(axis.values) > 1 and not grid]
+    said = [f"--vary {axis.name}={axis.given}: a sample spreads over the range, without the COUNT" for axis in counted]
+    return replace(source, remarks=(*source.remarks, *said))
 
 
 _MILLIMETRES = 30.0
@@ -545,15 +547,7 @@ def sobol(dimensions: int, count: int, seed: int) -> Floats:
 
 
 def at_shares(axes: Sequence[Axis], shares: Floats, identity: Mapping[str, Any]) -> Plan:
-    """Points at rows of shares from 0 to 1, one for each axis; each at all speeds where these have no share.
-
-    Raises:
-        BadInput: a range has a COUNT, which only a grid takes.
-    """
-    for axis in axes:
-        if axis.spread is not None and len(axis.values) > 1:
-            problem = "a sample spreads its points over the whole range: leave out the COUNT"
-            raise BadInput(problem, key=f"--vary {axis.name}", value=axis.given)
+    """Points at rows of shares from 0 to 1, one for each axis; each at all speeds where these have no share."""
     coordinates = {axis.name: (SAMPLE, _array(axis.at(column))) for axis, column in zip(axes, shares.T, strict=False)}
     dimensions = {SAMPLE: len(shares)}
     if not _samples_speeds(axes):

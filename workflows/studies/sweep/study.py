@@ -119,7 +119,7 @@ def of_scene(
         points = sensitivity.plan(axes, speeds, sensitivity.BASE if count is None else count, seed)
     else:
         points = plan.grid(axes, speeds) if count is None else plan.sample(axes, speeds, count, seed)
-    source = plan.with_speeds_remarked(source, axes)
+    source = plan.with_remarks(source, axes, grid=count is None and not uncertain)
     return Study(source, points, quick, executor.digest(), seed if uncertain else None)
 
 
