@@ -87,6 +87,8 @@ def test_a_tilt_that_cancels_the_drive_lets_no_force_move_the_ball(left: float, 
     push = [Harmonic(flat.stuck_frequency, (1.0, 0.0))]
     tilted = replace(flat, floor_tilt=((1.0 - left) * slope, 0.0))
     assert moves_from(tilted, push) == pytest.approx(factor * moves_from(flat, push), rel=1e-3)
+    slight = [Harmonic(0.1 * flat.stuck_frequency, (size, 0.0)) for size in (1.0, 1e-12)]
+    assert moves_from(flat, slight[1:]) == pytest.approx(1e12 * moves_from(flat, slight[:1]), rel=1e-9)
 
 
 @pytest.mark.parametrize(("frequency", "first"), [(1.3, 0), (2.3, 1)])

@@ -166,3 +166,10 @@ def test_all_runs_are_read_before_any_scene_is_run(monkeypatch):
     monkeypatch.setattr(report, "solved", lambda *_: pytest.fail("a scene was run"))
     with pytest.raises(BadInput, match="no such scene"):
         spindamp.compare("structure", "nowhere.toml")
+
+
+def test_a_run_is_not_replaced_by_its_own_comparison(spindamp, soft_and_stiff):
+    folder = soft_and_stiff[2]
+    done = spindamp("compare", folder, folder, "--out", folder)
+    assert (done.status, "is one of the runs that are read: expected another folder" in done.err) == (2, True)
+    assert (folder / "results.json").exists()

@@ -1081,3 +1081,17 @@ def test_why_none_helps(shaken, here):
         other = changed(scene, damper__rolling_friction=factor * 0.05e-3 / evaluation.grows)
         (again,) = score_of(spaces.design_space(as_scene_file(other)))(found.optimum.shares[None])
         assert (again.grows < 1) is moves
+
+
+@pytest.mark.parametrize(
+    ("restitution", "why"), [(1.0, "lose no speed at the walls"), (0.5, "hardly meet the walls there")]
+)
+def test_balls_that_take_nothing_are_not_held_by_the_load(restitution, why):
+    """ "The load holds every ball at rest below 0 mm" was said of them."""
+    damper = KNOWN["damper"] | {"restitution": restitution, "rolling_friction": 0.0, "ball_density": 7850.0}
+    free = {"ball_diameter": ["2 mm", "2.2 mm", "2.4 mm"], "clearance": ["1 mm", "2 mm", "3 mm"]}
+    design = free | {"amplitude": ["0.005 mm", "0.01 mm"], "mass": "50 g"}
+    scene = changed(KNOWN, rotor__speeds=["3000 rpm"], damper=damper, damper__mass_ratio=None, design=design)
+    said = repr(spindamp.design(scene))
+    assert "the balls of the best of them take nothing at" in said
+    assert f"they meet no rolling resistance and {why}." in said
