@@ -163,7 +163,10 @@ def forced(
     Raises:
         ValueError: as many dampers as harmonics are asked for; a harmonic that does not move the probe; a value without
             physical sense.
+        TypeError: one harmonic stands by itself, not in a sequence.
     """
+    if isinstance(harmonics, Harmonic):
+        raise TypeError("forced takes a sequence of harmonics: put this one into a list")
     dampers = [damper] * len(harmonics) if isinstance(damper, ParticleDamper) else list(damper)
     if len(dampers) != len(harmonics) or not dampers:
         raise ValueError(f"dampers must be as many as harmonics, at least one; got {len(dampers)} and {len(harmonics)}")

@@ -79,6 +79,11 @@ def test_a_ball_that_only_creeps_is_periodic(excess: float) -> None:
     assert (found.error < 1e-5 * found.mean).all()
 
 
+def test_one_harmonic_is_asked_for_in_a_list() -> None:
+    with pytest.raises(TypeError, match="put this one into a list"):
+        forced(paper(), Harmonic(1.0, (1.0, 0.0)))  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(("left", "factor"), [(1e-3, 1e3), (0.0, math.inf)])
 def test_a_tilt_that_cancels_the_drive_lets_no_force_move_the_ball(left: float, factor: float) -> None:
     """At the stuck structure's resonance all of the drive is in that ratio; what rounding leaves of it moved balls."""
