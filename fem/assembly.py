@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.sparse import coo_array, csc_array, vstack
 
-from fem.linalg import Array, Factor, Solver, factorise, perpendicular
+from fem.linalg import Array, Factor, Solver, axes_beside, factorise
 from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
@@ -490,8 +490,8 @@ def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
     return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
 
 
-_LEAST_ALONG = np.sin(np.radians(10.0))
-"""Part of the load that has to lie in the plate's plane, where a floor that faces it is to have an axis along z."""
+_LEAST_ACROSS = np.radians(10.0)
+"""Angle of the load to the plate's normal from which on a floor that faces it has an axis along z, or nearly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -519,11 +519,10 @@ class AtPlace:
         """
         pull = self.operators.rotor.projector @ self.operators.from_axis(self.at)
         normal = pull / np.linalg.norm(pull) if pull.any() else np.eye(3)[0]
-        first = perpendicular(np.eye(3)[2], normal)
-        if np.linalg.norm(first) < _LEAST_ALONG:
+        axes, angle = axes_beside(normal, np.eye(3)[2])
+        if angle < _LEAST_ACROSS:
             raise PlaceError(f"hardly any load lies in the plate's plane at ({self.at[0]:.6g}, {self.at[1]:.6g}) m")
-        first /= np.linalg.norm(first)
-        return np.array([first, np.cross(first, normal), normal])
+        return np.vstack([axes, normal])
 
     @property
     def whole_motion(self) -> float:

@@ -380,6 +380,17 @@ def perpendicular(vectors: Array, unit: Array) -> Array:
     return np.asarray(vectors - (vectors @ unit)[..., None] * unit)
 
 
+def axes_beside(normal: Array, direction: Array) -> tuple[Array, float]:
+    """Axes (2, 3) beside a unit normal, the first as near to a direction as may be, and the angle between those two.
+
+    Of a direction along the normal the axes are zero.
+    """
+    first = perpendicular(direction, normal)
+    length = float(np.linalg.norm(first))
+    first = first / (length or 1.0)
+    return np.array([first, np.cross(first, normal)]), float(np.arctan2(length, abs(direction @ normal)))
+
+
 def symmetric(matrices: NDArray[Any]) -> NDArray[Any]:
     """The symmetric parts of matrices (..., n, n)."""
     return np.asarray(0.5 * (matrices + matrices.swapaxes(-1, -2)))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg import Array, perpendicular, symmetric
+from fem.linalg import Array, axes_beside, symmetric
 from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
@@ -130,9 +130,7 @@ def frame(normal: Array, direction: Array, name: str = "load") -> Array:
     Raises:
         NoMotion: it is nearly along the normal.
     """
-    first = perpendicular(direction, normal)
-    length = float(np.linalg.norm(first))
-    angle = np.arctan2(length, abs(direction @ normal))
+    axes, angle = axes_beside(normal, direction)
     if angle < LEAST_ACROSS:
         near, least = (f"{np.round(np.degrees(each), 1):g}°" for each in (angle, LEAST_ACROSS))
         raise NoMotion(
@@ -140,8 +138,7 @@ def frame(normal: Array, direction: Array, name: str = "load") -> Array:
             f" expected {least} or more",
             "direction",
         )
-    first = first / length
-    return np.array([first, np.cross(first, normal)])
+    return axes
 
 
 def bending_direction(model: ModalModel, at: Place, modes: ModesAtSpeed) -> Array:

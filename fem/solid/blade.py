@@ -85,7 +85,7 @@ class Blade:
         """
         return np.asarray(self._faces.sum(axis=0))
 
-    @property
+    @cached_property
     def _faces(self) -> Array:
         """Vector areas (nface, 3) of the faces whose nodes are all held [m²]."""
         return self.mesh.boundary_normals(self._clamped)[1]
@@ -96,10 +96,16 @@ class Blade:
         faces = self._faces
         return float(np.linalg.norm(faces.sum(axis=0))) > CANCELLED * float(np.linalg.norm(faces, axis=1).sum())
 
-    @property
+    @cached_property
     def _clamped(self) -> NDArray[np.bool_]:
         """Which nodes do not move, (nnode,)."""
         return np.isin(np.arange(len(self.mesh.points)), self.held)
+
+    @property
+    def hung(self) -> Indices:
+        """Numbers of the nodes of the cells that move, the held ones among them included."""
+        free = ~self._clamped
+        return np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
 
     @cached_property
     def bending(self) -> tuple[Array, Array, Array, Array] | None:
@@ -125,9 +131,7 @@ class Blade:
             second += np.einsum("t,ti,tj->ij", seen, total, total) / 12.0
         middle = first / area
         second -= area * np.outer(middle, middle)
-        free = ~self._clamped
-        ends = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
-        ends = self.mesh.points[ends[self._clamped[ends]]]
+        ends = self.mesh.points[np.intersect1d(self.hung, self.held)]
         at, depths = perpendicular(ends, normal), ends @ normal
         sides = np.ptp((at - middle) @ np.linalg.eigh(second)[1][:, 1:], axis=0)  # the first is the normal's
         if np.ptp(depths) > LEVEL * sides.min():

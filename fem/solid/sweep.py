@@ -538,6 +538,7 @@ class SolvedBlade:
         every = [mesh_errors(operators, shapes, values, state) for values, shapes, state in solved]
         self.errors: Array = np.vstack(every).max(axis=0)[:count]
         self._at = lru_cache(KEPT)(self._solved)
+        self._strained = lru_cache(KEPT)(self._root_strain)
         self._stiffened_at = lru_cache(PLACES_KEPT)(self._stiffened)
 
     @cached_property
@@ -555,10 +556,13 @@ class SolvedBlade:
         mesh which resolves how rotation draws the bending of thin blades into a layer at the root. As where the clamp
         holds the width, (1 - nu²) times the stress over E. None where the root has no section.
         """
+        return self._strained(modes, number)
+
+    def _root_strain(self, modes: ModesAtSpeed, number: int) -> float | None:
         blade, masses, material = self.operators.blade, self.operators.masses[:, None], self.operators.blade.material
-        shape, still = modes.shapes[number], 0.0 if modes.static is None else modes.static
         if blade.bending is None:
             return None
+        shape, still = modes.shapes[number], 0.0 if modes.static is None else modes.static
         middle, normal, second, at = blade.bending
         place = blade.mesh.points + still
         arm = perpendicular(place - blade.origin, blade.axis)

@@ -1093,5 +1093,5 @@ def test_balls_that_take_nothing_are_not_held_by_the_load(restitution, why):
     design = free | {"amplitude": ["0.005 mm", "0.01 mm"], "mass": "50 g"}
     scene = changed(KNOWN, rotor__speeds=["3000 rpm"], damper=damper, damper__mass_ratio=None, design=design)
     said = repr(spindamp.design(scene))
-    assert "the balls of the best of them take nothing at" in said
-    assert f"they meet no rolling resistance and {why}." in said
+    assert "even the best of them dissipates nothing at" in said
+    assert f": its balls meet no rolling resistance and {why}." in said

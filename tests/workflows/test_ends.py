@@ -378,10 +378,10 @@ def test_a_scene_among_results_is_not_replaced_by_its_own(tmp_path):
     _publish(out, "# best", "best.toml")
     scene = str(out / "best.toml")
     with pytest.raises(BadInput, match=r"holds best.toml, the scene of this run"):
-        check(out, scene=scene)
-    check(tmp_path / "other", scene=scene)
+        check(out, "", scene)
+    check(tmp_path / "other", "", scene)
     (out / "own.toml").write_text("")
-    check(out, scene=str(out / "own.toml"))
+    check(out, "", str(out / "own.toml"))
 
 
 WRITER = """

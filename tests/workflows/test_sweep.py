@@ -97,7 +97,7 @@ def test_a_refused_sweep_leaves_no_folder(spindamp, tmp_path, options, message):
 @pytest.mark.parametrize("options", [("--sample", 2), ("--uncertain", "--sample", 8)])
 def test_a_count_that_a_sample_ignores_is_remarked(spindamp, options):
     done = spindamp("sweep", "structure", "--vary", "damper.restitution=0.3:0.5:7", *options, "--quick", "--json")
-    said = "WARNING: structure.toml: --vary damper.restitution=0.3:0.5:7: a sample spreads over the range, without the"
+    said = "WARNING: structure.toml: --vary damper.restitution=0.3:0.5:7: a sample covers the whole range and ignores"
     assert (done.status, said in " ".join(done.err.split())) == (0, True)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -256,14 +256,10 @@ def compare(
     The result shows where their scenes differ, their verdicts, the figures at each speed and one chart. Without --out,
     no files are written.
     """
-    from workflows.io import files, folder
     from workflows.studies import comparison
 
     loaded = [each if Path(each).is_dir() else _load(each) for each in runs]
-    if out is not None:
-        for each in runs:
-            folder.check(out, files.FILES_OF_STUDIES, each)
-    _study(lambda stages: comparison.compare(loaded, stages), out, json)
+    _study(lambda stages: comparison.compare(loaded, stages), out, json, read=runs)
 
 
 @_command()
@@ -423,14 +419,22 @@ def _simulate(source: SceneFile, out: Path | None, json: bool) -> None:
     typer.echo(serialise.dumps(results) if json else plain(text.text(results, out, state.source.remarks)))
 
 
-def _study(solve: Callable[..., Result], out: Path | None, json: bool, *of: SceneFile, damper: bool = True) -> Result:
-    """Solve, write into `out` if there is one, and print the result, which is returned; `of`: a study of one scene."""
+def _study(
+    solve: Callable[..., Result],
+    out: Path | None,
+    json: bool,
+    *of: SceneFile,
+    damper: bool = True,
+    read: Sequence[str] = (),
+) -> Result:
+    """Solve, write into `out` if there is one, and print the result, which is returned.
+
+    `of`: a study of one scene; `read`: other scenes and folders of runs that it reads.
+    """
     from workflows.io import files, folder
 
     if out is not None:
-        for source in of:
-            folder.check(out, files.FILES_OF_STUDIES, source.name)
-        folder.check(out, files.FILES_OF_STUDIES)
+        folder.check(out, files.FILES_OF_STUDIES, *(source.name for source in of), *read)
     if damper and all(source.scene.damper is not None for source in of):
         _announce_compiler()
     with Stages(lines=True) as stages:

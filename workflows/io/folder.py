@@ -19,7 +19,7 @@ import stat
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -149,16 +149,16 @@ _NAME_MAX, _LONGEST_NAME = 255, 100
 """Bytes that file systems take for a name, and those of a name that goes into its scratch folder's, which is longer."""
 
 
-def check(folder: Path, names: str = "", scene: str = "") -> Path:
+def check(folder: Path, names: str = "", *read: str) -> Path:
     """Where results can go, resolved; looked at before any work is done, and nothing is written.
 
     Args:
         folder: what the user asked for.
         names: a regular expression for names of files that will be written besides the usual ones.
-        scene: the file that is run.
+        read: the scenes and the folders of runs that the results are made of.
 
     Raises:
-        BadInput: `folder` is a file, the current folder or one above it, cannot be written, or would lose the scene.
+        BadInput: `folder` is a file, the current folder or one above it, cannot be written, or would lose what is read.
     """
     try:
         target = Path(os.path.realpath(folder))
@@ -173,7 +173,7 @@ def check(folder: Path, names: str = "", scene: str = "") -> Path:
     elif exists and not os.access(target, os.W_OK):
         problem = "is read-only: expected a folder that can be written"
     else:
-        problem = _not_to_be_replaced(target) or (_conflict(target, names, Path(scene)) if exists else None)
+        problem = _not_to_be_replaced(target) or (_conflict(target, names, read) if exists else None)
     if problem is not None:
         raise BadInput(problem, key="--out", value=str(folder))
     return target
@@ -199,13 +199,14 @@ def unwritable(target: Path) -> str | None:
         return f"{parent} cannot be written"
 
 
-def _conflict(target: Path, names: str, scene: Path) -> str | None:
+def _conflict(target: Path, names: str, read: Sequence[str]) -> str | None:
     """What a folder holds that is against it."""
     foreign = _user_files(target)
-    if scene.is_dir() and scene.resolve() == target and scene != Path():
-        return "is one of the runs that are read: expected another folder"
-    if scene.is_file() and scene.resolve().parent == target and target / scene.resolve().name not in foreign:
-        return f"holds {scene.name}, the scene of this run, which would go: expected another folder"
+    for path in map(Path, read):
+        if path.is_dir() and path.resolve() == target:
+            return "is one of the runs that are read: expected another folder"
+        if path.is_file() and path.resolve().parent == target and target / path.resolve().name not in foreign:
+            return f"holds {path.name}, the scene of this run, which would be deleted: expected another folder"
     taken = [path.name for path in foreign if path.name in ALWAYS_OURS or re.fullmatch(names, path.name)]
     if taken:
         return f"holds a {taken[0]} that no run wrote: expected another folder"

@@ -179,6 +179,10 @@ class Damper(Table):
         """Of each ball where all of them weigh so much [kg/m³]."""
         return mass / self.count / (4 / 3 * math.pi * self.radius**3)
 
+    def fills(self, axis: int) -> bool:
+        """Whether a ball fills its cavity along an axis, from 0: it cannot move so."""
+        return self.cavity[axis] <= 2 * self.radius * (1 + 1e-9)
+
     @property
     def lossless(self) -> bool:
         """Whether a wall hit loses nothing."""

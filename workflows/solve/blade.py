@@ -144,9 +144,7 @@ def root_stress(operators: SolidOperators) -> float | None:
     blade, section = operators.blade, operators.blade.section
     if not blade.has_section:
         return None
-    free = np.isin(np.arange(len(blade.mesh.points)), blade.held, invert=True)
-    hung = np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in blade.mesh.cells]))
-    pull = operators.masses[hung] @ blade.arms[hung]
+    pull = operators.masses[blade.hung] @ blade.arms[blade.hung]
     return float(abs(pull @ section)) / float(section @ section)
 
 

@@ -181,7 +181,7 @@ def is_printed(results: Results) -> bool:
 def _idle(results: Results, point: SpeedPoint) -> Reason:
     """Why the damper does nothing at a speed."""
     damper, figures = present(results.scene.damper), present(point.damping_curve)
-    if damper.cavity[0] <= 2 * damper.radius * (1 + 1e-9):
+    if damper.fills(0):
         return Reason.FILLED
     limit = endured(results, point.omega)
     if figures.cutoff < limit <= figures.drives_from:

@@ -433,7 +433,9 @@ def with_remarks(source: SceneFile, axes: Iterable[Axis], *, grid: bool) -> Scen
         if axis.name == SPEEDS:
             source = replace(source, remarks=speed_remarks(axis.written))
     counted = [axis for axis in axes if axis.spread is not None and len(axis.values) > 1 and not grid]
-    said = [f"--vary {axis.name}={axis.given}: a sample spreads over the range, without the COUNT" for axis in counted]
+    said = [
+        f"--vary {axis.name}={axis.given}: a sample covers the whole range and ignores the COUNT" for axis in counted
+    ]
     return replace(source, remarks=(*source.remarks, *said))
 
 
