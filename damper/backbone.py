@@ -36,6 +36,9 @@ _POINTS = 48
 _LOWEST = 1e-3
 """Least amplitude over half the clearance at which a ball that nothing holds is looked at."""
 
+_FAR = 16
+"""Largest amplitude over the least at which a ball that loses nothing is looked at while it bounces."""
+
 _SCAN = 1000
 """Amplitudes of a branch looked through for answers to a force."""
 
@@ -170,12 +173,15 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
     """
     growing, bare = damping_curve(damper, threads=threads), undamped(damper)
     branch = growing.descending
+    rolls = _rolling(bare, branch.cutoff, threads)
     still = np.array([damper.stuck_frequency])
     resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff), damper.stuck_frequency)
     branches = [resting] if growing.cutoff > 0 else []
-    if branch.peak > 0:
+    if branch.peak == 0 and math.isfinite(branch.cutoff):  # bounces and loses nothing
+        low = max(branch.cutoff, _LOWEST * bare.half_gap[0]) if rolls is None else rolls.range[1]
+        branch = DampingCurve(np.geomspace(low, _FAR * low, _POINTS), np.zeros(_POINTS), branch.cutoff)
+    if branch.amplitude.size:
         branches.append(_hitting(bare, branch))
-    rolls = _rolling(bare, branch.cutoff, threads)
     if rolls is not None:
         branches.append(rolls)
     return Backbone(

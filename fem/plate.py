@@ -86,7 +86,7 @@ class Plate:
     Raises:
         ValueError: for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the
             plate.
-        TypeError: for a material that is none.
+        TypeError: for a material or a thickness that is none.
         MeshError: for a mesh that no plate can be made of.
     """
 
@@ -102,6 +102,8 @@ class Plate:
             raise TypeError(f"material must be a fem.Material, got {self.material!r}")
         if isinstance(self.thickness, float | int):
             _positive("thickness", self.thickness, "m")
+        elif not hasattr(self.thickness, "at"):
+            raise TypeError(f"thickness must be a number or one of fem.meshes.thickness, got {self.thickness!r}")
         if not (isfinite(self.tip_mass) and self.tip_mass >= 0.0):
             raise ValueError(f"tip_mass must be zero or more kg, got {self.tip_mass!r}")
         if self.tip_mass > 0.0 and self.tip_at is None:

@@ -63,6 +63,16 @@ def test_the_least_force_moves_a_ball_that_hardly_anything_holds(friction: float
     np.testing.assert_allclose(found.peaks(force), force / (found.dashpot * omega), rtol=1e-3)
 
 
+@pytest.mark.parametrize("lateral", [0.0, 50.0])
+def test_a_ball_that_loses_nothing_takes_nothing_from_any_force(lateral: float) -> None:
+    """It bounces beyond where it rolls, or from the wall that it is pulled to: the structure's own damping is left."""
+    elastic = paper(mass_ratio=0.004, damping_ratio=ZETA, restitution=1.0, rolling_friction=0.0)
+    damper = replace(elastic, lateral_acceleration=(lateral, 0.0))
+    found, force = backbone(damper), np.array([1.0, 3.0, 10.0, 30.0, 100.0])
+    linear = force / (2 * ZETA * damper.stiffness[0])
+    np.testing.assert_allclose(found.peaks(force) / linear, 1.0, atol=0.004)
+
+
 def test_given_as_modes() -> None:
     """Any scale of the mode, its own damping, and a further one that moves the cavity little: the same answers."""
     damper = paper(damping_ratio=ZETA)

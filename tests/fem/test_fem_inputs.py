@@ -130,6 +130,7 @@ def test_what_makes_no_sense_is_refused(message):
     ("make", "message"),
     [
         (lambda: fem.Plate(fem.rectangle(0.2, 0.08, 2, 1), 0.01, None), "material must be"),
+        (lambda: fem.Plate(fem.rectangle(0.2, 0.08, 2, 1), lambda x, y: 0.01 - 0.04 * x, STEEL), "thickness must be a"),
         (lambda: skew(None), "theory must be the name of one"),
         *((lambda bad=bad: fem.Effects(coriolis=bad), "coriolis must be True or False") for bad in ("no", None, 1)),
     ],

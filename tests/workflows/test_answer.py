@@ -901,6 +901,7 @@ def test_levels_beside_the_range_have_their_own_numbers():
     assert of_orders(replace(run, reductions=(replace(found, loose=True),)))[0].endswith(
         ": roughly up to 68 % less vibration at 3 N, at least half of that roughly between 1.7 and 7.7 N. At 50 N"
         " the structure would be overstressed. At 0.5 N the load holds the balls at rest; they move from 0.8 N on."
+        " At 1 N the reduction is roughly 43 %."
     )
     worse = reduction((9.0, 0.9, True), (30.0, 1.002, True))
     assert of_orders(replace(run, reductions=(worse,)))[0].endswith(
@@ -908,6 +909,12 @@ def test_levels_beside_the_range_have_their_own_numbers():
     )
     leaning = replace(run, speeds=tuple(replace(point, lean=(0.1, 0.0)) for point in run.speeds))
     assert "the load holds the balls at rest; they move, first to a wall, from 0.8 N on" in of_orders(leaning)[0]
+
+
+def test_the_ends_of_a_range_do_not_read_like_the_levels_beside_them():
+    found = replace(reduction((1.7, 0.67, True), (7.7, 0.5, True)), range=(1.7046, 7.7))
+    (said,) = of_orders(under_orders(at(1000), 4, reductions=(found,)))
+    assert "at least half of that between 1.705 and 7.7 N" in said
 
 
 def test_a_rough_estimate_is_named():

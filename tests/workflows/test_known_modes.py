@@ -2,8 +2,10 @@
 
 import gzip
 import json
+import math
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +14,9 @@ import pytest
 import spindamp as package
 from tests.workflows.conftest import BALL, QUIET, changed, refused, write
 from workflows import pipeline
-from workflows.report import mode_viewer
+from workflows.report import mode_viewer, remarks
 from workflows.scene.load import load
+from workflows.solve.results import ErrorParts
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -51,6 +54,23 @@ def plate():
     scene["material"] = {"youngs_modulus": "182.6 GPa", "poissons_ratio": 0.3, "density": 7850}
     scene["effects"] = {"structural_modes": True, "floor_tilt": True, "coriolis": False, "cavity_mass": False}
     return changed(scene, rotor__speeds=["10000 rpm"])
+
+
+@pytest.mark.parametrize("speeds", [["5000 rpm", "10000 rpm"], ["0 rpm", "5000 rpm"]])
+def test_an_error_that_is_unknown_is_no_figure(files, speeds):
+    """Between two speeds that are known, whether that is the first or the last of those run."""
+    scene = changed(SCENE, structure={"modes": BOTH}, rotor__speeds=speeds, damper=None, release=None)
+    run = package.run(write(scene, files / "scene.toml"))
+    parts = ErrorParts(mesh=1e-4, layers=0.0, basis=0.0, theory=0.0, large_deflection=0.0, coriolis=0.0)
+    for between in (math.nan, 0.0):
+        own = {5000.0: replace(parts, basis=between)}
+        points = (
+            replace(p, modes=tuple(replace(m, error_parts=own.get(round(p.rpm), parts)) for m in p.modes))
+            for p in run.speeds
+        )
+        said = remarks.sentence(replace(run, speeds=tuple(points)))
+        assert said.startswith("Between the speeds of the files the accuracy") == math.isnan(between)
+        assert "–" not in said
 
 
 def test_how_far_a_cavity_sticks_out_is_said_of_each_damper_on_the_same_modes(files):

@@ -136,6 +136,12 @@ def test_a_notebook_shows_a_mode_as_a_picture(coarse, monkeypatch, tmp_path):
         pictures[1].show()
 
 
+def test_a_mode_within_the_plane_is_drawn_without_a_warning(coarse):
+    surface = coarse.surface.finer or coarse.surface
+    flat = replace(surface, shapes=surface.shapes * [1.0, 1.0, 0.0], finer=None)
+    assert Image.open(BytesIO(figures.mode_picture(flat, 0, 1))).convert("L").getextrema()[0] < 200
+
+
 def test_what_is_not_there_is_said(coarse):
     for number, rpm, says in (
         (4, 0, "expected a mode from 1 to 3"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import workflows
-from tests.workflows.conftest import changed, quads
+from tests.workflows.conftest import MESHES, changed, quads
 from workflows.effects.definition import Effect
 from workflows.report import page, remarks, text
 from workflows.solve.results import ErrorParts
@@ -58,6 +58,10 @@ def test_a_table_says_where_the_damping_is_known_roughly(paper):
     beside = " ".join(comparison.text(both).split())
     assert f"{both.names[1]}: {said}" in beside
     assert f"{both.names[0]}: {said}" not in beside
+    unknown = replace(rough, speeds=(replace(point, damping_curve=replace(point.damping_curve, error=1.8e9)),))
+    assert "Damping ratios known only roughly: of unknown order of magnitude at 3500 rpm." in " ".join(
+        text.text(unknown, None).split()
+    )
 
 
 def test_the_effects_that_are_named_have_no_part_when_on(paper):
@@ -103,6 +107,21 @@ def test_a_finer_mesh_reduces_what_others_leave_room_for(paper):
         assert said.endswith(ends)
     finer = workflows.run(changed(scene, accuracy__frequency=1.3e-3))
     assert all(a.parts.mesh < b.parts.mesh for a, b in zip(remarks.worst(finer), remarks.worst(found), strict=True))
+
+
+def test_a_finer_mesh_is_no_remedy_for_what_it_leaves(paper):
+    """Of a given mesh, whose theory no key improves for sure."""
+    scene = _plate(paper, accuracy__frequency=1e-3)
+    scene["plate"] = {"mesh": str(MESHES / "plate_coarse.msh"), "thickness": "10 mm", "theory": "mindlin"}
+    found = workflows.run(scene)
+    (point,) = found.speeds
+    parts = ErrorParts(mesh=2e-3, layers=0.0, basis=0.0, theory=1e-4, large_deflection=None, coriolis=None)
+    for theory, ends in (
+        (1e-4, "0.1 % was requested; a finer mesh would reduce the error."),
+        (1.6e-3, "0.1 % was requested; about 0.16 % remains with any mesh."),
+    ):
+        modes = tuple(replace(mode, error_parts=replace(parts, theory=theory)) for mode in point.modes)
+        assert remarks.sentence(replace(found, speeds=(replace(point, modes=modes),))).endswith(ends)
 
 
 CORNER = (35.93663, 249.7615, 489.6319, 979.4331)

@@ -742,8 +742,9 @@ def mode_picture(surface: Surface, row: int, number: int) -> bytes:
     else:  # a closed surface
         axes.add_collection3d(Poly3DCollection(points[left.triangles], facecolors="#8a8a8a", alpha=0.2))
     low, high = np.minimum(points, moved).min(axis=0), np.maximum(points, moved).max(axis=0)
+    high = np.maximum(high, low + 1e-3 * np.ptp(points))
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(np.maximum(high - low, 1e-3 * np.ptp(points)), zoom=0.94)
+    axes.set_box_aspect(high - low, zoom=0.94)
     axes.view_init(22, -62)
     axes.set_axis_off()
     out = BytesIO()

@@ -260,13 +260,14 @@ class Worst(NamedTuple):
 
 @lru_cache(maxsize=1)  # asked by several sentences of one report
 def worst(results: Results) -> list[Worst]:
-    """Mode by mode, those whose error is known."""
+    """Mode by mode, those whose error is known; nan where it is not between two speeds of files."""
     largest: dict[int, Worst] = {}
     for point in results.speeds:
         for number, mode in enumerate(point.modes, 1):
             parts = mode.error_parts
             whole = None if parts is None else parts.whole
-            if parts is not None and whole is not None and (number not in largest or whole > largest[number].whole):
+            least = largest[number].whole if number in largest else -1.0
+            if parts is not None and whole is not None and (whole > least or math.isnan(whole)):
                 largest[number] = Worst(number, whole, parts)
     return [largest[number] for number in sorted(largest)]
 
@@ -293,13 +294,18 @@ def sentence(results: Results) -> Values:
     modes = worst(results)
     if not modes:
         return None
-    last, target = max(modes, key=lambda mode: mode.whole), results.scene.accuracy.frequency
+    target = results.scene.accuracy.frequency
+    unknown = any(math.isnan(mode.whole) for mode in modes)
+    if unknown:
+        return {"unknown": unknown, "target": target}
+    last = max(modes, key=lambda mode: mode.whole)
     sizes = {words: getattr(last.parts, name) or 0.0 for name, words in PARTS.items()}
     parts = {words: size for words, size in sizes.items() if size >= _NOTABLE_PART * last.whole}
     calls = called_for(results.scene, names=_WITHOUT_PART)
     off = [EFFECTS[name].word for name in calls if calls[name].called and not results.effects[name].on]
     missed = {} if met(results) else cure(results)
     return {
+        "unknown": unknown,
         "first": modes[0],
         "last": last,
         "parts": parts,
@@ -311,7 +317,9 @@ def sentence(results: Results) -> Values:
 
 
 def cure(results: Results) -> dict[str, Any]:
-    """Which keys would reduce the error, and which part of it; and the error that is left with any, beyond the target.
+    """Which keys would reduce the error, and which part of it; and the error that is left, beyond the target.
+
+    That with any setting (`least`), and with any mesh (`left`).
 
     What the whole error would be is not known: the mesh is chosen anew, without room for the part of the cavities,
     which depends on it and on the theory. A solid, which is dear, is named only where no mesh would do without it.
@@ -330,7 +338,8 @@ def cure(results: Results) -> dict[str, Any]:
             keys[key], left = _BY_EFFECT.get(name, "the theory"), left - sizes[name]
     if not keys and (key := _refining(results)):
         keys[key] = "the mesh"
-    return {"least": least if least > target else None, "keys": keys}
+    rest = float(left.max())
+    return {"least": least if least > target else None, "left": rest if rest > target else None, "keys": keys}
 
 
 def _attainable(error: float) -> str | None:

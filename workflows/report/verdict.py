@@ -7,7 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
-from workflows.formatting import revolutions, turning
+from workflows.formatting import apart, revolutions, turning
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
 from workflows.report.templates import at_speed, capital, in_percent, stretch
@@ -402,7 +402,10 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     low, high = reduction.range
     most = 1 - reduction.ratio
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
-    outside = [] if reduction.loose else outside  # a rough estimate does not tell levels apart
+    few = 2 if reduction.loose and not reduction.detail else 3
+    digits = [max((apart(end, each.level, few) for each in outside), default=few) for end in reduction.range]
+    aside = [each for each in outside if 1 - each.ratio >= most / 2]
+    outside = [] if reduction.loose else outside  # a rough estimate does not tell levels of little use apart
     helped = any(each.level >= reduction.moves_from and each.ratio <= HELPS for each in borne)
     return said(
         "answer/order",
@@ -413,7 +416,8 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
         at_rest=[each.level for each in borne if each.level < reduction.moves_from],
         useless=[each.level for each in outside if each.ratio >= 1],
         less=[each.level for each in outside if 0 < 1 - each.ratio < most / 2],
-        aside=[each for each in outside if 1 - each.ratio >= most / 2],
+        aside=aside,
+        digits=digits,
         **known,
     )
 
