@@ -173,22 +173,19 @@ def backbone(damper: ParticleDamper, *, threads: int | None = None) -> Backbone:
     """
     growing, bare = damping_curve(damper, threads=threads), undamped(damper)
     branch = growing.descending
-    rolls = _rolling(bare, branch.cutoff, threads)
     still = np.array([damper.stuck_frequency])
     resting = Branch(Way.RESTS, still / still, 0.0 * still, still, (0.0, growing.cutoff), damper.stuck_frequency)
-    branches = [resting] if growing.cutoff > 0 else []
-    if branch.peak == 0 and math.isfinite(branch.cutoff):  # bounces and loses nothing
-        low = max(branch.cutoff, _LOWEST * bare.half_gap[0]) if rolls is None else rolls.range[1]
+    rests, rolls = [resting] if growing.cutoff > 0 else [], _rolling(bare, branch.cutoff, threads)
+    known = max((each.range[1] for each in rests + rolls), default=0.0)
+    if branch.peak == 0 and math.isfinite(branch.cutoff + known):  # bounces and loses nothing
+        low = max(known, _LOWEST * bare.half_gap[0])
         branch = DampingCurve(np.geomspace(low, _FAR * low, _POINTS), np.zeros(_POINTS), branch.cutoff)
-    if branch.amplitude.size:
-        branches.append(_hitting(bare, branch))
-    if rolls is not None:
-        branches.append(rolls)
+    hits = [_hitting(bare, branch, known)] if branch.amplitude.size else []
     return Backbone(
         mass=damper.stuck_mass,
         stiffness=damper.stiffness[0],
         dashpot=2 * _own(damper) * math.sqrt(damper.stiffness[0] * damper.modal_mass),
-        branches=tuple(branches) or (resting,),
+        branches=tuple(rests + hits + rolls) or (resting,),
     )
 
 
@@ -198,8 +195,8 @@ def _own(damper: ParticleDamper) -> float:
     return damper.damping_ratio if own is None else own
 
 
-def _hitting(bare: ParticleDamper, curve: DampingCurve) -> Branch:
-    """What sweeps down through the amplitudes meet."""
+def _hitting(bare: ParticleDamper, curve: DampingCurve, known: float) -> Branch:
+    """What sweeps down through the amplitudes meet, and down to the last amplitude of other motions, `known` [m]."""
     which = np.unique(np.linspace(0, len(curve.amplitude) - 1, _POINTS).astype(int))
     frequency = []
     for amplitude, ratio in zip(curve.amplitude[which], curve.damping_ratio[which], strict=True):
@@ -207,19 +204,19 @@ def _hitting(bare: ParticleDamper, curve: DampingCurve) -> Branch:
         run = _released(bare, amplitude, min(_SETTLING, cycles) + cycles + 1, (0.0, 0.0))
         frequency.append(_turns(run, min(_SETTLING, cycles)))
     free = np.interp(np.log(curve.amplitude), np.log(curve.amplitude[which]), frequency)
-    low = max(curve.cutoff, float(curve.amplitude[0]) * (1 - 1e-9))
+    low = min(max(curve.cutoff, float(curve.amplitude[0]) * (1 - 1e-9)), known)
     return Branch(Way.HITS, curve.amplitude, curve.damping_ratio, free, (low, math.inf), bare.stuck_frequency)
 
 
-def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch | None:
-    """A ball that rolls to and fro about the middle and reaches no wall; None where there is none.
+def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> list[Branch]:
+    """A ball that rolls to and fro about the middle and reaches no wall, if there is one.
 
     Up to the amplitude at which its even motion reaches the walls, it is followed without these: as it begins, it may
     meet them at less. Where the load draws it to a wall before, it goes on up to there; in a bowl, up to its first hit.
     """
     gap, share = bare.half_gap[0], bare.inertia_ratio * (1 - bare.tilt_share[0])
     if gap == 0 or bare.lateral_pull[0] != 0 or abs(share) < _LOWEST or not math.isfinite(cutoff):
-        return None
+        return []
     low, high = max(cutoff, _LOWEST * gap), 2 * max(gap / abs(share), cutoff)
     ball = rolling(bare, low, threads)
     if ball.is_centred:
@@ -227,7 +224,7 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
     elif bare.restoring[0, 0] < 0:  # the load draws it to a wall
         high = min(high, ball.last)
     if not low < high:
-        return None
+        return []
     points = []
     amplitudes = np.geomspace(low * (1 + 1e-9), high, _POINTS)
     for amplitude, place, velocity in zip(amplitudes, *swinging(bare, amplitudes), strict=True):
@@ -238,10 +235,10 @@ def _rolling(bare: ParticleDamper, cutoff: float, threads: int | None) -> Branch
         ratio = float(decrement) / (2 * math.pi * (len(run.peak_velocities) - 1 - _FIRST))
         points.append((amplitude, max(ratio, 0.0), _turns(run, _FIRST)))
     if len(points) < 2:
-        return None
+        return []
     amplitude, ratio, frequency = np.array(points).T
     begin = cutoff if cutoff < low else float(amplitude[0])  # a ball that is hardly held rolls at less, too
-    return Branch(Way.ROLLS, amplitude, ratio, frequency, (begin, float(amplitude[-1])), bare.stuck_frequency)
+    return [Branch(Way.ROLLS, amplitude, ratio, frequency, (begin, float(amplitude[-1])), bare.stuck_frequency)]
 
 
 def _released(bare: ParticleDamper, amplitude: float, cycles: int, ball: tuple[float, float]) -> RingDown:

@@ -205,8 +205,9 @@ def damping_curve(
     others = {name: as_read(from_amplitude(resolved(each, rolls), least)) for name, each in others.items()}
     growing = replace(as_read(from_amplitude(resolved(growing, rolls), least)), **others)
     for curve in (growing, *others.values()):
-        laws.check_curve(bare, curve)
-        laws.check_readings(curve, samples)
+        if curve.peak > 0:
+            laws.check_curve(bare, curve)
+            laws.check_readings(curve, samples)
     for each in held:
         growing = replace(held_until(growing, each), cutoff=held[0])
     return growing

@@ -34,6 +34,10 @@ The damping rises there from nothing, by a power of the amplitude: its mean over
 _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
 
+_ROUNDED, _TINY = 1e-6, 1e-11
+"""Share of the peak up to which a negative ratio is what rounding leaves of a ball's energy next to the structure's; up
+to how much such a ratio shows that there is no more than rounding in a lesser peak."""
+
 _STEP = 1e-6
 """Relative width of the step from one motion to another."""
 
@@ -288,15 +292,17 @@ def as_read(curve: DampingCurve) -> DampingCurve:
     Of a tent whose top lies anywhere in a bin, the mean over that bin lacks a sixth to a half of what the means on
     either side lack of it, and of a smooth peak a sixth: a quarter counts, and of a side no more than `_STEEP`.
     """
-    if curve.peak == 0:
-        return curve
-    ratio = np.where(abs(curve.damping_ratio) < _SMALL, 0.0, curve.damping_ratio)
+    ratio = curve.damping_ratio
+    if curve.peak < _SMALL or curve.peak < -ratio.min() < _TINY:
+        return nothing(curve.cutoff)
+    none = (abs(ratio) < _SMALL) | ((ratio < 0) & (ratio > -_ROUNDED * curve.peak))
+    curve = at_peak(replace(curve, damping_ratio=np.where(none, 0.0, ratio)))
     place, best, lacks = np.log(curve.amplitude) / _WIDTH, int(np.argmax(curve.damping_ratio)), 0.0
     for way in (-1, 1):
         if 0 <= best + way < len(place) and abs(place[best + way] - place[best]) > _FOOT:
             beside = float(np.interp(place[best] + way, place, curve.damping_ratio))
             lacks += min(1 - beside / curve.peak, _STEEP)
-    return with_error(replace(curve, damping_ratio=ratio), lacks / 4)
+    return with_error(curve, lacks / 4)
 
 
 def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:

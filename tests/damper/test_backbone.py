@@ -224,3 +224,14 @@ def test_far_beyond_the_amplitudes_measured(times: float) -> None:
     truth = float(forced(damper, [Harmonic(turns, (force, 0.0))], [Start.DOWN]).mean[0, 0])
     undamped = force / (found.dashpot * damper.stuck_frequency)
     assert undamped / truth - 1 == pytest.approx(undamped / amplitude[0] - 1, rel=0.3)
+
+
+def test_a_ball_that_the_slope_drives_leaves_no_force_without_an_answer() -> None:
+    """Where the slope takes six times the drive, it rolls to a wall at once: small forces find it there."""
+    level = paper(mass_ratio=0.0145, damping_ratio=0.1, restitution=0.0, rolling_friction=0.0)
+    damper = replace(level, floor_tilt=(6 * level.stuck_frequency**2 / level.centrifugal_acceleration,) * 2)
+    assert damper.tilt_share[0] == pytest.approx(6.0)
+    found, force = backbone(damper), np.geomspace(1e-6, 1e-3, 7)
+    assert [each.way for each in found.branches] == [Way.HITS]
+    linear = force / (found.dashpot * damper.stuck_frequency)
+    np.testing.assert_allclose(found.peaks(force) / linear, 1.0, atol=0.01)

@@ -817,3 +817,41 @@ def test_a_ball_may_lose_energy_although_its_hits_lose_none(by: str) -> None:
     lost = run.energy.slip + run.energy.impact
     assert abs(run.energy.residual) < 1e-12 * run.energy.initial
     assert lost / run.energy.initial > 10 * 4 * math.pi * found.peak / 2
+
+
+IN_A_BOWL = ParticleDamper(
+    modal_mass=4.461353987698294,
+    stiffness=(23175062.055257037,) * 2,
+    ball_mass=0.0016627030455156771,
+    ball_radius=5e-4,
+    cavity=(6e-3, 6e-3),
+    centrifugal_acceleration=3053301.708853807,
+    restitution=0.99,
+    friction=0.3,
+    rolling_friction=0.0,
+    damping_ratio=1e-4,
+    floor_radius=(8e-3, 8e-3),
+)
+"""It swings 2.5 times as fast as the structure and meets no wall: sweeps find damping ratios of rounding alone."""
+ON_A_SLOPE = ParticleDamper(
+    modal_mass=0.119,
+    stiffness=(1.06e6, 1.06e6),
+    ball_mass=0.001725,
+    ball_radius=2e-3,
+    cavity=(6e-3, 4.3e-3),
+    centrifugal_acceleration=1.0e7,
+    restitution=0.0,
+    friction=0.3,
+    rolling_friction=0.0,
+    damping_ratio=0.1,
+    floor_tilt=(10.0, 10.0),
+)
+"""A slope that takes 11 times the drive: its energy at a wall is a million times that of small vibrations."""
+
+
+@pytest.mark.parametrize(("damper", "most"), [(IN_A_BOWL, 1e-14), (ON_A_SLOPE, 1.0)])
+def test_what_rounding_leaves_of_small_vibrations_is_none(damper: ParticleDamper, most: float) -> None:
+    growing = damping_curve(damper)
+    for curve in (growing, growing.descending):
+        assert curve.peak < most
+        assert (curve.damping_ratio >= 0).all()
