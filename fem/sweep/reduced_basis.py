@@ -116,9 +116,7 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
         # back to the modes: in a mixture the large representer of a soft one drowns a stiff one's
         back = polar(coupling[:, : len(coupling)])[0]
         blocks.append((block @ back, energy @ back))
-    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
-    images, representers = _columns(operators, modes, block, energy)
-    return _project(operators, modes, block, images, representers, _uncertain(stiffness, block))
+    return _with_blocks(operators, stiffness, modes, blocks)
 
 
 LEAST_PART = 1e-3
@@ -148,41 +146,30 @@ def enrich(
         more: the vectors (n, k) of each group.
     """
     blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
-    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
-    fresh = _columns(operators, modes, block, energy)
-    images, representers = (
-        tuple(np.hstack(pair) for pair in zip(old, new, strict=True))
-        for old, new in zip((basis.images, basis.representers), fresh, strict=True)
-    )
-    uncertain = np.append(basis.rounding, _uncertain(stiffness, block))
-    return _project(operators, modes, np.hstack([basis.vectors, block]), images, representers, uncertain)
+    return _with_blocks(operators, stiffness, modes, blocks, basis)
 
 
-def _uncertain(stiffness: csc_array, vectors: Array) -> Array:
-    """What rounding leaves uncertain of the energies (k,) of vectors (n, k) of unit energy."""
-    return rounding(stiffness, vectors, np.ones(vectors.shape[1]))
-
-
-def _columns(
-    operators: Operators, modes: Modes, vectors: Array, energy: Array
-) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Images and representers of new vectors (n, k) whose image under K_r is given (n, k)."""
+def _with_blocks(
+    operators: Operators,
+    stiffness: csc_array,
+    modes: Modes,
+    blocks: list[tuple[Array, Array]],
+    basis: ReducedBasis | None = None,
+) -> ReducedBasis:
+    """A basis, or none, with blocks of orthonormal vectors (n, k) added, each with its image under K_r (n, k)."""
+    vectors, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     images = [energy, operators.mass @ vectors, operators.spinning @ vectors]
     if operators.gyroscopic is not None:
         images.append(operators.gyroscopic @ vectors)
     loads = [images[2], images[1], *images[3:]]
-    solved = np.split(modes.factor.solve(np.hstack(loads)), len(loads), axis=1)
-    return tuple(images), tuple(solved)
-
-
-def _project(
-    operators: Operators,
-    modes: Modes,
-    vectors: Array,
-    images: tuple[Array, ...],
-    representers: tuple[Array, ...],
-    uncertain: Array,
-) -> ReducedBasis:
+    representers = np.split(modes.factor.solve(np.hstack(loads)), len(loads), axis=1)
+    uncertain = rounding(stiffness, vectors, np.ones(vectors.shape[1]))
+    if basis is not None:
+        vectors, uncertain = np.hstack([basis.vectors, vectors]), np.append(basis.rounding, uncertain)
+        images, representers = (
+            [np.hstack(pair) for pair in zip(old, new, strict=True)]
+            for old, new in ((basis.images, images), (basis.representers, representers))
+        )
     energy, heavy, spinning, *turning = images
     r = vectors.shape[1]
     span = np.hstack([vectors, *representers])
@@ -195,8 +182,8 @@ def _project(
     return ReducedBasis(
         reference=modes.omega,
         vectors=vectors,
-        images=images,
-        representers=representers,
+        images=tuple(images),
+        representers=tuple(representers),
         mass=symmetric(vectors.T @ heavy),
         coriolis=vectors.T @ turning[0] if turning else None,
         groups=groups,
