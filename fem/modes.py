@@ -550,11 +550,11 @@ def critical_speed(operators: Operators) -> float:
     if operators.softening is None and operators.geometric is None:
         return np.inf
     rest = check_rest(operators)
-    below = NEVER * float(np.sqrt(rest))
-    if positive(operators, operators.at(below)) is not None:
-        return np.inf
+    never = below = NEVER * float(np.sqrt(rest))
     while (factor := positive(operators, operators.at(below))) is None:
         below = below / RUNG if below**2 * NEVER**2 > rest else 0.0
+    if below == never:
+        return np.inf
     loss = -operators.spinning
     start = factor.solve(loss @ random_block(loss.shape[0]))
     values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.at(below), start, 1, np.asarray)
