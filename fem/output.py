@@ -34,16 +34,11 @@ class Finer:
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """A cell in parts: reference points (n, 2); numbers of the points along each side, and of its parts."""
+    """A cell in parts: reference points (n, 2), numbers of those along each side, from a corner, and of its parts."""
 
     points: Array
     sides: list[list[int]]
     parts: Indices
-
-    @property
-    def corners(self) -> list[int]:
-        """Numbers of its corners, at which the sides begin."""
-        return [side[0] for side in self.sides]
 
 
 def between(operators: Operators, shapes: Array, parts: int) -> Finer:
@@ -55,7 +50,7 @@ def between(operators: Operators, shapes: Array, parts: int) -> Finer:
     grid = _quadrilateral(parts) if mesh.t.shape[0] == 4 else _triangle(parts)
     numbers = _numbers(mesh, grid)
     x, y = grid.points.T
-    corners = np.ascontiguousarray(corner_shapes(x, y, len(grid.corners)).T)
+    corners = np.ascontiguousarray(corner_shapes(x, y, len(grid.sides)).T)
     points = np.zeros((2, int(numbers.max()) + 1))
     points[:, numbers] = np.einsum("pk,dkc->dcp", corners, mesh.p[:, mesh.t])
     sub = np.concatenate([numbers[:, part] for part in grid.parts])
@@ -90,7 +85,7 @@ def _numbers(mesh: Any, grid: _Grid) -> Indices:
         forward = cells[:, k] < np.roll(cells, -1, axis=1)[:, k]
         places = np.where(forward[:, None], along, along[::-1])
         numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, None] * per_side + places
-        numbers[:, grid.corners[k]] = cells[:, k]
+        numbers[:, chain[0]] = cells[:, k]
     inner = np.flatnonzero(numbers[0] < 0)
     begun = mesh.p.shape[1] + mesh.facets.shape[1] * per_side
     numbers[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
