@@ -1,7 +1,7 @@
 """Matrices of a plate on a rotor: everything that does not depend on the speed.
 
-`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `point_rows`
-reads displacements at a point, and `transfer` carries shapes from one mesh to another.
+`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `rows_at`
+reads displacements at places, and `transfer` carries shapes from one mesh to another.
 
 Each is a form, a small coefficient matrix over the fields of a theory. In the frame that turns with the rotor about the
 axis n, P = I - n n^T, and at Omega = 1: mass rho U.U, softening rho U.P U, Coriolis 2 rho U.(n x U), centrifugal load
@@ -456,22 +456,17 @@ def with_coriolis(operators: Operators) -> Operators:
     return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
 
 
-def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
-    """Rows that read the displacement, or a derivative of it, at a place.
+def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
+    """Rows that read the displacement, or a derivative of it, at places.
 
     Args:
         model: the discretised plate.
-        at: place (x, y) [m].
+        places: shape (k, 2) [m].
         derivative: numbers of the coordinates to differentiate by; none: the displacement.
 
     Returns:
-        Sparse, shape (3, n): u, v and w from the unknowns.
+        Sparse, shape (3 k, n): u, v and w from the unknowns, place after place.
     """
-    return rows_at(model, np.array([at]), derivative)
-
-
-def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
-    """The same (3 k, n) at places (k, 2), one after the other."""
     located = [locate(model.mesh, (x, y)) for x, y in places]
     cells, reference = np.array([cell for cell, _ in located]), np.column_stack([at for _, at in located])
     rows, columns, weights = [], [], []

@@ -19,7 +19,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.assembly import point_rows, transfer
+from fem.assembly import transfer
 from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
@@ -82,7 +82,7 @@ def tip_load(operators, per_width):
     y, weights = np.polynomial.legendre.leggauss(5)
     width = np.ptp(operators.plate.mesh.p[1])
     rows = [
-        w * 0.5 * width * point_rows(operators.model, (1.0, 0.5 * width * s))[[0]]
+        w * 0.5 * width * operators.at_place((1.0, 0.5 * width * s)).rows[0][[0]]
         for s, w in zip(y, weights, strict=True)
     ]
     return per_width * sum(rows).toarray().ravel()
@@ -106,7 +106,7 @@ def test_the_stretch_of_a_bar(theory, taper):
         return STRIP.density * quad(lambda s: (hub + s) * height(s), x, 1.0)[0]
 
     expected = quad(lambda x: pull(x) / height(x) / STRIP.youngs_modulus, 0.0, 1.0)[0]
-    found = (point_rows(operators.model, (1.0, 0.0)) @ operators.prestress)[0]
+    found = (operators.at_place((1.0, 0.0)).rows[0] @ operators.prestress)[0]
     assert found == pytest.approx(expected, rel=1e-4 if theory == "solid" and taper else 1e-8)
 
 
