@@ -17,7 +17,7 @@ made in the natural order: at 60 000 unknowns in half of the time that the gener
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +49,6 @@ IN_CACHE = 20_000
 """Pairs of nodes of cells that are integrated at once: what lies between points and stiffness stays in the cache."""
 
 
-@cache
 def rule(kind: str, full: bool = False) -> Rule:
     """Quadrature for stiffness and mass: points (npoint, 3) and weights (npoint,) on the reference cell of a kind."""
     if kind.startswith("hexahedron"):
@@ -152,18 +151,15 @@ class Pattern:
         return sparse((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
 
 
-def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
+def pattern(tables: list[Indices], free: NDArray[np.bool_]) -> Pattern:
     """The sparsity pattern of a blade's matrices.
 
     Args:
         tables: nodes of the cells of each kind, (ncell, nnode).
-        clamped: numbers of the clamped nodes.
-        count: number of nodes.
+        free: which nodes are not clamped, (nnode,).
     """
     from scipy.sparse import bsr_array
 
-    free = np.ones(count, dtype=bool)
-    free[clamped] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
     n = int(free.sum())
     keys = _distinct([_pairs(number[nodes], n) for nodes in tables])
@@ -435,7 +431,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         heavy.append(own)
         _add(load, nodes, own @ blade.arms[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
-    places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
+    places = pattern([each.nodes for each in cells], ~blade.clamped)
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:

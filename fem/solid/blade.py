@@ -88,7 +88,7 @@ class Blade:
     @cached_property
     def _faces(self) -> Array:
         """Vector areas (nface, 3) of the faces whose nodes are all held [m²]."""
-        return self.mesh.boundary_normals(self._clamped)[1]
+        return self.mesh.boundary_normals(self.clamped)[1]
 
     @property
     def has_section(self) -> bool:
@@ -97,14 +97,14 @@ class Blade:
         return float(np.linalg.norm(faces.sum(axis=0))) > CANCELLED * float(np.linalg.norm(faces, axis=1).sum())
 
     @cached_property
-    def _clamped(self) -> NDArray[np.bool_]:
+    def clamped(self) -> NDArray[np.bool_]:
         """Which nodes do not move, (nnode,)."""
         return np.isin(np.arange(len(self.mesh.points)), self.held)
 
     @property
     def hung(self) -> Indices:
         """Numbers of the nodes of the cells that move, the held ones among them included."""
-        free = ~self._clamped
+        free = ~self.clamped
         return np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
 
     @cached_property
@@ -119,7 +119,7 @@ class Blade:
         normal = self.section / np.linalg.norm(self.section)
         area, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
         for faces in self.mesh.boundary():
-            around = self.mesh.points[faces[self._clamped[faces].all(axis=1)]]
+            around = self.mesh.points[faces[self.clamped[faces].all(axis=1)]]
             middles = np.broadcast_to(around.mean(axis=1, keepdims=True), around.shape)
             corners = np.stack([middles, around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 3, 3)
             one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

@@ -18,7 +18,7 @@ again as the largest of the last three errors is within the tolerance.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -323,14 +323,13 @@ def sweep_blade(
     return _gathered(operators, known, count, errors)
 
 
-@cache
-def _places() -> tuple[float, ...]:
+def _places() -> list[float]:
     """Where points between 0 and 1 are added one by one."""
     grid, places = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, PLACES) / PLACES), [0.0, 1.0]
     while len(places) < MOST:
         apart = np.abs(grid[:, None] - places).prod(axis=1)
         places.append(float(grid[np.round(apart / apart.max(), 9).argmax()]))
-    return tuple(places[2:])
+    return places[2:]
 
 
 def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> None:
