@@ -83,9 +83,6 @@ def check_mesh(mesh: Any) -> None:
         MeshError: it is not planar, its cells are not upright or not connected without seams, or its root is not one
             straight edge.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     name = type(mesh).__name__
     if not name.startswith(("MeshTri", "MeshQuad")):
         raise MeshError(f"a plate needs a surface mesh of triangles or quadrilaterals, got {name}")
@@ -103,26 +100,30 @@ def check_mesh(mesh: Any) -> None:
     folded = _side(mesh, inner, left) * _side(mesh, inner, right) > 0.0
     _reject(np.isin(np.arange(t.shape[1]), left[folded]), mesh, "folded over a neighbour")
     _reject_seams(mesh)
-    neighbours = coo_array((np.ones(left.size), (left, right)), shape=(t.shape[1],) * 2)
-    parts = connected_components(neighbours, directed=False)[0]
+    parts = connected(mesh.f2t[:, inner], t.shape[1])[0]
     if parts > 1:
         raise MeshError(f"the mesh is in {parts} parts that share no edge; a plate must be one piece")
     _reject_root(mesh)
 
 
-def _reject_root(mesh: Any) -> None:
-    """Raise `MeshError` unless the root is one straight run of edges that ends where the boundary turns."""
+def connected(pairs: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32]]:
+    """Number of parts that pairs (2, n) connect so many things into, and the part of each thing (count,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), shape=(count, count))
+    return connected_components(graph, directed=False)
+
+
+def _reject_root(mesh: Any) -> None:
+    """Raise `MeshError` unless the root is one straight run of edges that ends where the boundary turns."""
     facets = root_facets(mesh)
     if facets.size == 0:
         raise MeshError(
             f"no edge lies on the smallest x ({root(mesh):.6g}), so there is nothing to clamp: {_STRAIGHT_ROOT}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
-    ends = ends.reshape(2, -1)
-    parts, part = connected_components(coo_array((np.ones(facets.size), ends), shape=(nodes.size,) * 2), directed=False)
+    parts, part = connected(ends.reshape(2, -1), nodes.size)
     if parts > 1:
         y = [mesh.p[1, nodes[part == k]] for k in range(parts)]
         runs = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in sorted((v.min(), v.max()) for v in y))

@@ -141,9 +141,7 @@ def deck_fault(path: Path) -> str:
     named: list[tuple[str, int, str]] = []
     lines, first = Counter[int](), dict[int, str]()  # by how many coordinates they have
     key, carried = "", False
-    for where, line in _included(path, _DATA) if path.suffix.lower() == ".inp" else ():
-        if line.startswith("**") or not line.strip():
-            continue
+    for where, line in _cards(path) if path.suffix.lower() == ".inp" else ():
         if line.lstrip().startswith("*"):
             key, options = _keyword(line)
             if key in ("PART", "END PART", "INSTANCE", "END INSTANCE"):  # which number their own nodes
@@ -315,7 +313,7 @@ def _plain(path: Path) -> Iterator[Path]:
     """
     suffix, lines = path.suffix.lower(), None
     if suffix == ".inp" and re.search(rb"(?i)\*(node|include)\b", path.read_bytes()):
-        lines = _abaqus(_included(path, _DATA))
+        lines = _abaqus(_cards(path))
     elif suffix in NASTRAN:
         lines = _nastran(_included(path, _INCLUDE))
     if lines is None:
@@ -349,6 +347,11 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
         yield from _included(other, names, (*outer, path))
 
 
+def _cards(path: Path) -> Lines:
+    """Lines of a deck of Abaqus, those of included files too, but for comments and blank ones."""
+    return ((where, line) for where, line in _included(path, _DATA) if line.strip() and not line.startswith("**"))
+
+
 def _abaqus(lines: Lines) -> Iterator[str]:
     sets: dict[str, list[str]] = {}
     on_nodes: dict[str, str] = {}  # sets that *NODE names, as it spells them: readers do not know them
@@ -358,8 +361,6 @@ def _abaqus(lines: Lines) -> Iterator[str]:
     own: list[str] | None = None
     nodes, generates = False, False
     for where, line in lines:
-        if line.startswith("**") or not line.strip():
-            continue
         if line.lstrip().startswith("*"):
             key, options = _keyword(line)
             _refuse(where, key, options)

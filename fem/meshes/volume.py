@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.cells import cell, faces_of
-from fem.meshes.planform import MeshError
+from fem.meshes.planform import MeshError, connected
 from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
 
 if TYPE_CHECKING:
@@ -166,18 +166,14 @@ class VolumeMesh:
 
         -1: it is not free, or in no cell.
         """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         number, pairs = len(free), []
         for _, nodes in self.cells:  # a cell joins its free nodes
             own = np.broadcast_to(number + np.arange(len(nodes))[:, None], nodes.shape)
             pairs.append(np.stack([own[free[nodes]], nodes[free[nodes]]]))
             number += len(nodes)
-        rows, columns = np.concatenate(pairs, axis=1)
-        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(number, number))
-        joined, found = np.unique(columns), np.full(len(free), -1)
-        found[joined] = np.unique(connected_components(graph, directed=False)[1][joined], return_inverse=True)[1]
+        every = np.concatenate(pairs, axis=1)
+        joined, found = np.unique(every[1]), np.full(len(free), -1)
+        found[joined] = np.unique(connected(every, number)[1][joined], return_inverse=True)[1]
         return found
 
     def _check_pieces(self) -> None:
