@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.sparse import coo_array, csc_array, vstack
 
-from fem.linalg import Array, Factor, Solver, axes_beside, factorise
+from fem.linalg import LEAST_ACROSS, Array, Factor, Solver, axes_beside, factorise
 from fem.meshes.planform import PlaceError, locate, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
@@ -485,10 +485,6 @@ def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
     return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
 
 
-_LEAST_ACROSS = np.radians(10.0)
-"""Angle of the load to the plate's normal from which on a floor that faces it has an axis along z, or nearly."""
-
-
 @dataclass(frozen=True, eq=False)
 class AtPlace:
     """A plate at a place: the rows that read its motion there, and what a ball there adds to it.
@@ -515,7 +511,7 @@ class AtPlace:
         pull = self.operators.rotor.projector @ self.operators.from_axis(self.at)
         normal = pull / np.linalg.norm(pull) if pull.any() else np.eye(3)[0]
         axes, angle = axes_beside(normal, np.eye(3)[2])
-        if angle < _LEAST_ACROSS:
+        if angle < LEAST_ACROSS:
             raise PlaceError(f"hardly any load lies in the plate's plane at ({self.at[0]:.6g}, {self.at[1]:.6g}) m")
         return np.vstack([axes, normal])
 

@@ -380,6 +380,10 @@ def perpendicular(vectors: Array, unit: Array) -> Array:
     return np.asarray(vectors - (vectors @ unit)[..., None] * unit)
 
 
+LEAST_ACROSS = np.radians(10.0)
+"""Angle [rad] from a floor's normal from which on a direction gives axis 1: nearer, its rest across is chance."""
+
+
 def axes_beside(normal: Array, direction: Array) -> tuple[Array, float]:
     """Axes (2, 3) beside a unit normal, the first as near to a direction as may be, and the angle between those two.
 
