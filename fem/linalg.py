@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""

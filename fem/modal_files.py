@@ -21,8 +21,7 @@ from fem.modal_model import SAME_SPEED, ModalModel, ModesAtSpeed, chosen
 from fem.rotor import from_rpm, in_rpm
 
 if TYPE_CHECKING:
-    from fem.linalg import Array
-    from fem.modal_model import Ints
+    from fem.linalg import Array, Ints
 
 
 class ModesFileError(ValueError):

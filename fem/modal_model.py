@@ -20,10 +20,8 @@ from fem.meshes.cells import cell, faces_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.linalg import Array
+    from fem.linalg import Array, Ints
     from fem.meshes.cells import Cell
-
-    Ints = NDArray[np.int64]
 
 
 class OffTheStructure(ValueError):

@@ -28,6 +28,7 @@ from fem.linalg import (
     CONVERGED,
     Array,
     Factor,
+    Ints,
     NotConverged,
     SingularMatrix,
     factorise,
@@ -327,7 +328,7 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
     bends = sum(side * strain for side, strain in zip(sides, strains, strict=True)).reshape(volumes.size, -1)
     bends = bends / len(strains)
 
-    def faces(strip: NDArray[np.int64]) -> tuple[Array, Array]:
+    def faces(strip: Ints) -> tuple[Array, Array]:
         """Where strips lie, shape (strips,), and the strain at their worse ends, shape (strips, k)."""
         there, number = np.unique(strip, return_inverse=True)
 
@@ -351,7 +352,7 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
     return np.asarray(np.maximum(root, np.maximum(wide.max(axis=0), narrow.max(axis=0))))
 
 
-def _strips(operators: Operators) -> NDArray[np.int64]:
+def _strips(operators: Operators) -> Ints:
     """In which strip along x each point of a plate's rule lies, from 0 at the root, shape (points,).
 
     `_PARTS` of them are `_LAYER` times as wide as the plate is thick there, or the plate has `STRIPS` times as many.

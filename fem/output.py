@@ -5,16 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.assembly import Operators, motion_rows
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
 from fem.reduction.modal import drawn_rows
 from fem.sweep.campbell import Campbell
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +25,7 @@ class Finer:
     """
 
     mesh: Any
-    lines: Indices
+    lines: Ints
     displacement: Array
 
 
@@ -38,7 +35,7 @@ class _Grid:
 
     points: Array
     sides: list[list[int]]
-    parts: Indices
+    parts: Ints
 
 
 def between(operators: Operators, shapes: Array, parts: int) -> Finer:
@@ -76,7 +73,7 @@ def _triangle(parts: int) -> _Grid:
     return _Grid(np.array(places) / parts, sides, np.array(up + down))
 
 
-def _numbers(mesh: Any, grid: _Grid) -> Indices:
+def _numbers(mesh: Any, grid: _Grid) -> Ints:
     """Numbers (cells, n) of the points of every cell: the mesh's vertices, then points on sides, then inner ones."""
     cells, per_side = np.asarray(mesh.t.T), len(grid.sides[0]) - 2
     numbers = np.full((len(cells), len(grid.points)), -1)
@@ -92,7 +89,7 @@ def _numbers(mesh: Any, grid: _Grid) -> Indices:
     return numbers
 
 
-def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
+def _lines(operators: Operators, grid: _Grid, numbers: Ints) -> Ints:
     """Edges along the sides of the plate's own cells, which a model may have split."""
     mesh = operators.model.mesh
     own, every = (np.sort(each.facets, axis=0).T.tolist() for each in (operators.plate.mesh, mesh))
@@ -103,7 +100,7 @@ def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
     return np.asarray(np.unique(np.sort(np.concatenate(lines), axis=1), axis=0))
 
 
-def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -> Array:
+def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Ints) -> Array:
     """Displacements (count, points, 3), means of what the cells say."""
     from scipy.sparse import coo_array
 

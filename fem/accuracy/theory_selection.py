@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fem.accuracy.tolerances import Budget
 from fem.assembly import Operators, assemble
-from fem.linalg import Array, forms
+from fem.linalg import Array, Ints, forms
 from fem.meshes.planform import lengths, root_facets
 from fem.meshes.thickness import SLOPE, of, slope
 from fem.modes import Divergence, solve_real
@@ -180,7 +180,7 @@ def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * long, twist))
 
 
-def _clear(model: Discretisation, plate: Plate, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+def _clear(model: Discretisation, plate: Plate, facets: Ints) -> Ints:
     """Which of some facets stands for each: for those next to a point mass the nearest that is clear of it.
 
     There shear bends w by the logarithm of the distance, and the twist of w has no limit; that of the sections has.
@@ -209,7 +209,7 @@ def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     return np.asarray(np.einsum("ack,c,acm->km", steep, weights, steep))
 
 
-def _slopes(model: Discretisation, cells: NDArray[np.int64], values: Array) -> Array:
+def _slopes(model: Discretisation, cells: Ints, values: Array) -> Array:
     """Derivatives (2, nfield, ncell, r) in some cells of fields (nfield, all cells, npoint, r), by least squares."""
     places = model.points[:2][:, cells].transpose(1, 2, 0)
     places = places - places.mean(axis=1, keepdims=True)
@@ -218,7 +218,7 @@ def _slopes(model: Discretisation, cells: NDArray[np.int64], values: Array) -> A
     return np.asarray(np.einsum("cap,fcpk->afck", apart, values[:, cells]))
 
 
-def _on(model: Discretisation, facets: NDArray[np.int64], values: Array) -> Array:
+def _on(model: Discretisation, facets: Ints, values: Array) -> Array:
     """Fields (nfield, all cells, npoint, r) in the middle of facets: (nfield, nfacet, r)."""
     cells = model.mesh.f2t[0, facets]
     middle = model.mesh.p[:, model.mesh.facets[:, facets]].mean(axis=1)

@@ -10,6 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fem.linalg import Array, Ints
+
 
 MERGED = 1e-9
 """Distance relative to the plate's size within which points are one."""
@@ -57,7 +59,7 @@ def root(mesh: Any) -> float:
     return float(mesh.p[0].min())
 
 
-def root_facets(mesh: Any) -> NDArray[np.int64]:
+def root_facets(mesh: Any) -> Ints:
     """Numbers of the boundary facets on the smallest x, within `ROOT_TOLERANCE` of their lengths."""
     boundary = np.asarray(mesh.boundary_facets())
     x, y = mesh.p[:, mesh.facets[:, boundary]]
@@ -66,7 +68,7 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
     return np.asarray(boundary[off <= np.maximum(ROOT_TOLERANCE * length, ROUNDING * np.ptp(mesh.p[0]))])
 
 
-def lengths(mesh: Any, facets: NDArray[np.int64]) -> NDArray[np.float64]:
+def lengths(mesh: Any, facets: Ints) -> Array:
     """Lengths (n,) in m of facets by their numbers."""
     return np.asarray(np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0))
 
@@ -106,7 +108,7 @@ def check_mesh(mesh: Any) -> None:
     _reject_root(mesh)
 
 
-def connected(pairs: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32]]:
+def connected(pairs: Ints, count: int) -> tuple[int, NDArray[np.int32]]:
     """Number of parts that pairs (2, n) connect so many things into, and the part of each thing (count,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -167,18 +169,18 @@ def _reject_seams(mesh: Any) -> None:
         )
 
 
-def _turn(c: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turn(c: Array, a: Array, b: Array) -> Array:
     """Twice the signed areas (n,) of triangles with corners (2, n), anticlockwise."""
     return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def twice_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def twice_areas(corners: Array) -> Array:
     """Twice the signed areas (ncell,) of cells with corners (2, ncorner, ncell), anticlockwise."""
     turned = np.roll(corners, -1, axis=1)
     return np.asarray((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
 
 
-def _side(mesh: Any, facets: NDArray[np.int64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+def _side(mesh: Any, facets: Ints, cells: Ints) -> Array:
     """On which side (sign) of each facet the middle of a cell lies."""
     return _turn(mesh.p[:, mesh.t[:, cells]].mean(axis=1), *mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2))
 
@@ -199,7 +201,7 @@ class PlaceError(ValueError):
     """A place that is not on the plate, or where what is asked for does not move; the message says which."""
 
 
-def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float64]]:
+def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, Array]:
     """Cell that holds a point (x, y) in m, and the reference coordinates (2,) there.
 
     Raises:
@@ -224,7 +226,7 @@ def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float
     return best, where
 
 
-def _invert(corners: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+def _invert(corners: Array, target: Array) -> Array:
     """Find the reference coordinates of a target by Newton's method; exact in one step for triangles."""
     p = corners
     at = np.full(2, 1.0 / 3.0 if p.shape[1] == 3 else 0.5)
@@ -243,6 +245,6 @@ def _invert(corners: NDArray[np.float64], target: NDArray[np.float64]) -> NDArra
     return at
 
 
-def outside(x: Any, y: Any, corners: int) -> NDArray[np.float64]:
+def outside(x: Any, y: Any, corners: int) -> Array:
     """How far reference coordinates, any shape (...), lie outside a cell of so many corners; negative inside."""
     return np.asarray(np.max([-x, -y, (x + y if corners == 3 else np.maximum(x, y)) - 1.0], axis=0))

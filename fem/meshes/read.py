@@ -30,7 +30,7 @@ from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from numpy.typing import NDArray
+    from fem.linalg import Array, Ints
 
     Lines = Iterator[tuple[str, str]]
 
@@ -54,7 +54,7 @@ def read_mesh(path: str | Path) -> Any:
     return read_field(path, None)[0]
 
 
-def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.float64] | None]:
+def read_field(path: str | Path, field: str | None) -> tuple[Any, Array | None]:
     """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across, and a field on it.
 
     field: name of point data with one number a point; these (npoint,) come with the mesh.
@@ -90,7 +90,7 @@ def named(path: Path) -> Iterator[None]:
         raise type(error)(f"{path}: {error}") from None
 
 
-def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float64]:
+def _values(raw: Any, field: str, points: Ints) -> Array:
     """Values of point data at some of the file's points."""
     if field not in raw.point_data:
         known = ", ".join(sorted(raw.point_data)) or "none"
@@ -230,7 +230,7 @@ def _check_named_files(path: Path) -> None:
             raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
 
 
-def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
+def surface_of(raw: Any) -> tuple[Any, Ints]:
     """The mesh of what `raw_mesh` gives of a file, and which of its points it has; see `read_field`."""
     from skfem import MeshQuad, MeshTri
 
@@ -266,7 +266,7 @@ def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     return mesh, used
 
 
-def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _flat(points: Array) -> Array:
     if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
         raise MeshError(
             f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}:"
@@ -275,12 +275,12 @@ def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return points[:, :2]
 
 
-def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
+def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> Ints:
     blocks = [block.data[:, :corners] for block in raw.cells if block.type in kinds]
     return np.vstack(blocks).astype(np.int64) if blocks else np.empty((0, corners), dtype=np.int64)
 
 
-def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def _oriented(points: Array, cells: Ints) -> Ints:
     """Cells counter-clockwise: those that are clockwise are turned; `check_mesh` sees the flat ones."""
     area = twice_areas(points[cells].transpose(2, 1, 0))
     return np.where(area[:, None] > 0.0, cells, cells[:, ::-1])

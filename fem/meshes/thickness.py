@@ -15,9 +15,7 @@ import numpy as np
 from fem.meshes.planform import TOLERANCE, locate, outside, twice_areas
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array
+    from fem.linalg import Array, Ints
 
 
 LATTICE = 9
@@ -86,7 +84,7 @@ class Bilinear:
         """The thickness at a place."""
         return float(self.at(np.asarray(place)))
 
-    def _between(self, name: str, values: Array) -> tuple[NDArray[np.int64], Array]:
+    def _between(self, name: str, values: Array) -> tuple[Ints, Array]:
         """The interval of a coordinate that values lie in, and the part of it before them."""
         knots = np.array(getattr(self, name))
         if knots.size == 1:

@@ -18,8 +18,8 @@ from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from fem.linalg import Array, Ints
+
 
 FIRST_ORDER = ("hexahedron", "tetra", "wedge")
 SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")
@@ -57,8 +57,8 @@ class VolumeMesh:
     """
 
     points: Array
-    cells: tuple[tuple[str, Indices], ...]
-    sets: Mapping[str, Indices] = field(default_factory=dict)
+    cells: tuple[tuple[str, Ints], ...]
+    sets: Mapping[str, Ints] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_kinds([kind for kind, _ in self.cells])
@@ -83,19 +83,19 @@ class VolumeMesh:
         """Number of cells."""
         return sum(len(cells) for _, cells in self.cells)
 
-    def boundary(self) -> list[Indices]:
+    def boundary(self) -> list[Ints]:
         """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
         return [faces[times == 1] for faces, times in self._faces]
 
     @cached_property
-    def _faces(self) -> list[tuple[Indices, Indices]]:
+    def _faces(self) -> list[tuple[Ints, Ints]]:
         return faces_of(self.cells)
 
-    def corners(self, faces: Indices) -> Indices:
+    def corners(self, faces: Ints) -> Ints:
         """The corners of faces, out of the nodes around them (nface, nnode)."""
         return faces if self.first_order else faces[:, ::2]
 
-    def whole_faces(self, nodes: Indices, *, corners: bool = False) -> int:
+    def whole_faces(self, nodes: Ints, *, corners: bool = False) -> int:
         """Number of faces of cells whose nodes, or `corners` alone, are all among some nodes."""
         own = np.isin(np.arange(len(self.points)), nodes)
         every = [self.corners(faces) if corners else faces for faces, _ in self._faces]
@@ -161,7 +161,7 @@ class VolumeMesh:
                 " merge them (equivalence) in the mesher"
             )
 
-    def pieces(self, free: NDArray[np.bool_]) -> Indices:
+    def pieces(self, free: NDArray[np.bool_]) -> Ints:
         """Numbers (nnode,) of the pieces that cells make of the nodes that are free, (nnode,).
 
         -1: it is not free, or in no cell.
@@ -375,7 +375,7 @@ def has_volume(raw: Any) -> bool:
     return any(block.dim == 3 for block in raw.cells)
 
 
-def _upright(kind: str, cells: Indices, points: Array) -> Indices:
+def _upright(kind: str, cells: Ints, points: Array) -> Ints:
     """Cells that are all listed as mirror images, as some writers do with wedges, the right way round."""
     if (cell(kind).sizes(points[cells], _inside(kind)) > 0.0).any():
         return cells
@@ -385,7 +385,7 @@ def _upright(kind: str, cells: Indices, points: Array) -> Indices:
     return cells[:, order]
 
 
-def _sets(raw: Any) -> dict[str, Indices]:
+def _sets(raw: Any) -> dict[str, Ints]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
     sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
@@ -402,5 +402,5 @@ def _sets(raw: Any) -> dict[str, Indices]:
     return sets
 
 
-def _each_once(nodes: list[Any]) -> Indices:
+def _each_once(nodes: list[Any]) -> Ints:
     return np.unique(np.concatenate([each.ravel() for each in nodes])).astype(np.int64)

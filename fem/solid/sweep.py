@@ -32,10 +32,9 @@ from fem.solid.mesh_error import mesh_errors
 from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Array, Solver
+    from fem.linalg import Array, Ints, Solver
     from fem.solid.assembly import SolidOperators
 
 
@@ -176,11 +175,11 @@ class BladeSweep:
         low, high = self.squares[[0, -1]] ** 0.5
         return Tracks.followed(lambda omega: self.reduced(omega)[1], low, high)
 
-    def tracks(self, omega: float) -> NDArray[np.int64]:
+    def tracks(self, omega: float) -> Ints:
         """The mode of the lowest speed that each mode at a speed [rad/s] continues, (count,)."""
         return self._tracks.of(omega, self.reduced(omega)[1])
 
-    def apart(self, most: int) -> NDArray[np.int64]:
+    def apart(self, most: int) -> Ints:
         """Numbers (p,) of at most so many of the solved speeds, those nearest to Chebyshev-Lobatto points."""
         if self.squares.size <= most:
             return np.arange(self.squares.size)

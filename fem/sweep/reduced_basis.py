@@ -29,7 +29,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 
 from fem.assembly import Operators
-from fem.linalg import Array, forms, orthonormal, rounding, symmetric
+from fem.linalg import Array, Ints, forms, orthonormal, rounding, symmetric
 from fem.modes import Modes, share_matrices, solve_real
 
 SAFETY = 2.0
@@ -60,7 +60,7 @@ class ReducedBasis:
     representers: tuple[Array, ...]
     mass: Array
     coriolis: Array | None
-    groups: tuple[NDArray[np.int64], ...]
+    groups: tuple[Ints, ...]
     stretches: Array
     axes: Array
     gram: Array
@@ -197,7 +197,7 @@ def _with_blocks(
     )
 
 
-def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
+def _groups(gram: Array, r: int) -> tuple[Ints, ...]:
     """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
     count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
     return tuple(np.flatnonzero(group == number) for number in range(count))
@@ -407,7 +407,7 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     return ReducedModes(omega, rates, vectors, bounds, rounding[:, :wanted], floor)
 
 
-def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+def _errors(rates: Array, amount: Array, last: Ints, inside: NDArray[np.bool_]) -> Array:
     """Bounds (k, q) on relative errors from each mode's amount rho² / (1 - u w).
 
     All modes lifted by p times their amounts: the i-th largest 1/w, whichever mode has become it. Or mode i by ALONE
@@ -421,7 +421,7 @@ def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArra
     return np.asarray(np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf)))
 
 
-def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:
+def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: Ints) -> Array:
     """Frequencies (k,) below which the full model has no more than `last` (k,) ones; 0 where none is found."""
     k = np.arange(omega.size)
     below = rates[k, last - 1]
@@ -488,7 +488,7 @@ def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray
     return np.asarray(np.sqrt(np.where(floor > 0.0, squared, np.inf)))
 
 
-def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:
+def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> Ints:
     """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
     r = basis.size
     shift = basis.shift(omega)
@@ -583,7 +583,7 @@ class Swept:
     met: NDArray[np.bool_]
     state: Array | None = None
 
-    def only(self, rows: NDArray[np.int64]) -> Swept:
+    def only(self, rows: Ints) -> Swept:
         """The modes at some of the speeds, by their indices."""
         names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -32,7 +32,7 @@ class Block:
     """
 
     table: Array
-    dofs: NDArray[np.int64]
+    dofs: Ints
 
     @property
     def size(self) -> int:

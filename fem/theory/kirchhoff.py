@@ -14,8 +14,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem.linalg import Ints
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import of
 from fem.plate import Plate
@@ -94,7 +94,7 @@ def is_rectangles(mesh: Any) -> bool:
     return bool((np.abs(sides).min(axis=0) <= 1e-9 * np.abs(sides).max()).all())
 
 
-def _bending(mesh: Any, kind: Any, quadrature: Any, size: float, dofs: NDArray[np.int64]) -> Space:
+def _bending(mesh: Any, kind: Any, quadrature: Any, size: float, dofs: Ints) -> Space:
     """The space of w, of a scikit-fem class derived from `ElementGlobal`, over unknowns (ncell, ndof).
 
     The shape functions are computed cell by cell in coordinates centred on the cell and measured in its sides, or in
