@@ -446,11 +446,13 @@ def _undamped(
         NotConverged: the iteration does not converge.
     """
     shift = float(np.sqrt(still.eigenvalues[0] * still.eigenvalues[-1]))
-    matrices = ((stiffness + shift * mass).tocsc(), mass, coriolis)
+    weight = (stiffness + shift * mass).tocsc()
     nothing = np.empty((mass.shape[0], 0))
     span, more = _Span(nothing, nothing, nothing, nothing), still.shapes
     while True:
-        span = _grown(span, more, *matrices)
+        block, image, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
+        fresh = (block, image, mass @ block, coriolis @ block)
+        span = _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
         rates, small = _small(span, shift, still.eigenvalues.size)
         shapes, weighed, heavy, turned = (_product(columns, small) for columns in span)
         residual = weighed - (shift + rates**2) * heavy + 1j * rates * turned
@@ -465,13 +467,6 @@ def _undamped(
             worst = float(energy[:count].max())
             raise NotConverged(f"{span.vectors.shape[1]} vectors leave {worst:.2g} of the energy of {count} modes")
         more = np.hstack([step[:, far].real, step[:, far].imag])
-
-
-def _grown(span: _Span, more: Array, weight: csc_array, mass: csc_array, coriolis: csc_array) -> _Span:
-    """The span with vectors (n, k) added."""
-    block, weighed, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
-    fresh = (block, weighed, mass @ block, coriolis @ block)
-    return _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
 
 
 def _small(span: _Span, shift: float, count: int) -> tuple[Array, NDArray[Any]]:

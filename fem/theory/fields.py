@@ -73,9 +73,7 @@ class Fields:
             part = density[start : start + block.size] * self.dx
             start += block.size
             cellwise = np.einsum("cpfd,fcp->cd", block.table, part, optimize=True)
-            total += np.bincount(
-                np.where(block.dofs < 0, self.dofs, block.dofs).ravel(), cellwise.ravel(), self.dofs + 1
-            )
+            total += np.bincount(block.dofs.ravel() % (self.dofs + 1), cellwise.ravel(), self.dofs + 1)
         return total[:-1]
 
 
