@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, check_tangent, distorted, frequencies, unit_of
+from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, builder, check_tangent, distorted, frequencies, unit_of
 from scipy.integrate import quad
 
 from fem import (
@@ -257,10 +257,7 @@ def test_the_mesh_chosen_is_as_good_as_it_says(profile, theory):
     four times what is left.
     """
     planform = Rectangle(0.2, 0.08)
-
-    def build(size):
-        return assemble(Plate(planform.mesh(size), profile, STEEL), Rotor(0.05), FLAT, theory)
-
+    build = builder(planform, profile, theory, Rotor(0.05))
     choice = choose_mesh(planform, build, (0.0, 600.0), 6, 1e-2)
     finer = build(2 * choice.size)
     found, limit = (
