@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, vstack
 
 from fem.linalg import LEAST_ACROSS, Array, Factor, Solver, axes_beside, factorise
-from fem.meshes.planform import PlaceError, locate, root
+from fem.meshes.planform import PlaceError, locate, position, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
 from fem.rotor import Effects, Rotor
@@ -443,8 +443,7 @@ def footprint(operators: Operators, at: tuple[float, float], volume: float, dept
         places.append(at + offset)
         if len(places) == POINTS:
             return np.array(places)
-    here = f"({at[0]:.6g}, {at[1]:.6g}) m"
-    raise PlaceError(f"the plate has no room around {here} for cavities of {1e9 * volume:.6g} mm³ together")
+    raise PlaceError(f"the plate has no room around {position(at)} m for cavities of {1e9 * volume:.6g} mm³ together")
 
 
 def with_coriolis(operators: Operators) -> Operators:
@@ -512,7 +511,7 @@ class AtPlace:
         normal = pull / np.linalg.norm(pull) if pull.any() else np.eye(3)[0]
         axes, angle = axes_beside(normal, np.eye(3)[2])
         if angle < LEAST_ACROSS:
-            raise PlaceError(f"hardly any load lies in the plate's plane at ({self.at[0]:.6g}, {self.at[1]:.6g}) m")
+            raise PlaceError(f"hardly any load lies in the plate's plane at {position(self.at)} m")
         return np.vstack([axes, normal])
 
     @property

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from fem.linalg import Array, Ints
@@ -29,6 +31,11 @@ ROOT_BEND = np.radians(20.0)
 
 class MeshError(ValueError):
     """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
+
+
+def position(point: Sequence[float] | Array) -> str:
+    """The coordinates of a point in six digits, as messages give them."""
+    return f"({', '.join(f'{each:.6g}' for each in point)})"
 
 
 def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
@@ -137,7 +144,7 @@ def _reject_root(mesh: Any) -> None:
             across, along = (mesh.p[:, other].sum(axis=1) - 2.0 * mesh.p[:, end])[::-1]
             if abs(along) < np.tan(ROOT_BEND) * outwards * across:
                 raise MeshError(
-                    f"the root is not straight: beyond ({mesh.p[0, end]:.6g}, {mesh.p[1, end]:.6g}) its edge continues "
+                    f"the root is not straight: beyond {position(mesh.p[:, end])} its edge continues "
                     f"at {np.degrees(np.arctan(abs(along / across))):.2g}° to the clamped part, of length "
                     f"{clamped_length(mesh):.6g}: {_STRAIGHT_ROOT}"
                 )
@@ -162,9 +169,9 @@ def _reject_seams(mesh: Any) -> None:
     pairs = np.sort([order[first], order[second]], axis=0)
     pairs = pairs[:, (np.abs(points[pairs[0]] - points[pairs[1]]) <= near).all(axis=1)]
     if pairs.size:
-        x, y = points[pairs[0].min()]
         raise MeshError(
-            f"{np.unique(pairs[1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
+            f"{np.unique(pairs[1]).size} points coincide with others, the first one at "
+            f"{position(points[pairs[0].min()])}: "
             "merge them, or leave a gap where the plate is slit"
         )
 
@@ -187,9 +194,9 @@ def _side(mesh: Any, facets: Ints, cells: Ints) -> Array:
 
 def _reject(bad: NDArray[np.bool_], mesh: Any, what: str) -> None:
     if bad.any():
-        x, y = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
+        middle = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
         raise MeshError(
-            f"{np.count_nonzero(bad)} of {bad.size} cells are {what}, the first one near ({x:.6g}, {y:.6g})"
+            f"{np.count_nonzero(bad)} of {bad.size} cells are {what}, the first one near {position(middle)}"
         )
 
 
@@ -222,7 +229,7 @@ def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, Array]:
         if off < excess:
             best, where, excess = int(cell), reference, off
     if excess > TOLERANCE:
-        raise PlaceError(f"the point ({point[0]:.6g}, {point[1]:.6g}) m does not lie on the plate")
+        raise PlaceError(f"the point {position(point)} m does not lie on the plate")
     return best, where
 
 

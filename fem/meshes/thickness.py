@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fem.meshes.planform import TOLERANCE, locate, outside, twice_areas
+from fem.meshes.planform import TOLERANCE, locate, outside, position, twice_areas
 
 if TYPE_CHECKING:
     from fem.linalg import Array, Ints
@@ -143,10 +143,8 @@ def of(thickness: float | Profile, points: Array) -> float | Array:
     values = thickness.at(points)
     if not (values > 0.0).all():  # not a number, too
         worst = int(np.argmin(np.nan_to_num(values, nan=-np.inf)))
-        (x, y), least = points.reshape(2, -1)[:, worst], values.ravel()[worst]
-        raise ValueError(
-            f"the thickness must be above 0 everywhere on the plate, but it is {least:.6g} m at ({x:.6g}, {y:.6g}) m"
-        )
+        here, least = position(points.reshape(2, -1)[:, worst]), values.ravel()[worst]
+        raise ValueError(f"the thickness must be above 0 everywhere on the plate, but it is {least:.6g} m at {here} m")
     return values
 
 

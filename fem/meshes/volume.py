@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.cells import cell, faces_of
-from fem.meshes.planform import MeshError, connected
+from fem.meshes.planform import MeshError, connected, position
 from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
 
 if TYPE_CHECKING:
@@ -139,10 +139,9 @@ class VolumeMesh:
         inside = np.linalg.norm(apart, axis=2) < 0.5 * np.maximum(sizes[near], sizes[:, None])
         cracks = np.flatnonzero((opposite & level & inside).any(axis=1))
         if cracks.size:
-            x, y, z = middles[cracks[0]]
             raise MeshError(
                 f"{cracks.size} faces inside the blade touch others without sharing their nodes (hanging nodes), the"
-                f" first near ({x:.6g}, {y:.6g}, {z:.6g}) m: mesh so that cells meet face to face"
+                f" first near {position(middles[cracks[0]])} m: mesh so that cells meet face to face"
             )
 
     @property
@@ -155,9 +154,8 @@ class VolumeMesh:
 
         pairs = cKDTree(self.points).query_pairs(SAME_PLACE * self.size, output_type="ndarray")
         if len(pairs):
-            x, y, z = self.points[pairs[0, 0]]
             raise MeshError(
-                f"{len(pairs)} pairs of nodes lie in one place, the first at ({x:.6g}, {y:.6g}, {z:.6g}) m:"
+                f"{len(pairs)} pairs of nodes lie in one place, the first at {position(self.points[pairs[0, 0]])} m:"
                 " merge them (equivalence) in the mesher"
             )
 
@@ -220,11 +218,10 @@ def _check_volumes(kind: str, corners: Array) -> None:
     bad |= _folded(kind, corners, len(ends))
     if bad.any():
         first = int(np.flatnonzero(bad)[0])
-        x, y, z = corners[first].mean(axis=0)
         raise MeshError(
             f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells are inverted, flat or too distorted, or list their"
-            f" corners out of order, the first (number {first + 1} of these in the file) near ({x:.6g}, {y:.6g},"
-            f" {z:.6g}) m"
+            f" corners out of order, the first (number {first + 1} of these in the file) near"
+            f" {position(corners[first].mean(axis=0))} m"
         )
 
 
