@@ -219,7 +219,6 @@ class _Solved:
     shapes: dict[float, Array] = field(default_factory=dict)
     slopes: dict[float, Array] = field(default_factory=dict)
     beyond: dict[float, Array] = field(default_factory=dict)
-    spaces: dict[tuple[float, ...], tuple[Array, Array]] = field(default_factory=dict)
 
     def add(self, square: float, state: Array, slope: Array | None, values: Array, shapes: Array) -> None:
         """Know a speed; slope: what the state (n,) changes by Omega², of one that is solved."""
@@ -236,11 +235,9 @@ class _Solved:
 
     def space(self, square: float, mass: csc_array) -> tuple[Array, Array]:
         """Orthonormal vectors (n, k), and their mass, of the modes and slopes at the solved speeds near another."""
-        near = tuple(sorted(self.near(square)))
-        if near not in self.spaces:
-            some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
-            self.spaces = {near: orthonormal(some, mass)[:2]}
-        return self.spaces[near]
+        near = sorted(self.near(square))
+        some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
+        return orthonormal(some, mass)[:2]
 
     def predicted(self, square: float) -> Array:
         """Static displacement (n,) [m] at another speed, by the Hermite polynomial of the solved states."""
