@@ -117,20 +117,15 @@ def uniform_load(model: Discretisation, density: float | Array, direction: Array
     return model.displacement.load(along * density * np.ones(model.points.shape[1:]))
 
 
-def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
-    """Stress (nstrain, ncell, npoint) [Pa] at each elastic layer, linear in the displacement."""
-    gradients = model.gradient.evaluate(unknowns)
-    return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
-
-
-def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:
-    """Return the geometric stiffness of a stress given at each elastic layer, N/m."""
-    n = model.gradient.size
+def geometric_stiffness(model: Discretisation, unknowns: Array) -> csc_array:
+    """Return the geometric stiffness of the stress that is linear in a displacement (dofs,), N/m."""
+    n, gradients = model.gradient.size, model.gradient.evaluate(unknowns)
     coefficients = np.zeros((n, n, *model.gradient.dx.shape))
-    for layer, s in zip(model.elastic, stress, strict=True):
+    for layer in model.elastic:
+        stress = np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients)
         second = products(layer)
         i, j = np.nonzero(second.any(axis=0))
-        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, s, 1)
+        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, stress, 1)
     return gram((model.gradient, coefficients))
 
 
@@ -557,7 +552,7 @@ def _stiffening(model: Discretisation, factor: Factor, load: Array) -> tuple[Arr
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
     displacement = np.zeros(model.dofs)
     displacement[model.membrane] = factor.solve(load[model.membrane])
-    return displacement, geometric_stiffness(model, linear_stress(model, displacement))
+    return displacement, geometric_stiffness(model, displacement)
 
 
 FIELDS = ((0, ()), (1, ()), (2, ()), (2, (0,)), (2, (1,)))
