@@ -1,7 +1,7 @@
 """Matrices of a plate on a rotor: everything that does not depend on the speed.
 
-`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `point_rows`
-reads displacements at a point, and `transfer` carries shapes from one mesh to another.
+`assemble` makes them; `with_point_mass` and `with_coriolis` add to them, `with_cavity` takes metal out, `rows_at`
+reads displacements at places, and `transfer` carries shapes from one mesh to another.
 
 Each is a form, a small coefficient matrix over the fields of a theory. In the frame that turns with the rotor about the
 axis n, P = I - n n^T, and at Omega = 1: mass rho U.U, softening rho U.P U, Coriolis 2 rho U.(n x U), centrifugal load
@@ -18,8 +18,8 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.sparse import coo_array, csc_array, vstack
 
-from fem.linalg import Array, Factor, Solver, axes_beside, factorise
-from fem.meshes.planform import PlaceError, locate, root
+from fem.linalg import LEAST_ACROSS, Array, Factor, Solver, axes_beside, factorise
+from fem.meshes.planform import PlaceError, locate, position, root
 from fem.meshes.thickness import of
 from fem.plate import Plate
 from fem.rotor import Effects, Rotor
@@ -117,20 +117,15 @@ def uniform_load(model: Discretisation, density: float | Array, direction: Array
     return model.displacement.load(along * density * np.ones(model.points.shape[1:]))
 
 
-def linear_stress(model: Discretisation, unknowns: Array) -> list[Array]:
-    """Stress (nstrain, ncell, npoint) [Pa] at each elastic layer, linear in the displacement."""
-    gradients = model.gradient.evaluate(unknowns)
-    return [np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients) for layer in model.elastic]
-
-
-def geometric_stiffness(model: Discretisation, stress: list[Array]) -> csc_array:
-    """Return the geometric stiffness of a stress given at each elastic layer, N/m."""
-    n = model.gradient.size
+def geometric_stiffness(model: Discretisation, unknowns: Array) -> csc_array:
+    """Return the geometric stiffness of the stress that is linear in a displacement (dofs,), N/m."""
+    n, gradients = model.gradient.size, model.gradient.evaluate(unknowns)
     coefficients = np.zeros((n, n, *model.gradient.dx.shape))
-    for layer, s in zip(model.elastic, stress, strict=True):
+    for layer in model.elastic:
+        stress = np.einsum("sg,gcp->scp", model.stiffness @ strain_matrix(layer), gradients)
         second = products(layer)
         i, j = np.nonzero(second.any(axis=0))
-        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, s, 1)
+        coefficients[i, j] += np.tensordot(layer.weight * second[:, i, j].T, stress, 1)
     return gram((model.gradient, coefficients))
 
 
@@ -443,8 +438,7 @@ def footprint(operators: Operators, at: tuple[float, float], volume: float, dept
         places.append(at + offset)
         if len(places) == POINTS:
             return np.array(places)
-    here = f"({at[0]:.6g}, {at[1]:.6g}) m"
-    raise PlaceError(f"the plate has no room around {here} for cavities of {1e9 * volume:.6g} mm³ together")
+    raise PlaceError(f"the plate has no room around {position(at)} m for cavities of {1e9 * volume:.6g} mm³ together")
 
 
 def with_coriolis(operators: Operators) -> Operators:
@@ -456,22 +450,17 @@ def with_coriolis(operators: Operators) -> Operators:
     return replace(operators, effects=replace(operators.effects, coriolis=True), gyroscopic=gyroscopic)
 
 
-def point_rows(model: Discretisation, at: tuple[float, float], derivative: tuple[int, ...] = ()) -> csc_array:
-    """Rows that read the displacement, or a derivative of it, at a place.
+def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
+    """Rows that read the displacement, or a derivative of it, at places.
 
     Args:
         model: the discretised plate.
-        at: place (x, y) [m].
+        places: shape (k, 2) [m].
         derivative: numbers of the coordinates to differentiate by; none: the displacement.
 
     Returns:
-        Sparse, shape (3, n): u, v and w from the unknowns.
+        Sparse, shape (3 k, n): u, v and w from the unknowns, place after place.
     """
-    return rows_at(model, np.array([at]), derivative)
-
-
-def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = ()) -> csc_array:
-    """The same (3 k, n) at places (k, 2), one after the other."""
     located = [locate(model.mesh, (x, y)) for x, y in places]
     cells, reference = np.array([cell for cell, _ in located]), np.column_stack([at for _, at in located])
     rows, columns, weights = [], [], []
@@ -488,10 +477,6 @@ def rows_at(model: Discretisation, places: Array, derivative: tuple[int, ...] = 
 def motion_rows(model: Discretisation, places: Array) -> list[csc_array]:
     """Rows (3 k, n) that read the displacement at places (k, 2), its derivative by x, and that by y."""
     return [rows_at(model, places, derivative) for derivative in ((), (0,), (1,))]
-
-
-_LEAST_ACROSS = np.radians(10.0)
-"""Angle of the load to the plate's normal from which on a floor that faces it has an axis along z, or nearly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -520,8 +505,8 @@ class AtPlace:
         pull = self.operators.rotor.projector @ self.operators.from_axis(self.at)
         normal = pull / np.linalg.norm(pull) if pull.any() else np.eye(3)[0]
         axes, angle = axes_beside(normal, np.eye(3)[2])
-        if angle < _LEAST_ACROSS:
-            raise PlaceError(f"hardly any load lies in the plate's plane at ({self.at[0]:.6g}, {self.at[1]:.6g}) m")
+        if angle < LEAST_ACROSS:
+            raise PlaceError(f"hardly any load lies in the plate's plane at {position(self.at)} m")
         return np.vstack([axes, normal])
 
     @property
@@ -567,7 +552,7 @@ def _stiffening(model: Discretisation, factor: Factor, load: Array) -> tuple[Arr
     """Solve for the displacement of a load and the geometric stiffness of its stress."""
     displacement = np.zeros(model.dofs)
     displacement[model.membrane] = factor.solve(load[model.membrane])
-    return displacement, geometric_stiffness(model, linear_stress(model, displacement))
+    return displacement, geometric_stiffness(model, displacement)
 
 
 FIELDS = ((0, ()), (1, ()), (2, ()), (2, (0,)), (2, (1,)))

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 BLOCK = 4
 """Vectors in a Lanczos block: eigenvalues up to this multiplicity are found whole."""
@@ -378,6 +379,10 @@ def quadratic_forms(matrix: csc_array, vectors: NDArray[Any]) -> Array:
 def perpendicular(vectors: Array, unit: Array) -> Array:
     """What of vectors (..., 3) is perpendicular to a unit vector (3,)."""
     return np.asarray(vectors - (vectors @ unit)[..., None] * unit)
+
+
+LEAST_ACROSS = np.radians(10.0)
+"""Angle [rad] from a floor's normal from which on a direction gives axis 1: nearer, its rest across is chance."""
 
 
 def axes_beside(normal: Array, direction: Array) -> tuple[Array, float]:

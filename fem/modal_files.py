@@ -21,8 +21,7 @@ from fem.modal_model import SAME_SPEED, ModalModel, ModesAtSpeed, chosen
 from fem.rotor import from_rpm, in_rpm
 
 if TYPE_CHECKING:
-    from fem.linalg import Array
-    from fem.modal_model import Ints
+    from fem.linalg import Array, Ints
 
 
 class ModesFileError(ValueError):
@@ -495,9 +494,6 @@ def in_si(raw: Raw, length: float, mass: float) -> ModalModel:
         length: m to the file's unit of length.
         mass: kg to the file's unit of mass.
     """
-    if length == 1.0 and mass == 1.0:
-        return raw.model
-
     root = float(np.sqrt(mass))
     factors = {"static": length, "rotations": 1.0 / (length * root), "drawn": root}
     speeds = []
@@ -587,7 +583,6 @@ def write(model: ModalModel, path: Path) -> None:
         with path.open("wb") as file:
             np.savez_compressed(file, **entries)
     elif path.suffix.lower() == ".json":
-        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in entries.items()}
-        path.write_text(json.dumps(plain, allow_nan=False) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(entries, default=np.ndarray.tolist, allow_nan=False) + "\n", encoding="utf-8")
     else:
         raise ValueError(f"expected a name that ends in .npz or .json, got {path.name}")

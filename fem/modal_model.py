@@ -16,14 +16,13 @@ import numpy as np
 
 from fem.linalg import perpendicular, symmetric
 from fem.meshes.cells import cell, faces_of
+from fem.meshes.planform import position
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.linalg import Array
+    from fem.linalg import Array, Ints
     from fem.meshes.cells import Cell
-
-    Ints = NDArray[np.int64]
 
 
 class OffTheStructure(ValueError):
@@ -400,9 +399,8 @@ def _on_a_node(model: ModalModel, at: Place) -> Place:
 def _far(model: ModalModel, point: Array, distance: float) -> OffTheStructure:
     low, high = model.points.min(axis=0), model.points.max(axis=0)
     box = ", ".join(f"{a:.6g} to {b:.6g}" for a, b in zip(low, high, strict=True))
-    x, y, z = point
     return OffTheStructure(
-        f"({x:.6g}, {y:.6g}, {z:.6g}) m lies {distance:.3g} m off the structure, whose x, y, z go from {box} m"
+        f"{position(point)} m lies {distance:.3g} m off the structure, whose x, y, z go from {box} m"
     )
 
 

@@ -28,6 +28,7 @@ from fem.linalg import (
     CONVERGED,
     Array,
     Factor,
+    Ints,
     NotConverged,
     SingularMatrix,
     factorise,
@@ -327,7 +328,7 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
     bends = sum(side * strain for side, strain in zip(sides, strains, strict=True)).reshape(volumes.size, -1)
     bends = bends / len(strains)
 
-    def faces(strip: NDArray[np.int64]) -> tuple[Array, Array]:
+    def faces(strip: Ints) -> tuple[Array, Array]:
         """Where strips lie, shape (strips,), and the strain at their worse ends, shape (strips, k)."""
         there, number = np.unique(strip, return_inverse=True)
 
@@ -351,7 +352,7 @@ def bending_strains(operators: Operators, shapes: NDArray[Any], state: Array | N
     return np.asarray(np.maximum(root, np.maximum(wide.max(axis=0), narrow.max(axis=0))))
 
 
-def _strips(operators: Operators) -> NDArray[np.int64]:
+def _strips(operators: Operators) -> Ints:
     """In which strip along x each point of a plate's rule lies, from 0 at the root, shape (points,).
 
     `_PARTS` of them are `_LAYER` times as wide as the plate is thick there, or the plate has `STRIPS` times as many.
@@ -445,11 +446,13 @@ def _undamped(
         NotConverged: the iteration does not converge.
     """
     shift = float(np.sqrt(still.eigenvalues[0] * still.eigenvalues[-1]))
-    matrices = ((stiffness + shift * mass).tocsc(), mass, coriolis)
+    weight = (stiffness + shift * mass).tocsc()
     nothing = np.empty((mass.shape[0], 0))
     span, more = _Span(nothing, nothing, nothing, nothing), still.shapes
     while True:
-        span = _grown(span, more, *matrices)
+        block, image, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
+        fresh = (block, image, mass @ block, coriolis @ block)
+        span = _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
         rates, small = _small(span, shift, still.eigenvalues.size)
         shapes, weighed, heavy, turned = (_product(columns, small) for columns in span)
         residual = weighed - (shift + rates**2) * heavy + 1j * rates * turned
@@ -464,13 +467,6 @@ def _undamped(
             worst = float(energy[:count].max())
             raise NotConverged(f"{span.vectors.shape[1]} vectors leave {worst:.2g} of the energy of {count} modes")
         more = np.hstack([step[:, far].real, step[:, far].imag])
-
-
-def _grown(span: _Span, more: Array, weight: csc_array, mass: csc_array, coriolis: csc_array) -> _Span:
-    """The span with vectors (n, k) added."""
-    block, weighed, _, _ = orthonormal(more, weight, span.vectors, span.weighed)
-    fresh = (block, weighed, mass @ block, coriolis @ block)
-    return _Span(*(np.hstack(pair) for pair in zip(span, fresh, strict=True)))
 
 
 def _small(span: _Span, shift: float, count: int) -> tuple[Array, NDArray[Any]]:
@@ -550,11 +546,11 @@ def critical_speed(operators: Operators) -> float:
     if operators.softening is None and operators.geometric is None:
         return np.inf
     rest = check_rest(operators)
-    below = NEVER * float(np.sqrt(rest))
-    if positive(operators, operators.at(below)) is not None:
-        return np.inf
+    never = below = NEVER * float(np.sqrt(rest))
     while (factor := positive(operators, operators.at(below))) is None:
         below = below / RUNG if below**2 * NEVER**2 > rest else 0.0
+    if below == never:
+        return np.inf
     loss = -operators.spinning
     start = factor.solve(loss @ random_block(loss.shape[0]))
     values, _ = krylov(lambda x, _: factor.solve(loss @ x), operators.at(below), start, 1, np.asarray)

@@ -5,16 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.assembly import Operators, motion_rows
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 from fem.meshes.thickness import corner_shapes
 from fem.modal_model import ModalModel, ModesAtSpeed
 from fem.reduction.modal import drawn_rows
 from fem.sweep.campbell import Campbell
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,22 +25,17 @@ class Finer:
     """
 
     mesh: Any
-    lines: Indices
+    lines: Ints
     displacement: Array
 
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """A cell in parts: reference points (n, 2); numbers of the points along each side, and of its parts."""
+    """A cell in parts: reference points (n, 2), numbers of those along each side, from a corner, and of its parts."""
 
     points: Array
     sides: list[list[int]]
-    parts: Indices
-
-    @property
-    def corners(self) -> list[int]:
-        """Numbers of its corners, at which the sides begin."""
-        return [side[0] for side in self.sides]
+    parts: Ints
 
 
 def between(operators: Operators, shapes: Array, parts: int) -> Finer:
@@ -55,7 +47,7 @@ def between(operators: Operators, shapes: Array, parts: int) -> Finer:
     grid = _quadrilateral(parts) if mesh.t.shape[0] == 4 else _triangle(parts)
     numbers = _numbers(mesh, grid)
     x, y = grid.points.T
-    corners = np.ascontiguousarray(corner_shapes(x, y, len(grid.corners)).T)
+    corners = np.ascontiguousarray(corner_shapes(x, y, len(grid.sides)).T)
     points = np.zeros((2, int(numbers.max()) + 1))
     points[:, numbers] = np.einsum("pk,dkc->dcp", corners, mesh.p[:, mesh.t])
     sub = np.concatenate([numbers[:, part] for part in grid.parts])
@@ -81,7 +73,7 @@ def _triangle(parts: int) -> _Grid:
     return _Grid(np.array(places) / parts, sides, np.array(up + down))
 
 
-def _numbers(mesh: Any, grid: _Grid) -> Indices:
+def _numbers(mesh: Any, grid: _Grid) -> Ints:
     """Numbers (cells, n) of the points of every cell: the mesh's vertices, then points on sides, then inner ones."""
     cells, per_side = np.asarray(mesh.t.T), len(grid.sides[0]) - 2
     numbers = np.full((len(cells), len(grid.points)), -1)
@@ -90,14 +82,14 @@ def _numbers(mesh: Any, grid: _Grid) -> Indices:
         forward = cells[:, k] < np.roll(cells, -1, axis=1)[:, k]
         places = np.where(forward[:, None], along, along[::-1])
         numbers[:, chain[1:-1]] = mesh.p.shape[1] + side[:, None] * per_side + places
-        numbers[:, grid.corners[k]] = cells[:, k]
+        numbers[:, chain[0]] = cells[:, k]
     inner = np.flatnonzero(numbers[0] < 0)
     begun = mesh.p.shape[1] + mesh.facets.shape[1] * per_side
     numbers[:, inner] = begun + np.arange(len(cells) * len(inner)).reshape(len(cells), -1)
     return numbers
 
 
-def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
+def _lines(operators: Operators, grid: _Grid, numbers: Ints) -> Ints:
     """Edges along the sides of the plate's own cells, which a model may have split."""
     mesh = operators.model.mesh
     own, every = (np.sort(each.facets, axis=0).T.tolist() for each in (operators.plate.mesh, mesh))
@@ -108,7 +100,7 @@ def _lines(operators: Operators, grid: _Grid, numbers: Indices) -> Indices:
     return np.asarray(np.unique(np.sort(np.concatenate(lines), axis=1), axis=0))
 
 
-def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Indices) -> Array:
+def _moved(operators: Operators, shapes: Array, grid: _Grid, numbers: Ints) -> Array:
     """Displacements (count, points, 3), means of what the cells say."""
     from scipy.sparse import coo_array
 

@@ -69,19 +69,14 @@ class Rotor:
     @property
     def axis(self) -> NDArray[Any]:
         """Unit vector n of the spin axis, (3,)."""
-        import numpy as np
-
         c = cos(self.precone)
-        n = np.array([sin(self.precone), c * sin(self.stagger), c * cos(self.stagger)])
-        return _without_dust(n)
+        return _without_dust(sin(self.precone), c * sin(self.stagger), c * cos(self.stagger))
 
     @property
     def outwards(self) -> NDArray[Any]:
         """Unit vector (3,) from the axis to the root, perpendicular to the axis."""
-        import numpy as np
-
         s = sin(self.precone)
-        return _without_dust(np.array([cos(self.precone), -s * sin(self.stagger), -s * cos(self.stagger)]))
+        return _without_dust(cos(self.precone), -s * sin(self.stagger), -s * cos(self.stagger))
 
     @property
     def projector(self) -> NDArray[Any]:
@@ -94,7 +89,7 @@ class Rotor:
         return turning(self.axis)
 
 
-def _without_dust(n: NDArray[Any]) -> NDArray[Any]:
+def _without_dust(*n: float) -> NDArray[Any]:
     """At a right angle cos is 6e-17, not 0: such dust would couple what is not coupled."""
     import numpy as np
 

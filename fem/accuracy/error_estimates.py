@@ -18,7 +18,6 @@ from fem.assembly import Operators, transfer
 from fem.linalg import Array, factorise, lowest_modes
 from fem.meshes.mesh_sequence import Planform, enough_cells
 from fem.modes import Divergence, Modes, check_count, solve_modes, solve_real
-from fem.plate import Plate
 from fem.statics import NoEquilibrium, linearise, settle, tangent
 from fem.theory.registry import Kind, kind
 
@@ -184,14 +183,9 @@ class TrialMeshes:
         return self.tried[size]
 
     @property
-    def plate(self) -> Plate:
-        """On any of the meshes tried."""
-        return next(iter(self.tried.values())).operators.plate
-
-    @property
-    def theory(self) -> str:
-        """The theory of the meshes tried."""
-        return next(iter(self.tried.values())).operators.theory
+    def operators(self) -> Operators:
+        """On any of the meshes tried: all have one plate, but for its mesh, and one theory."""
+        return next(iter(self.tried.values())).operators
 
     def alive(self, *sizes: int) -> NDArray[np.bool_]:
         """Probes (k,) at which all of some meshes have modes."""
@@ -364,7 +358,7 @@ class Estimates:
         """The mesh tried before a coarse one that shows the order with it, unless there was none but the coarsest."""
         sizes = [size for size in self.meshes.tried if size < coarse]
         # where a point mass pulls at a solid, its displacement there grows with the cells' inverse size
-        if not (self._pressed and kind(self.meshes.theory) is Kind.SOLID):
+        if not (self._pressed and kind(self.meshes.operators.theory) is Kind.SOLID):
             sizes = [size for size in sizes if enough_cells(self.meshes.planform, size, self.meshes.count)]
         return max(sizes, default=None)
 
@@ -385,7 +379,7 @@ class Estimates:
     def _orders(self) -> tuple[float, float]:
         """Least and greatest order at which errors fall."""
         least, most = self.meshes.planform.orders
-        return (min(SOLID, least), most) if kind(self.meshes.theory) is Kind.SOLID else (least, most)
+        return (min(SOLID, least), most) if kind(self.meshes.operators.theory) is Kind.SOLID else (least, most)
 
     @property
     def _singular(self) -> float:
@@ -395,11 +389,11 @@ class Estimates:
     @property
     def _pressed(self) -> bool:
         """Whether a point mass presses on the plate."""
-        return self.meshes.plate.tip_mass > 0.0
+        return self.meshes.operators.plate.tip_mass > 0.0
 
     def _unseen(self, size: int) -> float:
         """Part of the layer along the edges that a mesh misses, in a theory that has one."""
-        if kind(self.meshes.theory) is Kind.KIRCHHOFF:
+        if kind(self.meshes.operators.theory) is Kind.KIRCHHOFF:
             return 0.0
         return unseen(self.meshes.planform.edge(size), self.meshes.at(size).operators.plate.mean_thickness)
 

@@ -116,7 +116,7 @@ def choose_mesh(
         if between and len(search.largest) > 2 and errors.max() <= CLOSE * tolerance:
             coarse = between[-1]
             continue
-        room = min(_most(search.meshes.theory), most or np.inf) / search.meshes.at(fine).unknowns
+        room = min(_most(search.meshes.operators.theory), most or np.inf) / search.meshes.at(fine).unknowns
         following = next_size(planform, fine, float(errors.max()) / tolerance, room)
         if following is None or (search.slow and len(search.largest) > PATIENCE):
             return _end(search, fine, errors, tolerance)
@@ -127,7 +127,7 @@ def _trust(search: Estimates) -> float:
     """Part of the tolerance that an estimate must meet; of solids, thin on coarse cells, two meshes tell too little."""
     if len(search.largest) > 2:
         return SURE
-    return 0.0 if kind(search.meshes.theory) is Kind.SOLID else FIRST
+    return 0.0 if kind(search.meshes.operators.theory) is Kind.SOLID else FIRST
 
 
 def _end(search: Estimates, size: int, errors: Array, tolerance: float) -> Choice:
@@ -155,7 +155,7 @@ def _alone(meshes: TrialMeshes, most: int | None) -> bool:
     if _few_cells(meshes.planform):
         return False
     unknowns = meshes.at(coarsest).unknowns
-    return not has_pair(meshes.planform, unknowns, meshes.theory, most)
+    return not has_pair(meshes.planform, unknowns, meshes.operators.theory, most)
 
 
 def has_pair(planform: Planform, unknowns: float, theory: str, most: int | None = None) -> bool:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from fem.accuracy.tolerances import Budget
 from fem.assembly import Operators, assemble
-from fem.linalg import Array, forms
-from fem.meshes.planform import root_facets
+from fem.linalg import Array, Ints, forms
+from fem.meshes.planform import lengths, root_facets
 from fem.meshes.thickness import SLOPE, of, slope
 from fem.modes import Divergence, solve_real
 from fem.plate import Plate
@@ -43,18 +43,22 @@ STRETCH, SLOPES, TURN = slice(0, 4), slice(4, 6), slice(6, 10)
 """Fields of the gradient: of u and v, of w, and of the turning of sections."""
 
 
-def theory_errors(operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic]) -> Array:
+def theory_errors(
+    operators: Operators, eigenvalues: Array, shapes: NDArray[np.generic], theory: str | None = None
+) -> Array:
     """Relative errors of a theory's frequencies against a solid.
 
     Args:
-        operators: of the plate in that theory.
+        operators: of the plate.
         eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
         shapes: mass-normalised modes, shape (n, count).
+        theory: by name; None: that of the operators.
 
     Returns:
         Shape (count,).
     """
-    stiff, heavy = (_of_modes(rule(operators, _parts(shapes)), eigenvalues.size) for rule in (doubt, thick))
+    parts, count = _parts(shapes), eigenvalues.size
+    stiff, heavy = _of_modes(doubt(operators, parts, theory), count), _of_modes(thick(operators, parts), count)
     return np.asarray(stiff / eigenvalues + heavy + sloping(operators))
 
 
@@ -68,27 +72,29 @@ def _of_modes(form: Array, count: int) -> Array:
     return np.asarray(np.diag(form).reshape(-1, count).sum(axis=0))
 
 
-def doubt(operators: Operators, basis: Array) -> Array:
-    """Matrix E (r, r) of a theory's errors in a basis (n, r).
+def doubt(operators: Operators, basis: Array, theory: str | None = None) -> Array:
+    """Matrix E (r, r) of a theory's errors in a basis (n, r); the theory by name, None: that of the operators.
 
     A mode of mass-normalised shape basis @ y has a relative error of y' E y / rate².
 
     Zero for solids, which are the reference.
     """
     model, plate = operators.model, operators.plate
-    if kind(model.theory) is Kind.SOLID:
+    theory = theory or model.theory
+    if kind(theory) is Kind.SOLID:
         return np.zeros((basis.shape[1],) * 2)
     gradient = _gradient(model, plate, basis)
-    thin = kind(model.theory) is Kind.KIRCHHOFF
+    thin = kind(theory) is Kind.KIRCHHOFF
     unmoved = plate.elastic_root is not None and not thin  # "held" moves a clamp, not springs
-    left = clamp_lacks(model.theory.partition("/")[0] if unmoved else model.theory)
+    left = clamp_lacks(theory.partition("/")[0] if unmoved else theory)
     if at_root(plate) > STOUT_ROOT * min(plate.sides):
         left = left[0], max(left[1], ALL)
     energy = _clamp(model, plate, gradient, left)
+    shear, layered = _shear(model, plate, gradient), _layers(model, plate, gradient)
     if thin:
-        return 0.5 * energy + _thin(model, plate, gradient)
+        return 0.5 * energy + 0.5 * MARGIN * (shear + layered)
     wrong = SHEAR[0] + SHEAR[1] * abs(plate.material.poissons_ratio)
-    energy += wrong * _shear(model, plate, gradient) + LAYERED * _layers(model, plate, gradient)
+    energy += wrong * shear + LAYERED * layered
     return 0.5 * energy
 
 
@@ -108,24 +114,6 @@ def thick(operators: Operators, basis: Array) -> Array:
     area = model.gradient.dx / (1.0 if isinstance(plate.thickness, float | int) else h)
     weights = plate.material.density * area * h**3 / 12.0 * (nu / (1.0 - nu)) ** 2
     return np.asarray(0.5 * np.einsum("cpk,cp,cpm->km", xx + yy, weights, xx + yy, optimize=True))
-
-
-def thin_errors(operators: Operators, eigenvalues: Array, shapes: Array) -> Array:
-    """Relative errors of thin-plate theory, from the modes of a Mindlin plate.
-
-    Args:
-        operators: of the Mindlin plate.
-        eigenvalues: squared circular frequencies, shape (count,) [rad²/s²].
-        shapes: mass-normalised modes, shape (n, count).
-
-    Returns:
-        Shape (count,).
-    """
-    model, plate = operators.model, operators.plate
-    gradient = _gradient(model, plate, shapes)
-    energy = 0.5 * _clamp(model, plate, gradient, clamp_lacks("kirchhoff")) + _thin(model, plate, gradient)
-    heavy = np.diag(thick(operators, shapes))
-    return np.asarray(np.diag(energy) / eigenvalues + heavy + sloping(operators))
 
 
 def sloping(operators: Operators) -> float:
@@ -165,38 +153,34 @@ def _heights(model: Discretisation, plate: Plate) -> Array:
     return np.asarray(np.broadcast_to(of(plate.thickness, model.points[:2]), model.points.shape[1:]))
 
 
-def _thin(model: Discretisation, plate: Plate, gradient: Array) -> Array:
-    """What the frequencies of thin-plate theory are too high by: (r, r)."""
-    return 0.5 * MARGIN * (_shear(model, plate, gradient) + _layers(model, plate, gradient))
-
-
 def _clamp(model: Discretisation, plate: Plate, gradient: Array, left: tuple[float, float]) -> Array:
     """What the root of a solid has in energy beyond that of a theory with so much of it left: (r, r)."""
     facets = root_facets(model.mesh)
-    lengths, _ = _along(model, facets)
+    sides = lengths(model.mesh, facets)
     total = np.zeros((gradient.shape[-1],) * 2)
     h = at_root(plate)
     for part, fields, per_strain in zip(left, (TURN, STRETCH), (h**3 / 12.0, h), strict=True):
         xx, xy, yx, yy = _on(model, facets, gradient[fields])
         strains = np.stack([xx, yy, xy + yx])
         stresses = np.tensordot(plate.material.plane_stress, strains, 1)
-        total += np.einsum("sfk,f,sfm->km", strains, part * seeming(plate) * per_strain * lengths, stresses)
+        total += np.einsum("sfk,f,sfm->km", strains, part * seeming(plate) * per_strain * sides, stresses)
     return total
 
 
 def _layers(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     """The twist in the layers along free edges: (r, r)."""
     facets = np.setdiff1d(model.mesh.boundary_facets(), root_facets(model.mesh))
-    lengths, tangent = _along(model, facets)
+    sides = np.diff(model.mesh.p[:, model.mesh.facets[:, facets]], axis=1)[:, 0]
+    long = np.linalg.norm(sides, axis=0)
+    x, y = (sides / long)[:, :, None]
     (xx, xy), (yx, yy) = _slopes(model, model.mesh.f2t[0, facets], gradient[SLOPES])
-    x, y = tangent[:, :, None]
     twist = (0.5 * (xy + yx) * (x**2 - y**2) + (yy - xx) * x * y)[_clear(model, plate, facets)]
     nu, h = plate.material.poissons_ratio, _heights(model, plate).mean(axis=1)[model.mesh.f2t[0, facets]]
     rigidity = plate.material.youngs_modulus * h**3 / 12.0 / (1.0 - nu**2)
-    return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * lengths, twist))
+    return np.asarray(np.einsum("fk,f,fm->km", twist, 2.0 * (1.0 - nu) * rigidity * LAYER * h * long, twist))
 
 
-def _clear(model: Discretisation, plate: Plate, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+def _clear(model: Discretisation, plate: Plate, facets: Ints) -> Ints:
     """Which of some facets stands for each: for those next to a point mass the nearest that is clear of it.
 
     There shear bends w by the logarithm of the distance, and the twist of w has no limit; that of the sections has.
@@ -225,14 +209,7 @@ def _shear(model: Discretisation, plate: Plate, gradient: Array) -> Array:
     return np.asarray(np.einsum("ack,c,acm->km", steep, weights, steep))
 
 
-def _along(model: Discretisation, facets: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Lengths (nfacet,) and unit tangents (2, nfacet)."""
-    a, b = model.mesh.p[:, model.mesh.facets[:, facets]].transpose(1, 0, 2)
-    lengths = np.linalg.norm(b - a, axis=0)
-    return lengths, (b - a) / lengths
-
-
-def _slopes(model: Discretisation, cells: NDArray[np.int64], values: Array) -> Array:
+def _slopes(model: Discretisation, cells: Ints, values: Array) -> Array:
     """Derivatives (2, nfield, ncell, r) in some cells of fields (nfield, all cells, npoint, r), by least squares."""
     places = model.points[:2][:, cells].transpose(1, 2, 0)
     places = places - places.mean(axis=1, keepdims=True)
@@ -241,7 +218,7 @@ def _slopes(model: Discretisation, cells: NDArray[np.int64], values: Array) -> A
     return np.asarray(np.einsum("cap,fcpk->afck", apart, values[:, cells]))
 
 
-def _on(model: Discretisation, facets: NDArray[np.int64], values: Array) -> Array:
+def _on(model: Discretisation, facets: Ints, values: Array) -> Array:
     """Fields (nfield, all cells, npoint, r) in the middle of facets: (nfield, nfacet, r)."""
     cells = model.mesh.f2t[0, facets]
     middle = model.mesh.p[:, model.mesh.facets[:, facets]].mean(axis=1)
@@ -337,8 +314,8 @@ def own_errors(operators: Operators, speeds: tuple[float, ...], count: int) -> t
             modes = solve_real(operators, omega, operators.at(omega), count, tolerance=ENOUGH)
         except Divergence:
             break
-        errors = [rule(operators, modes.eigenvalues, modes.shapes).max() for rule in (thin_errors, theory_errors)]
-        worst = np.maximum(worst, errors)
+        errors = [theory_errors(operators, modes.eigenvalues, modes.shapes, name) for name in ("kirchhoff", None)]
+        worst = np.maximum(worst, np.max(errors, axis=1))
     return float(worst[0]), float(worst[1])
 
 

@@ -16,10 +16,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-    Ints = NDArray[np.int64]
+    from fem.linalg import Array, Ints
 
 
 @dataclass(frozen=True, eq=False)

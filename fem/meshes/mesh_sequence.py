@@ -16,8 +16,7 @@ import numpy as np
 from fem.meshes.planform import check_sides, lengths, root_facets, twice_areas
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from fem.linalg import Array
     from fem.meshes.thickness import Nodal
 
 
@@ -168,7 +167,7 @@ Planform: TypeAlias = Rectangle | Given
 the cell size, with which errors in frequency fall."""
 
 
-def inner_angles(mesh: Any) -> NDArray[np.float64]:
+def inner_angles(mesh: Any) -> Array:
     """Angles (n,) in rad between the edges at each point of a mesh's boundary, inside of it."""
     corners = mesh.p[:, mesh.t]
     back, forth = (np.roll(corners, step, axis=1) - corners for step in (1, -1))
@@ -220,7 +219,7 @@ def graded(length: float, width: float, nx: int, ny: int, node: tuple[float, flo
     return MeshQuad.init_tensor(*(lines if node is None else map(_drawn_to, lines, node)))
 
 
-def _drawn_to(lines: NDArray[np.float64], place: float) -> NDArray[np.float64]:
+def _drawn_to(lines: Array, place: float) -> Array:
     """Lines (n,), ascending, of which the one next to a place is moved there, and the others in proportion."""
     first, last, nearest = lines[0], lines[-1], lines[np.abs(lines - place).argmin()]
     if nearest in (first, last, place):
@@ -230,7 +229,7 @@ def _drawn_to(lines: NDArray[np.float64], place: float) -> NDArray[np.float64]:
     return np.asarray(np.where(lines <= nearest, before, beyond))
 
 
-def crowded(count: int) -> NDArray[np.float64]:
+def crowded(count: int) -> Array:
     """Ends (count + 1,) of intervals from -1 to 1 that shrink towards both."""
     even = np.linspace(-1.0, 1.0, count + 1)
     return np.asarray(np.sign(even) * (1.0 - (1.0 - np.abs(even)) ** GRADING))

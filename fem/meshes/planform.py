@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
+
+    from fem.linalg import Array, Ints
 
 
 MERGED = 1e-9
@@ -27,6 +31,11 @@ ROOT_BEND = np.radians(20.0)
 
 class MeshError(ValueError):
     """A mesh that cannot be the mid-surface of a clamped plate; the message says what is wrong."""
+
+
+def position(point: Sequence[float] | Array) -> str:
+    """The coordinates of a point in six digits, as messages give them."""
+    return f"({', '.join(f'{each:.6g}' for each in point)})"
 
 
 def rectangle(length: float, width: float, nx: int, ny: int) -> Any:
@@ -57,7 +66,7 @@ def root(mesh: Any) -> float:
     return float(mesh.p[0].min())
 
 
-def root_facets(mesh: Any) -> NDArray[np.int64]:
+def root_facets(mesh: Any) -> Ints:
     """Numbers of the boundary facets on the smallest x, within `ROOT_TOLERANCE` of their lengths."""
     boundary = np.asarray(mesh.boundary_facets())
     x, y = mesh.p[:, mesh.facets[:, boundary]]
@@ -66,7 +75,7 @@ def root_facets(mesh: Any) -> NDArray[np.int64]:
     return np.asarray(boundary[off <= np.maximum(ROOT_TOLERANCE * length, ROUNDING * np.ptp(mesh.p[0]))])
 
 
-def lengths(mesh: Any, facets: NDArray[np.int64]) -> NDArray[np.float64]:
+def lengths(mesh: Any, facets: Ints) -> Array:
     """Lengths (n,) in m of facets by their numbers."""
     return np.asarray(np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, facets]], axis=1)[:, 0], axis=0))
 
@@ -83,9 +92,6 @@ def check_mesh(mesh: Any) -> None:
         MeshError: it is not planar, its cells are not upright or not connected without seams, or its root is not one
             straight edge.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     name = type(mesh).__name__
     if not name.startswith(("MeshTri", "MeshQuad")):
         raise MeshError(f"a plate needs a surface mesh of triangles or quadrilaterals, got {name}")
@@ -103,26 +109,30 @@ def check_mesh(mesh: Any) -> None:
     folded = _side(mesh, inner, left) * _side(mesh, inner, right) > 0.0
     _reject(np.isin(np.arange(t.shape[1]), left[folded]), mesh, "folded over a neighbour")
     _reject_seams(mesh)
-    neighbours = coo_array((np.ones(left.size), (left, right)), shape=(t.shape[1],) * 2)
-    parts = connected_components(neighbours, directed=False)[0]
+    parts = connected(mesh.f2t[:, inner], t.shape[1])[0]
     if parts > 1:
         raise MeshError(f"the mesh is in {parts} parts that share no edge; a plate must be one piece")
     _reject_root(mesh)
 
 
-def _reject_root(mesh: Any) -> None:
-    """Raise `MeshError` unless the root is one straight run of edges that ends where the boundary turns."""
+def connected(pairs: Ints, count: int) -> tuple[int, NDArray[np.int32]]:
+    """Number of parts that pairs (2, n) connect so many things into, and the part of each thing (count,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), shape=(count, count))
+    return connected_components(graph, directed=False)
+
+
+def _reject_root(mesh: Any) -> None:
+    """Raise `MeshError` unless the root is one straight run of edges that ends where the boundary turns."""
     facets = root_facets(mesh)
     if facets.size == 0:
         raise MeshError(
             f"no edge lies on the smallest x ({root(mesh):.6g}), so there is nothing to clamp: {_STRAIGHT_ROOT}"
         )
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
-    ends = ends.reshape(2, -1)
-    parts, part = connected_components(coo_array((np.ones(facets.size), ends), shape=(nodes.size,) * 2), directed=False)
+    parts, part = connected(ends.reshape(2, -1), nodes.size)
     if parts > 1:
         y = [mesh.p[1, nodes[part == k]] for k in range(parts)]
         runs = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in sorted((v.min(), v.max()) for v in y))
@@ -134,7 +144,7 @@ def _reject_root(mesh: Any) -> None:
             across, along = (mesh.p[:, other].sum(axis=1) - 2.0 * mesh.p[:, end])[::-1]
             if abs(along) < np.tan(ROOT_BEND) * outwards * across:
                 raise MeshError(
-                    f"the root is not straight: beyond ({mesh.p[0, end]:.6g}, {mesh.p[1, end]:.6g}) its edge continues "
+                    f"the root is not straight: beyond {position(mesh.p[:, end])} its edge continues "
                     f"at {np.degrees(np.arctan(abs(along / across))):.2g}° to the clamped part, of length "
                     f"{clamped_length(mesh):.6g}: {_STRAIGHT_ROOT}"
                 )
@@ -159,34 +169,34 @@ def _reject_seams(mesh: Any) -> None:
     pairs = np.sort([order[first], order[second]], axis=0)
     pairs = pairs[:, (np.abs(points[pairs[0]] - points[pairs[1]]) <= near).all(axis=1)]
     if pairs.size:
-        x, y = points[pairs[0].min()]
         raise MeshError(
-            f"{np.unique(pairs[1]).size} points coincide with others, the first one at ({x:.6g}, {y:.6g}): "
+            f"{np.unique(pairs[1]).size} points coincide with others, the first one at "
+            f"{position(points[pairs[0].min()])}: "
             "merge them, or leave a gap where the plate is slit"
         )
 
 
-def _turn(c: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turn(c: Array, a: Array, b: Array) -> Array:
     """Twice the signed areas (n,) of triangles with corners (2, n), anticlockwise."""
     return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def twice_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def twice_areas(corners: Array) -> Array:
     """Twice the signed areas (ncell,) of cells with corners (2, ncorner, ncell), anticlockwise."""
     turned = np.roll(corners, -1, axis=1)
     return np.asarray((corners[0] * turned[1] - corners[1] * turned[0]).sum(axis=0))
 
 
-def _side(mesh: Any, facets: NDArray[np.int64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+def _side(mesh: Any, facets: Ints, cells: Ints) -> Array:
     """On which side (sign) of each facet the middle of a cell lies."""
     return _turn(mesh.p[:, mesh.t[:, cells]].mean(axis=1), *mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2))
 
 
 def _reject(bad: NDArray[np.bool_], mesh: Any, what: str) -> None:
     if bad.any():
-        x, y = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
+        middle = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
         raise MeshError(
-            f"{np.count_nonzero(bad)} of {bad.size} cells are {what}, the first one near ({x:.6g}, {y:.6g})"
+            f"{np.count_nonzero(bad)} of {bad.size} cells are {what}, the first one near {position(middle)}"
         )
 
 
@@ -198,7 +208,7 @@ class PlaceError(ValueError):
     """A place that is not on the plate, or where what is asked for does not move; the message says which."""
 
 
-def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float64]]:
+def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, Array]:
     """Cell that holds a point (x, y) in m, and the reference coordinates (2,) there.
 
     Raises:
@@ -219,11 +229,11 @@ def locate(mesh: Any, point: tuple[float, float]) -> tuple[int, NDArray[np.float
         if off < excess:
             best, where, excess = int(cell), reference, off
     if excess > TOLERANCE:
-        raise PlaceError(f"the point ({point[0]:.6g}, {point[1]:.6g}) m does not lie on the plate")
+        raise PlaceError(f"the point {position(point)} m does not lie on the plate")
     return best, where
 
 
-def _invert(corners: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+def _invert(corners: Array, target: Array) -> Array:
     """Find the reference coordinates of a target by Newton's method; exact in one step for triangles."""
     p = corners
     at = np.full(2, 1.0 / 3.0 if p.shape[1] == 3 else 0.5)
@@ -242,6 +252,6 @@ def _invert(corners: NDArray[np.float64], target: NDArray[np.float64]) -> NDArra
     return at
 
 
-def outside(x: Any, y: Any, corners: int) -> NDArray[np.float64]:
+def outside(x: Any, y: Any, corners: int) -> Array:
     """How far reference coordinates, any shape (...), lie outside a cell of so many corners; negative inside."""
     return np.asarray(np.max([-x, -y, (x + y if corners == 3 else np.maximum(x, y)) - 1.0], axis=0))

@@ -30,7 +30,7 @@ from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from numpy.typing import NDArray
+    from fem.linalg import Array, Ints
 
     Lines = Iterator[tuple[str, str]]
 
@@ -54,7 +54,7 @@ def read_mesh(path: str | Path) -> Any:
     return read_field(path, None)[0]
 
 
-def read_field(path: str | Path, field: str | None) -> tuple[Any, NDArray[np.float64] | None]:
+def read_field(path: str | Path, field: str | None) -> tuple[Any, Array | None]:
     """Read the `skfem.MeshQuad` or `skfem.MeshTri` of a file, in m, with x radial and y across, and a field on it.
 
     field: name of point data with one number a point; these (npoint,) come with the mesh.
@@ -90,7 +90,7 @@ def named(path: Path) -> Iterator[None]:
         raise type(error)(f"{path}: {error}") from None
 
 
-def _values(raw: Any, field: str, points: NDArray[np.int64]) -> NDArray[np.float64]:
+def _values(raw: Any, field: str, points: Ints) -> Array:
     """Values of point data at some of the file's points."""
     if field not in raw.point_data:
         known = ", ".join(sorted(raw.point_data)) or "none"
@@ -141,9 +141,7 @@ def deck_fault(path: Path) -> str:
     named: list[tuple[str, int, str]] = []
     lines, first = Counter[int](), dict[int, str]()  # by how many coordinates they have
     key, carried = "", False
-    for where, line in _included(path, _DATA) if path.suffix.lower() == ".inp" else ():
-        if line.startswith("**") or not line.strip():
-            continue
+    for where, line in _cards(path) if path.suffix.lower() == ".inp" else ():
         if line.lstrip().startswith("*"):
             key, options = _keyword(line)
             if key in ("PART", "END PART", "INSTANCE", "END INSTANCE"):  # which number their own nodes
@@ -232,7 +230,7 @@ def _check_named_files(path: Path) -> None:
             raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
 
 
-def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
+def surface_of(raw: Any) -> tuple[Any, Ints]:
     """The mesh of what `raw_mesh` gives of a file, and which of its points it has; see `read_field`."""
     from skfem import MeshQuad, MeshTri
 
@@ -268,7 +266,7 @@ def surface_of(raw: Any) -> tuple[Any, NDArray[np.int64]]:
     return mesh, used
 
 
-def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _flat(points: Array) -> Array:
     if points.shape[1] == 3 and points.size and np.ptp(points[:, 2]) > FLATNESS * np.ptp(points, axis=0).max():
         raise MeshError(
             f"the mid-surface must lie in a plane of constant z, but z runs over {np.ptp(points[:, 2]):.6g}:"
@@ -277,12 +275,12 @@ def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return points[:, :2]
 
 
-def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> NDArray[np.int64]:
+def _cells(raw: Any, kinds: tuple[str, ...], corners: int) -> Ints:
     blocks = [block.data[:, :corners] for block in raw.cells if block.type in kinds]
     return np.vstack(blocks).astype(np.int64) if blocks else np.empty((0, corners), dtype=np.int64)
 
 
-def _oriented(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def _oriented(points: Array, cells: Ints) -> Ints:
     """Cells counter-clockwise: those that are clockwise are turned; `check_mesh` sees the flat ones."""
     area = twice_areas(points[cells].transpose(2, 1, 0))
     return np.where(area[:, None] > 0.0, cells, cells[:, ::-1])
@@ -315,7 +313,7 @@ def _plain(path: Path) -> Iterator[Path]:
     """
     suffix, lines = path.suffix.lower(), None
     if suffix == ".inp" and re.search(rb"(?i)\*(node|include)\b", path.read_bytes()):
-        lines = _abaqus(_included(path, _DATA))
+        lines = _abaqus(_cards(path))
     elif suffix in NASTRAN:
         lines = _nastran(_included(path, _INCLUDE))
     if lines is None:
@@ -349,6 +347,11 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
         yield from _included(other, names, (*outer, path))
 
 
+def _cards(path: Path) -> Lines:
+    """Lines of a deck of Abaqus, those of included files too, but for comments and blank ones."""
+    return ((where, line) for where, line in _included(path, _DATA) if line.strip() and not line.startswith("**"))
+
+
 def _abaqus(lines: Lines) -> Iterator[str]:
     sets: dict[str, list[str]] = {}
     on_nodes: dict[str, str] = {}  # sets that *NODE names, as it spells them: readers do not know them
@@ -358,8 +361,6 @@ def _abaqus(lines: Lines) -> Iterator[str]:
     own: list[str] | None = None
     nodes, generates = False, False
     for where, line in lines:
-        if line.startswith("**") or not line.strip():
-            continue
         if line.lstrip().startswith("*"):
             key, options = _keyword(line)
             _refuse(where, key, options)

@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fem.meshes.planform import TOLERANCE, locate, outside, twice_areas
+from fem.meshes.planform import TOLERANCE, locate, outside, position, twice_areas
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array
+    from fem.linalg import Array, Ints
 
 
 LATTICE = 9
@@ -86,7 +84,7 @@ class Bilinear:
         """The thickness at a place."""
         return float(self.at(np.asarray(place)))
 
-    def _between(self, name: str, values: Array) -> tuple[NDArray[np.int64], Array]:
+    def _between(self, name: str, values: Array) -> tuple[Ints, Array]:
         """The interval of a coordinate that values lie in, and the part of it before them."""
         knots = np.array(getattr(self, name))
         if knots.size == 1:
@@ -145,10 +143,8 @@ def of(thickness: float | Profile, points: Array) -> float | Array:
     values = thickness.at(points)
     if not (values > 0.0).all():  # not a number, too
         worst = int(np.argmin(np.nan_to_num(values, nan=-np.inf)))
-        (x, y), least = points.reshape(2, -1)[:, worst], values.ravel()[worst]
-        raise ValueError(
-            f"the thickness must be above 0 everywhere on the plate, but it is {least:.6g} m at ({x:.6g}, {y:.6g}) m"
-        )
+        here, least = position(points.reshape(2, -1)[:, worst]), values.ravel()[worst]
+        raise ValueError(f"the thickness must be above 0 everywhere on the plate, but it is {least:.6g} m at {here} m")
     return values
 
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.meshes.cells import cell, faces_of
-from fem.meshes.planform import MeshError
+from fem.meshes.planform import MeshError, connected, position
 from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from fem.linalg import Array, Ints
+
 
 FIRST_ORDER = ("hexahedron", "tetra", "wedge")
 SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")
@@ -57,8 +57,8 @@ class VolumeMesh:
     """
 
     points: Array
-    cells: tuple[tuple[str, Indices], ...]
-    sets: Mapping[str, Indices] = field(default_factory=dict)
+    cells: tuple[tuple[str, Ints], ...]
+    sets: Mapping[str, Ints] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_kinds([kind for kind, _ in self.cells])
@@ -83,19 +83,19 @@ class VolumeMesh:
         """Number of cells."""
         return sum(len(cells) for _, cells in self.cells)
 
-    def boundary(self) -> list[Indices]:
+    def boundary(self) -> list[Ints]:
         """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
         return [faces[times == 1] for faces, times in self._faces]
 
     @cached_property
-    def _faces(self) -> list[tuple[Indices, Indices]]:
+    def _faces(self) -> list[tuple[Ints, Ints]]:
         return faces_of(self.cells)
 
-    def corners(self, faces: Indices) -> Indices:
+    def corners(self, faces: Ints) -> Ints:
         """The corners of faces, out of the nodes around them (nface, nnode)."""
         return faces if self.first_order else faces[:, ::2]
 
-    def whole_faces(self, nodes: Indices, *, corners: bool = False) -> int:
+    def whole_faces(self, nodes: Ints, *, corners: bool = False) -> int:
         """Number of faces of cells whose nodes, or `corners` alone, are all among some nodes."""
         own = np.isin(np.arange(len(self.points)), nodes)
         every = [self.corners(faces) if corners else faces for faces, _ in self._faces]
@@ -139,10 +139,9 @@ class VolumeMesh:
         inside = np.linalg.norm(apart, axis=2) < 0.5 * np.maximum(sizes[near], sizes[:, None])
         cracks = np.flatnonzero((opposite & level & inside).any(axis=1))
         if cracks.size:
-            x, y, z = middles[cracks[0]]
             raise MeshError(
                 f"{cracks.size} faces inside the blade touch others without sharing their nodes (hanging nodes), the"
-                f" first near ({x:.6g}, {y:.6g}, {z:.6g}) m: mesh so that cells meet face to face"
+                f" first near {position(middles[cracks[0]])} m: mesh so that cells meet face to face"
             )
 
     @property
@@ -155,29 +154,24 @@ class VolumeMesh:
 
         pairs = cKDTree(self.points).query_pairs(SAME_PLACE * self.size, output_type="ndarray")
         if len(pairs):
-            x, y, z = self.points[pairs[0, 0]]
             raise MeshError(
-                f"{len(pairs)} pairs of nodes lie in one place, the first at ({x:.6g}, {y:.6g}, {z:.6g}) m:"
+                f"{len(pairs)} pairs of nodes lie in one place, the first at {position(self.points[pairs[0, 0]])} m:"
                 " merge them (equivalence) in the mesher"
             )
 
-    def pieces(self, free: NDArray[np.bool_]) -> Indices:
+    def pieces(self, free: NDArray[np.bool_]) -> Ints:
         """Numbers (nnode,) of the pieces that cells make of the nodes that are free, (nnode,).
 
         -1: it is not free, or in no cell.
         """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         number, pairs = len(free), []
         for _, nodes in self.cells:  # a cell joins its free nodes
             own = np.broadcast_to(number + np.arange(len(nodes))[:, None], nodes.shape)
             pairs.append(np.stack([own[free[nodes]], nodes[free[nodes]]]))
             number += len(nodes)
-        rows, columns = np.concatenate(pairs, axis=1)
-        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(number, number))
-        joined, found = np.unique(columns), np.full(len(free), -1)
-        found[joined] = np.unique(connected_components(graph, directed=False)[1][joined], return_inverse=True)[1]
+        every = np.concatenate(pairs, axis=1)
+        joined, found = np.unique(every[1]), np.full(len(free), -1)
+        found[joined] = np.unique(connected(every, number)[1][joined], return_inverse=True)[1]
         return found
 
     def _check_pieces(self) -> None:
@@ -224,11 +218,10 @@ def _check_volumes(kind: str, corners: Array) -> None:
     bad |= _folded(kind, corners, len(ends))
     if bad.any():
         first = int(np.flatnonzero(bad)[0])
-        x, y, z = corners[first].mean(axis=0)
         raise MeshError(
             f"{np.count_nonzero(bad)} of {len(corners)} {kind} cells are inverted, flat or too distorted, or list their"
-            f" corners out of order, the first (number {first + 1} of these in the file) near ({x:.6g}, {y:.6g},"
-            f" {z:.6g}) m"
+            f" corners out of order, the first (number {first + 1} of these in the file) near"
+            f" {position(corners[first].mean(axis=0))} m"
         )
 
 
@@ -379,7 +372,7 @@ def has_volume(raw: Any) -> bool:
     return any(block.dim == 3 for block in raw.cells)
 
 
-def _upright(kind: str, cells: Indices, points: Array) -> Indices:
+def _upright(kind: str, cells: Ints, points: Array) -> Ints:
     """Cells that are all listed as mirror images, as some writers do with wedges, the right way round."""
     if (cell(kind).sizes(points[cells], _inside(kind)) > 0.0).any():
         return cells
@@ -389,7 +382,7 @@ def _upright(kind: str, cells: Indices, points: Array) -> Indices:
     return cells[:, order]
 
 
-def _sets(raw: Any) -> dict[str, Indices]:
+def _sets(raw: Any) -> dict[str, Ints]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
     sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
@@ -406,5 +399,5 @@ def _sets(raw: Any) -> dict[str, Indices]:
     return sets
 
 
-def _each_once(nodes: list[Any]) -> Indices:
+def _each_once(nodes: list[Any]) -> Ints:
     return np.unique(np.concatenate([each.ravel() for each in nodes])).astype(np.int64)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg import Array, axes_beside, symmetric
+from fem.linalg import LEAST_ACROSS, Array, axes_beside, symmetric
 from fem.modes import Divergence
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
@@ -37,9 +37,6 @@ STILL = 1e-6
 
 LEAST_PRESSED = 0.1
 """Part of the load that has to press the ball onto a floor."""
-
-LEAST_ACROSS = np.radians(10.0)
-"""Angle [rad] from the floor's normal from which on a direction gives axis 1: nearer, its rest across is chance."""
 
 
 @dataclass(frozen=True, eq=False)

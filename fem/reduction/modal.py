@@ -75,7 +75,10 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
             if pull is None
             else _about_rest(part, part.basis.T @ (pull @ part.basis), balls, vectors)
         )
-        values, turned = _solved(part, stiffness_there)
+        values, turned = np.linalg.eigh(stiffness_there)
+        if values.min() <= 0.0:
+            worst = int(values[:, 0].argmin())
+            raise Divergence(float(part.omega[worst]), float(values[worst, 0]))
         vectors = vectors @ turned
         stiffness.append(values)
         motions.append((rows @ part.basis) @ vectors)
@@ -115,12 +118,3 @@ def _about_a_state(operators: Operators, part: Swept, at: tuple[float, float], b
     """The same (1, count, count) about the bent state of the plate with the ball."""
     heavy = with_point_mass(operators, at, ball)
     return np.asarray((shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None])
-
-
-def _solved(part: Swept, stiffness: Array) -> tuple[Array, Array]:
-    """Squared circular frequencies (k, count), ascending, and the vectors (k, count, count)."""
-    values, turned = np.linalg.eigh(stiffness)
-    if values.min() <= 0.0:
-        worst = int(values[:, 0].argmin())
-        raise Divergence(float(part.omega[worst]), float(values[worst, 0]))
-    return values, turned

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 
 from fem.assembly import AtPlace, Operators, with_point_mass
 from fem.linalg import Array, SingularMatrix, factorise, lanczos, most_alike, refine, rounding
-from fem.meshes.planform import PlaceError
+from fem.meshes.planform import PlaceError, position
 from fem.modes import Divergence, Modes, bending_strains, families, lowest, solve_real
 from fem.statics import linearise
 from fem.sweep.campbell import Campbell, without_coriolis
@@ -129,7 +129,7 @@ def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
         PlaceError: where one of them does not move.
     """
     if np.abs(motions[0]).min() * np.sqrt(place.operators.mass.sum()) < 1e-6:
-        raise PlaceError(f"the fundamental flap mode does not move at ({place.at[0]:.6g}, {place.at[1]:.6g}) m")
+        raise PlaceError(f"the fundamental flap mode does not move at {position(place.at)} m")
     return [FlapMode(float(lift**-2), float(slope / lift)) for lift, slope in motions.T]
 
 

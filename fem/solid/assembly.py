@@ -17,7 +17,7 @@ made in the natural order: at 60 000 unknowns in half of the time that the gener
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +34,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Array, Factor, Solver
+    from fem.linalg import Array, Factor, Ints, Solver
     from fem.modes import Modes
     from fem.solid.blade import Blade
 
-    Indices = NDArray[np.int64]
     Rule = tuple[Array, Array]
 
 
@@ -49,7 +48,6 @@ IN_CACHE = 20_000
 """Pairs of nodes of cells that are integrated at once: what lies between points and stiffness stays in the cache."""
 
 
-@cache
 def rule(kind: str, full: bool = False) -> Rule:
     """Quadrature for stiffness and mass: points (npoint, 3) and weights (npoint,) on the reference cell of a kind."""
     if kind.startswith("hexahedron"):
@@ -85,7 +83,7 @@ class Cells:
     """
 
     kind: str
-    nodes: Indices
+    nodes: Ints
     gradients: Array
     weights: Array
 
@@ -126,8 +124,8 @@ class Pattern:
         indptr, indices, source: of the matrix in compressed columns, and which number of the blocks each entry is.
     """
 
-    number: Indices
-    places: tuple[Indices, ...]
+    number: Ints
+    places: tuple[Ints, ...]
     count: int
     indptr: NDArray[np.int32]
     indices: NDArray[np.int32]
@@ -152,18 +150,15 @@ class Pattern:
         return sparse((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
 
 
-def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
+def pattern(tables: list[Ints], free: NDArray[np.bool_]) -> Pattern:
     """The sparsity pattern of a blade's matrices.
 
     Args:
         tables: nodes of the cells of each kind, (ncell, nnode).
-        clamped: numbers of the clamped nodes.
-        count: number of nodes.
+        free: which nodes are not clamped, (nnode,).
     """
     from scipy.sparse import bsr_array
 
-    free = np.ones(count, dtype=bool)
-    free[clamped] = False
     number = np.where(free, np.cumsum(free) - 1, -1)
     n = int(free.sum())
     keys = _distinct([_pairs(number[nodes], n) for nodes in tables])
@@ -178,20 +173,20 @@ def pattern(tables: list[Indices], clamped: Indices, count: int) -> Pattern:
     return Pattern(number, places, keys.size, columns.indptr, columns.indices, columns.data)
 
 
-def _distinct(pairs: list[Indices]) -> Indices:
+def _distinct(pairs: list[Ints]) -> Ints:
     """The keys of pairs of free nodes, ascending; numpy's `unique` takes ten times as long."""
     keys = np.sort(np.concatenate([each[each >= 0] for each in pairs]))
     return np.asarray(keys[np.append(True, keys[1:] != keys[:-1])])
 
 
-def _pairs(numbers: Indices, n: int) -> Indices:
+def _pairs(numbers: Ints, n: int) -> Ints:
     """Keys (ncell, nnode, nnode) of pairs, column first; -1 where one is held."""
     free = numbers >= 0
     both = free[:, :, None] & free[:, None, :]
     return np.where(both, numbers[:, None, :] * n + numbers[:, :, None], -1)
 
 
-def _dissected(row: Indices, column: Indices, n: int) -> Indices:
+def _dissected(row: Ints, column: Ints, n: int) -> Ints:
     """The place of each of n nodes in an order that leaves the factor of their graph thin."""
     try:
         import pymetis
@@ -283,7 +278,7 @@ def _gradient(cells: Cells, moved: Array) -> Array:
     return np.asarray(np.einsum("cpkn,cni->cpik", cells.gradients, moved[cells.nodes], optimize=True))
 
 
-def _add(total: Array, nodes: Indices, own: Array) -> None:
+def _add(total: Array, nodes: Ints, own: Array) -> None:
     """Add cells' vectors (ncell, nnode, 3) to those of all nodes (n, 3)."""
     for axis in range(3):
         total[:, axis] += np.bincount(nodes.ravel(), own[..., axis].ravel(), len(total))
@@ -435,7 +430,7 @@ def assemble_solid(blade: Blade, effects: Effects | None = None, *, full: bool =
         heavy.append(own)
         _add(load, nodes, own @ blade.arms[nodes])
         _add(masses, nodes, own @ np.ones((*nodes.shape, 3)))
-    places = pattern([each.nodes for each in cells], blade.held, len(mesh.points))
+    places = pattern([each.nodes for each in cells], ~blade.clamped)
     inertia = places.blocks(heavy)
 
     def through(matrix: Array) -> csc_array:

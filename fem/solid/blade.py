@@ -15,8 +15,8 @@ from fem.rotor import across
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem.linalg import Array
-    from fem.meshes.volume import Indices, VolumeMesh
+    from fem.linalg import Array, Ints
+    from fem.meshes.volume import VolumeMesh
     from fem.plate import Material
 
 ON_THE_FACE = 1e-4
@@ -43,7 +43,7 @@ class Blade:
 
     mesh: VolumeMesh
     material: Material
-    root: Indices
+    root: Ints
     axis: Array
     origin: Array
 
@@ -65,7 +65,7 @@ class Blade:
         return np.asarray((self.mesh.points - self.origin) @ across(self.axis))
 
     @cached_property
-    def held(self) -> Indices:
+    def held(self) -> Ints:
         """Numbers of the nodes that do not move: the root's, and those of pieces inboard that it cuts off.
 
         Such a piece would vibrate by itself, as no part of the blade; where all lies inboard, nothing is cut off.
@@ -88,7 +88,7 @@ class Blade:
     @cached_property
     def _faces(self) -> Array:
         """Vector areas (nface, 3) of the faces whose nodes are all held [m²]."""
-        return self.mesh.boundary_normals(self._clamped)[1]
+        return self.mesh.boundary_normals(self.clamped)[1]
 
     @property
     def has_section(self) -> bool:
@@ -97,14 +97,14 @@ class Blade:
         return float(np.linalg.norm(faces.sum(axis=0))) > CANCELLED * float(np.linalg.norm(faces, axis=1).sum())
 
     @cached_property
-    def _clamped(self) -> NDArray[np.bool_]:
+    def clamped(self) -> NDArray[np.bool_]:
         """Which nodes do not move, (nnode,)."""
         return np.isin(np.arange(len(self.mesh.points)), self.held)
 
     @property
-    def hung(self) -> Indices:
+    def hung(self) -> Ints:
         """Numbers of the nodes of the cells that move, the held ones among them included."""
-        free = ~self._clamped
+        free = ~self.clamped
         return np.unique(np.concatenate([nodes[free[nodes].any(axis=1)].ravel() for _, nodes in self.mesh.cells]))
 
     @cached_property
@@ -119,7 +119,7 @@ class Blade:
         normal = self.section / np.linalg.norm(self.section)
         area, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
         for faces in self.mesh.boundary():
-            around = self.mesh.points[faces[self._clamped[faces].all(axis=1)]]
+            around = self.mesh.points[faces[self.clamped[faces].all(axis=1)]]
             middles = np.broadcast_to(around.mean(axis=1, keepdims=True), around.shape)
             corners = np.stack([middles, around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 3, 3)
             one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -152,7 +152,7 @@ INNER = 0.2
 """Part of the radial extent that counts as the inner end."""
 
 
-def up_to(mesh: VolumeMesh, axis: Array, origin: Array, radius: float) -> Indices:
+def up_to(mesh: VolumeMesh, axis: Array, origin: Array, radius: float) -> Ints:
     """Nodes up to a radius [m] from the spin axis.
 
     Raises:
@@ -167,7 +167,7 @@ def up_to(mesh: VolumeMesh, axis: Array, origin: Array, radius: float) -> Indice
     return np.flatnonzero(distances <= radius + ON_THE_FACE * mesh.size)
 
 
-def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None = None) -> Indices:
+def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None = None) -> Ints:
     """Nodes of the inner end of a blade, on a cylinder about the spin axis or on a plane.
 
     The plane is that of the faces at the inner end that look at the axis.
@@ -209,7 +209,7 @@ def root_at(mesh: VolumeMesh, axis: Array, origin: Array, radius: float | None =
     return root
 
 
-def _faceless(mesh: VolumeMesh, nodes: Indices) -> str:
+def _faceless(mesh: VolumeMesh, nodes: Ints) -> str:
     """Words on nodes that contain no whole face of a cell; empty where they do."""
     if mesh.whole_faces(nodes):
         return ""

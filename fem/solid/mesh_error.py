@@ -109,14 +109,13 @@ def _carried(operators: SolidOperators, smooth: Array) -> Array:
     blade, total = operators.blade, np.zeros(smooth.shape[1])
     material, mesh = blade.material, blade.mesh
     softness = np.array([2.0 * (1.0 + material.poissons_ratio), 1.0]) / material.youngs_modulus
-    held = np.isin(np.arange(operators.nodes), blade.held)
     digits = operators.nodes ** np.arange(3)
     outer = np.concatenate([np.sort(mesh.corners(faces))[:, :3] @ digits for faces in mesh.boundary()])
     for cells in operators.cells:
         volumes, factor = cells.weights.sum(axis=1), CARRIED.get(cells.kind, 0.12)
         for ring, part in product(cell(cells.kind).faces, cells.parts(AT_ONCE)):
             faces = cells.nodes[part][:, ring]
-            free = np.isin(np.sort(mesh.corners(faces))[:, :3] @ digits, outer) & ~held[faces].all(axis=1)
+            free = np.isin(np.sort(mesh.corners(faces))[:, :3] @ digits, outer) & ~blade.clamped[faces].all(axis=1)
             at = mesh.points[mesh.corners(faces[free])]
             normals = 0.5 * np.cross(at[:, 2] - at[:, 0], at[:, -1] - at[:, 1])
             areas = np.linalg.norm(normals, axis=1)

@@ -18,7 +18,7 @@ again as the largest of the last three errors is within the tolerance.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,10 +32,9 @@ from fem.solid.mesh_error import mesh_errors
 from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from fem.linalg import Array, Solver
+    from fem.linalg import Array, Ints, Solver
     from fem.solid.assembly import SolidOperators
 
 
@@ -176,11 +175,11 @@ class BladeSweep:
         low, high = self.squares[[0, -1]] ** 0.5
         return Tracks.followed(lambda omega: self.reduced(omega)[1], low, high)
 
-    def tracks(self, omega: float) -> NDArray[np.int64]:
+    def tracks(self, omega: float) -> Ints:
         """The mode of the lowest speed that each mode at a speed [rad/s] continues, (count,)."""
         return self._tracks.of(omega, self.reduced(omega)[1])
 
-    def apart(self, most: int) -> NDArray[np.int64]:
+    def apart(self, most: int) -> Ints:
         """Numbers (p,) of at most so many of the solved speeds, those nearest to Chebyshev-Lobatto points."""
         if self.squares.size <= most:
             return np.arange(self.squares.size)
@@ -220,7 +219,6 @@ class _Solved:
     shapes: dict[float, Array] = field(default_factory=dict)
     slopes: dict[float, Array] = field(default_factory=dict)
     beyond: dict[float, Array] = field(default_factory=dict)
-    spaces: dict[tuple[float, ...], tuple[Array, Array]] = field(default_factory=dict)
 
     def add(self, square: float, state: Array, slope: Array | None, values: Array, shapes: Array) -> None:
         """Know a speed; slope: what the state (n,) changes by Omega², of one that is solved."""
@@ -237,11 +235,9 @@ class _Solved:
 
     def space(self, square: float, mass: csc_array) -> tuple[Array, Array]:
         """Orthonormal vectors (n, k), and their mass, of the modes and slopes at the solved speeds near another."""
-        near = tuple(sorted(self.near(square)))
-        if near not in self.spaces:
-            some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
-            self.spaces = {near: orthonormal(some, mass)[:2]}
-        return self.spaces[near]
+        near = sorted(self.near(square))
+        some = np.column_stack([self.shapes[each] for each in near] + [self.slopes[each] for each in near])
+        return orthonormal(some, mass)[:2]
 
     def predicted(self, square: float) -> Array:
         """Static displacement (n,) [m] at another speed, by the Hermite polynomial of the solved states."""
@@ -323,14 +319,13 @@ def sweep_blade(
     return _gathered(operators, known, count, errors)
 
 
-@cache
-def _places() -> tuple[float, ...]:
+def _places() -> list[float]:
     """Where points between 0 and 1 are added one by one."""
     grid, places = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, PLACES) / PLACES), [0.0, 1.0]
     while len(places) < MOST:
         apart = np.abs(grid[:, None] - places).prod(axis=1)
         places.append(float(grid[np.round(apart / apart.max(), 9).argmax()]))
-    return tuple(places[2:])
+    return places[2:]
 
 
 def _solve_alone(operators: SolidOperators, omega: float, count: int, known: _Solved) -> None:

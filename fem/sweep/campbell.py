@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import Operators
-from fem.linalg import CONVERGED, Array, rounding
+from fem.linalg import CONVERGED, Array, Ints, rounding
 from fem.modal_model import FAMILIES
 from fem.modes import (
     Divergence,
@@ -53,9 +53,7 @@ class Veering:
     likeness: tuple[float, ...]
 
 
-def follow(
-    alike: NDArray[np.float64], wanted: int, coupling: Callable[[int], NDArray[np.float64]]
-) -> tuple[NDArray[np.int64], tuple[Veering, ...]]:
+def follow(alike: Array, wanted: int, coupling: Callable[[int], Array]) -> tuple[Ints, tuple[Veering, ...]]:
     """Follow modes from speed to speed by their likeness.
 
     Args:
@@ -89,7 +87,7 @@ def follow(
     return branches[:, :wanted], tuple(veerings)
 
 
-def _pair(alike: NDArray[np.float64], wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _pair(alike: Array, wanted: int) -> tuple[Ints, Ints]:
     """The partner of each mode at the next speed, and the wanted modes whose partner is not clear."""
     pair = alike.argmax(axis=1)
     if np.unique(pair).size < pair.size:  # two modes compete for a partner
@@ -132,7 +130,7 @@ class Campbell:
     frequencies_hz: Array
     bounds: Array
     damping_ratios: Array
-    branches: NDArray[np.int64]
+    branches: Ints
     shares: Array
     veerings: tuple[Veering, ...]
     diverged: Array

@@ -29,7 +29,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 
 from fem.assembly import Operators
-from fem.linalg import Array, forms, orthonormal, rounding, symmetric
+from fem.linalg import Array, Ints, forms, orthonormal, rounding, symmetric
 from fem.modes import Modes, share_matrices, solve_real
 
 SAFETY = 2.0
@@ -60,7 +60,7 @@ class ReducedBasis:
     representers: tuple[Array, ...]
     mass: Array
     coriolis: Array | None
-    groups: tuple[NDArray[np.int64], ...]
+    groups: tuple[Ints, ...]
     stretches: Array
     axes: Array
     gram: Array
@@ -116,9 +116,7 @@ def begin(operators: Operators, stiffness: csc_array, modes: Modes) -> ReducedBa
         # back to the modes: in a mixture the large representer of a soft one drowns a stiff one's
         back = polar(coupling[:, : len(coupling)])[0]
         blocks.append((block @ back, energy @ back))
-    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
-    images, representers = _columns(operators, modes, block, energy)
-    return _project(operators, modes, block, images, representers, _uncertain(stiffness, block))
+    return _with_blocks(operators, stiffness, modes, blocks)
 
 
 LEAST_PART = 1e-3
@@ -148,41 +146,30 @@ def enrich(
         more: the vectors (n, k) of each group.
     """
     blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
-    block, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
-    fresh = _columns(operators, modes, block, energy)
-    images, representers = (
-        tuple(np.hstack(pair) for pair in zip(old, new, strict=True))
-        for old, new in zip((basis.images, basis.representers), fresh, strict=True)
-    )
-    uncertain = np.append(basis.rounding, _uncertain(stiffness, block))
-    return _project(operators, modes, np.hstack([basis.vectors, block]), images, representers, uncertain)
+    return _with_blocks(operators, stiffness, modes, blocks, basis)
 
 
-def _uncertain(stiffness: csc_array, vectors: Array) -> Array:
-    """What rounding leaves uncertain of the energies (k,) of vectors (n, k) of unit energy."""
-    return rounding(stiffness, vectors, np.ones(vectors.shape[1]))
-
-
-def _columns(
-    operators: Operators, modes: Modes, vectors: Array, energy: Array
-) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Images and representers of new vectors (n, k) whose image under K_r is given (n, k)."""
+def _with_blocks(
+    operators: Operators,
+    stiffness: csc_array,
+    modes: Modes,
+    blocks: list[tuple[Array, Array]],
+    basis: ReducedBasis | None = None,
+) -> ReducedBasis:
+    """A basis, or none, with blocks of orthonormal vectors (n, k) added, each with its image under K_r (n, k)."""
+    vectors, energy = (np.hstack(each) for each in zip(*blocks, strict=True))
     images = [energy, operators.mass @ vectors, operators.spinning @ vectors]
     if operators.gyroscopic is not None:
         images.append(operators.gyroscopic @ vectors)
     loads = [images[2], images[1], *images[3:]]
-    solved = np.split(modes.factor.solve(np.hstack(loads)), len(loads), axis=1)
-    return tuple(images), tuple(solved)
-
-
-def _project(
-    operators: Operators,
-    modes: Modes,
-    vectors: Array,
-    images: tuple[Array, ...],
-    representers: tuple[Array, ...],
-    uncertain: Array,
-) -> ReducedBasis:
+    representers = np.split(modes.factor.solve(np.hstack(loads)), len(loads), axis=1)
+    uncertain = rounding(stiffness, vectors, np.ones(vectors.shape[1]))
+    if basis is not None:
+        vectors, uncertain = np.hstack([basis.vectors, vectors]), np.append(basis.rounding, uncertain)
+        images, representers = (
+            [np.hstack(pair) for pair in zip(old, new, strict=True)]
+            for old, new in ((basis.images, images), (basis.representers, representers))
+        )
     energy, heavy, spinning, *turning = images
     r = vectors.shape[1]
     span = np.hstack([vectors, *representers])
@@ -195,8 +182,8 @@ def _project(
     return ReducedBasis(
         reference=modes.omega,
         vectors=vectors,
-        images=images,
-        representers=representers,
+        images=tuple(images),
+        representers=tuple(representers),
         mass=symmetric(vectors.T @ heavy),
         coriolis=vectors.T @ turning[0] if turning else None,
         groups=groups,
@@ -210,7 +197,7 @@ def _project(
     )
 
 
-def _groups(gram: Array, r: int) -> tuple[NDArray[np.int64], ...]:
+def _groups(gram: Array, r: int) -> tuple[Ints, ...]:
     """Numbers of the vectors (r,) that are coupled with one another, themselves or by their representers."""
     count, group = connected_components((gram[:r] != 0.0).reshape(r, -1, r).any(axis=1), directed=False)
     return tuple(np.flatnonzero(group == number) for number in range(count))
@@ -420,7 +407,7 @@ def solve(basis: ReducedBasis, omega: Array, wanted: int) -> ReducedModes:
     return ReducedModes(omega, rates, vectors, bounds, rounding[:, :wanted], floor)
 
 
-def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
+def _errors(rates: Array, amount: Array, last: Ints, inside: NDArray[np.bool_]) -> Array:
     """Bounds (k, q) on relative errors from each mode's amount rho² / (1 - u w).
 
     All modes lifted by p times their amounts: the i-th largest 1/w, whichever mode has become it. Or mode i by ALONE
@@ -434,7 +421,7 @@ def _errors(rates: Array, amount: Array, last: NDArray[np.int64], inside: NDArra
     return np.asarray(np.minimum(lifted * rates - 1.0, np.where(clear, ALONE * amount, np.inf)))
 
 
-def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: NDArray[np.int64]) -> Array:
+def _gap(basis: ReducedBasis, omega: Array, rates: Array, last: Ints) -> Array:
     """Frequencies (k,) below which the full model has no more than `last` (k,) ones; 0 where none is found."""
     k = np.arange(omega.size)
     below = rates[k, last - 1]
@@ -501,7 +488,7 @@ def _residuals(basis: ReducedBasis, omega: Array, rates: Array, vectors: NDArray
     return np.asarray(np.sqrt(np.where(floor > 0.0, squared, np.inf)))
 
 
-def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> NDArray[np.int64]:
+def _count_below(basis: ReducedBasis, omega: Array, rates: Array) -> Ints:
     """Upper bound (k,) on the number of the full model's frequencies below given ones (k,); -1 if none."""
     r = basis.size
     shift = basis.shift(omega)
@@ -596,7 +583,7 @@ class Swept:
     met: NDArray[np.bool_]
     state: Array | None = None
 
-    def only(self, rows: NDArray[np.int64]) -> Swept:
+    def only(self, rows: Ints) -> Swept:
         """The modes at some of the speeds, by their indices."""
         names = ("omega", "rates", "bounds", "damping", "shares", "vectors", "met")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})

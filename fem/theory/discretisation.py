@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 from fem.meshes.planform import root_facets
 from fem.plate import Plate
 from fem.theory.fields import CLAMPED, Block, Fields
@@ -43,7 +42,7 @@ class Space:
     """
 
     basis: Any
-    dofs: NDArray[np.int64]
+    dofs: Ints
     height: float | None = None
     units: Array | None = None
     counted: Array | None = None
@@ -60,9 +59,7 @@ class Space:
         table = np.stack(functions, axis=-1)
         return table if self.combined is None else np.asarray(table @ self.combined)
 
-    def probe(
-        self, cells: NDArray[np.int64], reference: Array, derivative: tuple[int, ...] = ()
-    ) -> tuple[Array, NDArray[np.int64]]:
+    def probe(self, cells: Ints, reference: Array, derivative: tuple[int, ...] = ()) -> tuple[Array, Ints]:
         """Weights and unknowns (npoint, ndof) of a derivative at points of cells.
 
         Args:
@@ -72,7 +69,7 @@ class Space:
         """
         return self.weights(reference[:, :, None], derivative, cells)[:, 0], self.dofs[cells]
 
-    def weights(self, at: Array, derivative: tuple[int, ...] = (), cells: NDArray[np.int64] | None = None) -> Array:
+    def weights(self, at: Array, derivative: tuple[int, ...] = (), cells: Ints | None = None) -> Array:
         """Weights (ncell, npoint, ndof) of a derivative at planar reference points of some cells, or of all.
 
         at: (2, npoint), the same in every cell, or (2, ncell, npoint).
@@ -106,7 +103,7 @@ def blocks(spaces: tuple[Space, ...], derivatives: tuple[tuple[int, ...], ...]) 
     return [Block(tables[id(space.basis)], space.dofs) for space in spaces]
 
 
-def number(spaces: list[tuple[Any, NDArray[np.int64]]]) -> tuple[list[NDArray[np.int64]], int]:
+def number(spaces: list[tuple[Any, Ints]]) -> tuple[list[Ints], int]:
     """Free unknowns of several bases in one numbering.
 
     Args:
@@ -125,7 +122,7 @@ def number(spaces: list[tuple[Any, NDArray[np.int64]]]) -> tuple[list[NDArray[np
     return tables, start
 
 
-def clamped(basis: Any, plate: Plate) -> NDArray[np.int64]:
+def clamped(basis: Any, plate: Plate) -> Ints:
     """Unknowns of a scalar basis that the plate's root holds."""
     if plate.elastic_root is not None:
         return np.empty(0, dtype=np.int64)
@@ -158,7 +155,7 @@ class Discretisation:
     stiffness: Array
     extra: tuple[tuple[Fields, Array], ...]
     energies: tuple[Energy, ...]
-    membrane: NDArray[np.int64]
+    membrane: Ints
     spaces: tuple[Space, Space, Space]
     mesh: Any
 

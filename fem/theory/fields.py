@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -32,7 +32,7 @@ class Block:
     """
 
     table: Array
-    dofs: NDArray[np.int64]
+    dofs: Ints
 
     @property
     def size(self) -> int:
@@ -73,9 +73,7 @@ class Fields:
             part = density[start : start + block.size] * self.dx
             start += block.size
             cellwise = np.einsum("cpfd,fcp->cd", block.table, part, optimize=True)
-            total += np.bincount(
-                np.where(block.dofs < 0, self.dofs, block.dofs).ravel(), cellwise.ravel(), self.dofs + 1
-            )
+            total += np.bincount(block.dofs.ravel() % (self.dofs + 1), cellwise.ravel(), self.dofs + 1)
         return total[:-1]
 
 

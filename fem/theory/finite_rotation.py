@@ -124,14 +124,13 @@ class SectionStress:
 
 def _vectors(values: Array, thickness: Array) -> tuple[Array, Array]:
     """Return by how much r,x r,y h d,x h d,y differ from `FLAT` (npoint, 12), and their derivatives by the fields."""
-    vectors, jacobian = np.zeros((2, len(values), 12, 12))
-    vectors = vectors[:, :, 0]
+    jacobian = np.zeros((len(values), 12, 12))
     for b in range(2):
         for k in range(3):
             jacobian[:, 3 * b + k, 2 * k + b] = 1.0
         for k, turn in enumerate(TURNS):
             jacobian[:, 6 + 3 * b + k, turn + 1 + b] = -1.0
-    vectors[:] = (jacobian @ values[:, :, None])[:, :, 0]
+    vectors = (jacobian @ values[:, :, None])[:, :, 0]
     for b in range(2):
         vectors[:, 8 + 3 * b], jacobian[:, 8 + 3 * b, _lifting(b)], _ = _lift(values[:, _lifting(b)])
     vectors[:, 6:] *= thickness

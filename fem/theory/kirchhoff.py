@@ -9,14 +9,13 @@ evaluates every monomial anew for every function, which is most of an assembly's
 edges on the boundary with one another, which on cells that share no edges are all edges.
 """
 
-from dataclasses import replace
 from functools import cache
 from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem.linalg import Ints
 from fem.meshes.planform import root_facets
 from fem.meshes.thickness import of
 from fem.plate import Plate
@@ -43,7 +42,7 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str = "") -> 
     Raises:
         ValueError: an element that the mesh does not allow.
     """
-    from skfem import Basis, ElementQuad2, ElementTriP2
+    from skfem import Basis, Dofs, ElementQuad2, ElementQuadBFS, ElementTriArgyris, ElementTriMorley, ElementTriP2
     from skfem.quadrature import get_quadrature
 
     element = element or ("bfs" if is_rectangles(plate.mesh) else "argyris")
@@ -53,13 +52,14 @@ def discretise(plate: Plate, rotary_inertia: bool = True, element: str = "") -> 
     quadrature = get_quadrature(mesh.elem.refdom, ORDER[element])
     membrane = Basis(mesh, ElementQuad2() if element == "bfs" else ElementTriP2(), quadrature=quadrature)
     size = float(np.sqrt(membrane.dx.sum(axis=1).mean()))
-    bending, fixed, bare = _bending(mesh, element, quadrature, size)
+    kind = {"bfs": ElementQuadBFS, "argyris": ElementTriArgyris, "morley": ElementTriMorley}[element]
+    bending, root = Dofs(mesh, kind()), clamped(membrane, plate)
+    fixed = bending.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
     if plate.elastic_root is not None:
         fixed = fixed[:0]
-    root = clamped(membrane, plate)
     tables, total = number([(membrane, root), (membrane, root), (bending, fixed)])
     u, v = (Space(membrane, t) for t in tables[:2])
-    w = replace(bare, dofs=tables[2])
+    w = _bending(mesh, kind, quadrature, size, tables[2])
 
     planar = np.asarray(membrane.global_coordinates())
     thickness = of(plate.thickness, planar)
@@ -94,37 +94,33 @@ def is_rectangles(mesh: Any) -> bool:
     return bool((np.abs(sides).min(axis=0) <= 1e-9 * np.abs(sides).max()).all())
 
 
-def _bending(mesh: Any, element: str, quadrature: Any, size: float) -> tuple[Any, NDArray[np.int64], Space]:
-    """The unknowns of w, those that are clamped, and a space over them that still lacks its numbers.
+def _bending(mesh: Any, kind: Any, quadrature: Any, size: float, dofs: Ints) -> Space:
+    """The space of w, of a scikit-fem class derived from `ElementGlobal`, over unknowns (ncell, ndof).
 
     The shape functions are computed cell by cell in coordinates centred on the cell and measured in its sides, or in
     cell sizes, where the monomials they are made of are far better conditioned than in global ones. Rectangles are all
     the same square there. Slopes are unknowns per cell size.
     """
-    from skfem import Basis, Dofs, ElementQuadBFS, ElementTriArgyris, ElementTriMorley
+    from skfem import Basis
 
-    kind = {"bfs": ElementQuadBFS, "argyris": ElementTriArgyris, "morley": ElementTriMorley}[element]
-    dofs = Dofs(mesh, kind())
-    fixed = dofs.get_facet_dofs(root_facets(mesh), skip_dofnames=["u_xx"]).flatten()
     corners = mesh.p[:, mesh.t]
     count, ncell = mesh.t.shape
-    units = np.ptp(corners, axis=1) if element == "bfs" else np.full((2, ncell), size)
+    units = np.ptp(corners, axis=1) if count == 4 else np.full((2, ncell), size)
     local = (corners - corners.mean(axis=1, keepdims=True)) / units[:, None]
-    if element == "bfs":
+    if count == 4:
         local = np.copysign(0.5, local)  # the square to the last bit, as it is kept from one mesh for the next
     numbers = np.arange(count * ncell).reshape(ncell, count).T
     apart = type(mesh)(local.transpose(0, 2, 1).reshape(2, -1), np.ascontiguousarray(numbers))
     basis = Basis(apart, together(kind), quadrature=quadrature)
     counted = np.ones((ncell, basis.Nbfun))
-    if element == "bfs":
+    if count == 4:
         x, y = units / size
         counted = np.tile(np.stack([np.ones(ncell), x, y, x * y], axis=1), count)
     else:
         # Apart, every edge is on the boundary and its normal points outwards, out of both neighbours.
         second = mesh.f2t[1, mesh.t2f] == np.arange(ncell)
         counted[:, -3:] = np.where(second, -1.0, 1.0).T
-    unnumbered = np.empty((0, 0), dtype=np.int64)
-    return dofs, fixed, Space(basis, unnumbered, units=units, counted=counted)
+    return Space(basis, dofs, units=units, counted=counted)
 
 
 @cache

@@ -17,9 +17,8 @@ moved by up to a quarter of a cell, the first three by at most 0.07 % at h/L = 0
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 from fem.meshes.mesh_sequence import crowded
 from fem.meshes.thickness import Profile, of
 from fem.plate import Plate
@@ -70,7 +69,7 @@ def discretise(plate: Plate, layers: int = 2) -> Discretisation:
     )
 
 
-def carried(element: Any) -> tuple[NDArray[np.int64], Array]:
+def carried(element: Any) -> tuple[Ints, Array]:
     """Nodes on top of a brick (9,), and what an unknown at each of the 27 nodes, and then at a column's middle, moves.
 
     Columns are those of nodes above one another; an unknown in the middle of the plate carries all of its column
@@ -82,7 +81,7 @@ def carried(element: Any) -> tuple[NDArray[np.int64], Array]:
     return top, np.hstack([np.eye(x.size), same])
 
 
-def relative(table: NDArray[np.int64], top: NDArray[np.int64], cells: int) -> NDArray[np.int64]:
+def relative(table: Ints, top: Ints, cells: int) -> Ints:
     """Unknowns (nbrick, 27 + 9) of bricks whose own are (nbrick, 27), by what `carried` says they move.
 
     The first bricks, one a cell, lie just below the mid-surface.

@@ -12,9 +12,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem.linalg import Array
+from fem.linalg import Array, Ints
 from fem.meshes.planform import lengths, root_facets
 from fem.plate import ElasticRoot
 from fem.theory.discretisation import Space
@@ -30,7 +29,7 @@ TRAPEZOID = np.array([0.0, 1.0]), np.array([0.5, 0.5])
 MIDPOINT = np.array([0.5]), np.array([1.0])
 
 
-def edge(mesh: Any, rule: tuple[Array, Array]) -> tuple[NDArray[np.int64], Array, Array]:
+def edge(mesh: Any, rule: tuple[Array, Array]) -> tuple[Ints, Array, Array]:
     """The root edge of a mesh of triangles or quadrilaterals.
 
     Args:
@@ -141,7 +140,7 @@ def _gauss() -> tuple[Array, Array]:
     return 0.5 * (1.0 + t), 0.5 * weights
 
 
-def _heights(basis: Any, reference: Array, bricks: NDArray[np.int64]) -> Array:
+def _heights(basis: Any, reference: Array, bricks: Ints) -> Array:
     """Heights (layer, nedge, npoint, GAUSS) in m at reference points (3, nedge, npoint GAUSS) of bricks."""
     heights = [basis.mapping.F(reference, tind=layer)[2] for layer in bricks]
     return np.stack(heights).reshape(*bricks.shape, -1, GAUSS)

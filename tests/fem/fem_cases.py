@@ -34,6 +34,17 @@ def frequencies(plate, rotor=None, effects=FLAT, theory="mindlin", omega=0.0, co
     return solve_modes(assemble(plate, rotor or Rotor(), effects, theory), omega, count).frequencies_hz
 
 
+def builder(planform, thickness, theory="mindlin", rotor=None, effects=FLAT, material=STEEL, log=None):
+    """What builds the matrices of a plate on a planform's meshes by their size, and notes these in a log."""
+
+    def build(size):
+        if log is not None:
+            log.append(size)
+        return assemble(Plate(planform.mesh(size), thickness, material), rotor or Rotor(), effects, theory)
+
+    return build
+
+
 def unit_of(height):
     """sqrt(EI / rho A L^4) of a strip of length 1."""
     return np.sqrt(STRIP.youngs_modulus * height**2 / 12.0 / STRIP.density)

@@ -5,26 +5,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fem_cases import AT_REST, FLAT, STEEL, frequencies, promise_kept, rpm
+from fem_cases import AT_REST, FLAT, STEEL, builder, frequencies, promise_kept, rpm
 from scipy.optimize import fsolve
 
-from fem import Divergence, Given, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
+from fem import Divergence, Given, Material, Plate, Rectangle, Rotor, choose_mesh, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
 from fem.meshes.mesh_sequence import crowded, root_order
 from fem.theory import mindlin
 from fem.theory.registry import THEORIES
 
 COUNT = 6
-
-
-def builder(planform, thickness, theory="mindlin", rotor=None, log=None, effects=FLAT):
-    def build(size):
-        if log is not None:
-            log.append(size)
-        plate = Plate(planform.mesh(size), thickness, STEEL)
-        return assemble(plate, rotor or Rotor(), effects, theory)
-
-    return build
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
@@ -124,11 +114,8 @@ def test_the_finest_is_taken_where_none_will_do(monkeypatch):
 
 def test_divergence_at_the_highest_speed_leaves_the_lowest():
     rotor, planform = Rotor(stagger=np.pi / 2), Rectangle(0.2, 0.2)
-    soft = Material(2e9, 0.3, 7850.0)
-
-    def build(size):
-        return assemble(Plate(planform.mesh(size), 0.001, soft), rotor, replace(FLAT, stress_stiffening=False))
-
+    soft, unstiffened = Material(2e9, 0.3, 7850.0), replace(FLAT, stress_stiffening=False)
+    build = builder(planform, 0.001, rotor=rotor, effects=unstiffened, material=soft)
     choice = choose_mesh(planform, build, (0.0, rpm(20000)), 2, 1e-2)
     assert choice.probes.tolist() == [0.0]
     with pytest.raises(Divergence):

@@ -9,7 +9,7 @@ from fem_cases import STEEL, frequencies, paper_plate, rpm
 
 from fem import Effects, Material, Plate, Rectangle, Rotor, assemble, campbell, rectangle, solve_modes
 from fem.accuracy.neglected_effects import turned
-from fem.assembly import point_rows, with_coriolis
+from fem.assembly import with_coriolis
 
 CORIOLIS = Effects(coriolis=True)
 
@@ -44,7 +44,7 @@ def test_heavy_bob_in_the_plane():
     mass, omega = 1e4, 40.0
     plate = Plate(rectangle(0.1, 0.05, 4, 2), 0.01, Material(2e11, 0.3, 1.0), mass, (0.1, 0.0))
     operators = assemble(plate, Rotor(), Effects(stress_stiffening=False, coriolis=True))
-    rows = point_rows(operators.model, (0.1, 0.0)).toarray()
+    rows = operators.at_place((0.1, 0.0)).rows[0].toarray()
     compliance = rows @ np.linalg.solve(operators.stiffness.toarray(), rows.T)
     ku, kv = 1.0 / compliance[0, 0], 1.0 / compliance[1, 1]
     a, b = ku / mass - omega**2, kv / mass - omega**2

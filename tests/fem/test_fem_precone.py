@@ -6,7 +6,6 @@ from fem_cases import BENT, FLAT, STEEL, STRIP, WRIGHT, frequencies, unit_of
 from scipy.spatial.transform import Rotation
 
 from fem import ElasticRoot, PlaceError, Plate, Rotor, assemble, equilibrium, rectangle, with_point_mass
-from fem.assembly import point_rows
 from fem.linalg import factorise, lanczos
 from fem.meshes.thickness import Polynomial
 from fem.theory.fields import gram
@@ -65,7 +64,7 @@ def rigid(operators, direction):
 def test_a_point_mass_pulls_from_the_axis():
     operators = assemble(Plate(rectangle(0.2, 0.08, 4, 2), 0.004, STEEL), Rotor(0.1, 0.4, 0.2), FLAT)
     heavy = with_point_mass(operators, (0.15, 0.02), 0.5)
-    rows = point_rows(operators.model, (0.15, 0.02))
+    rows = operators.at_place((0.15, 0.02)).rows[0]
     place = operators.from_axis((0.15, 0.02))
     axis = operators.rotor.axis
     np.testing.assert_allclose(heavy.load - operators.load, 0.5 * rows.T @ (place - (place @ axis) * axis), atol=1e-12)
@@ -117,5 +116,5 @@ def test_a_cone_bends_what_is_raised_towards_the_plane():
     """The load pulls the tip of a thin strip down to the plane of rotation: at speed it stretches out there."""
     plate, precone = Plate(rectangle(0.2, 0.02, 16, 1), 5e-4, STEEL), 0.05
     operators = assemble(plate, Rotor(0.1, 0.0, precone), BENT)
-    lift = (point_rows(operators.model, (0.2, 0.0)) @ equilibrium(operators, 600.0))[2]
+    lift = (operators.at_place((0.2, 0.0)).rows[0] @ equilibrium(operators, 600.0))[2]
     assert -0.2 * np.sin(precone) * 1.05 < lift < -0.2 * np.sin(precone) * 0.8

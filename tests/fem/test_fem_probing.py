@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fem_cases import BENT, FLAT, STEEL, rpm
+from fem_cases import BENT, FLAT, STEEL, builder, rpm
 
 from fem import (
     Divergence,
@@ -92,11 +92,8 @@ def test_ends_where_the_plate_diverges():
 
 def test_a_mode_that_the_start_does_not_lead_to_is_noticed():
     """Flap modes stiffen past the third twist, which is then the sixth mode and not among the six at rest."""
-    form, rotor = Rectangle(0.3, 0.05), Rotor(0.3)
-
-    def build(size):
-        return assemble(Plate(form.mesh(size), 1.5904e-3, STEEL), rotor, Effects(), "kirchhoff")
-
+    form = Rectangle(0.3, 0.05)
+    build = builder(form, 1.5904e-3, "kirchhoff", Rotor(0.3))
     operators = build(3)
     top = 2.02 * float(solve_modes(operators, 0.0, 1).eigenvalues[0] ** 0.5)
     found = probe(operators, (0.0, top), COUNT, 1e-6)
@@ -115,10 +112,7 @@ def test_a_mode_that_the_start_does_not_lead_to_is_noticed():
 def test_a_divergence_that_the_start_does_not_lead_to_is_noticed():
     """Softened in its plane of rotation a deep strip loses its lag mode, of which flap modes have no part."""
     form = Rectangle(0.2, 0.04)
-
-    def build(size):
-        return assemble(Plate(form.mesh(size), 0.008, STEEL), Rotor(0.1), Effects(stress_stiffening=False))
-
+    build = builder(form, 0.008, rotor=Rotor(0.1), effects=Effects(stress_stiffening=False))
     top = 5.0 * float(solve_modes(build(2), 0.0, 1).eigenvalues[0] ** 0.5)
     with pytest.raises(Divergence):
         solve_modes(build(2), top, 1)

@@ -9,7 +9,6 @@ from scipy.optimize import brentq
 
 from fem import ElasticRoot, Plate, Rotor, Unresolved, assemble, rectangle, solve_modes
 from fem.accuracy.theory_selection import theory_errors
-from fem.assembly import point_rows
 from fem.linalg import factorise
 from fem.meshes.thickness import Polynomial
 from fem.theory.registry import LAYERED
@@ -67,12 +66,12 @@ def test_what_a_force_at_the_tip_does(theory):
     root = ElasticRoot(3e6, 2e4)
     operators = strip(theory, root)
     factor, force = factorise(operators.stiffness), 1e3 * WIDTH
-    row = point_rows(operators.model, (LENGTH, 0.0))
+    row = operators.at_place((LENGTH, 0.0)).rows[0]
     bent = factor.solve(force * row[[2]].toarray().ravel())
     expected = force / WIDTH * (LENGTH**3 / (3.0 * BENDING) + LENGTH**2 / root.rotational + 1.0 / root.stiffness)
     assert (row @ bent)[2] == pytest.approx(expected, rel=1e-3)
     pulled = factor.solve(force * row[[0]].toarray().ravel())
-    at_root = point_rows(operators.model, (0.0, 0.0)) @ pulled
+    at_root = operators.at_place((0.0, 0.0)).rows[0] @ pulled
     assert at_root[0] == pytest.approx(force / WIDTH / root.stiffness, rel=1e-3)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fem_cases import AT_REST, BENT, FLAT, STEEL, frequencies, promise_kept, rpm
+from fem_cases import AT_REST, BENT, FLAT, STEEL, builder, frequencies, promise_kept, rpm
 
 from fem import Effects, Given, Material, Plate, Rectangle, Rotor, assemble, choose_mesh, rectangle, solve_modes
 from fem.accuracy.edge_layer import drift, folds, layer_and_rest, unseen
@@ -161,22 +161,16 @@ def test_twist_is_off_by_what_the_layer_and_the_rest_leave(h_over_b):
 def test_thin_plates_with_shear_keep_the_promise(slenderness, tolerance, finer):
     """Meshes that miss the layer along the edges agree with each other, and are wrong by all of it."""
     form = Rectangle(0.2, 0.04)
-
-    def build(size):
-        return assemble(Plate(form.mesh(size), 0.04 / slenderness, STEEL), Rotor(), AT_REST, "mindlin")
-
+    build = builder(form, 0.04 / slenderness, effects=AT_REST)
     promise_kept(choose_mesh(form, build, (0.0,), COUNT, tolerance), build, finer, tolerance)
 
 
 def test_large_deflection_is_part_of_the_estimate():
     """Twisted by its load, a thin plate has other modes, whose errors are larger than those of the flat one."""
     form, top, tolerance = Rectangle(0.2, 0.2), rpm(4000), 1e-2
-
-    def build(size, effects=BENT):
-        return assemble(Plate(form.mesh(size), 0.002, STEEL), Rotor(0.0, np.pi / 4), effects, "mindlin")
-
+    build, unbent = (builder(form, 0.002, rotor=Rotor(0.0, np.pi / 4), effects=each) for each in (BENT, FLAT))
     true = promise_kept(choose_mesh(form, build, (top,), COUNT, tolerance), build, 5, tolerance)
-    flat = choose_mesh(form, lambda size: build(size, FLAT), (top,), COUNT, tolerance)
+    flat = choose_mesh(form, unbent, (top,), COUNT, tolerance)
     assert flat.errors.max() < true
 
 

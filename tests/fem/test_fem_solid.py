@@ -58,7 +58,7 @@ def test_elements_pass_the_patch_test_and_feel_no_rotation(kind):
     """A gradient that is the same everywhere has its own stress everywhere; a turn by 70 degrees has none."""
     operators = boxed(kind, distorted=0.15)
     points, every = operators.blade.mesh.points, [cells.nodes for cells in operators.cells]
-    loose = replace(operators, pattern=pattern(every, np.empty(0, dtype=int), len(points)))
+    loose = replace(operators, pattern=pattern(every, np.ones(len(points), dtype=bool)))
 
     def forces(moved):
         return loose.spread(loose.stressed(loose.gathered(moved)).force())

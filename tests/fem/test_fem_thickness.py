@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, check_tangent, distorted, frequencies, unit_of
+from fem_cases import AT_REST, BENT, FLAT, STEEL, STRIP, builder, check_tangent, distorted, frequencies, unit_of
 from scipy.integrate import quad
 
 from fem import (
@@ -19,7 +19,7 @@ from fem import (
     rectangle,
     solve_modes,
 )
-from fem.assembly import point_rows, transfer
+from fem.assembly import transfer
 from fem.linalg import factorise
 from fem.meshes.mesh_sequence import Given
 from fem.meshes.thickness import SLOPE, Bilinear, Nodal, Polynomial, slope
@@ -82,7 +82,7 @@ def tip_load(operators, per_width):
     y, weights = np.polynomial.legendre.leggauss(5)
     width = np.ptp(operators.plate.mesh.p[1])
     rows = [
-        w * 0.5 * width * point_rows(operators.model, (1.0, 0.5 * width * s))[[0]]
+        w * 0.5 * width * operators.at_place((1.0, 0.5 * width * s)).rows[0][[0]]
         for s, w in zip(y, weights, strict=True)
     ]
     return per_width * sum(rows).toarray().ravel()
@@ -106,7 +106,7 @@ def test_the_stretch_of_a_bar(theory, taper):
         return STRIP.density * quad(lambda s: (hub + s) * height(s), x, 1.0)[0]
 
     expected = quad(lambda x: pull(x) / height(x) / STRIP.youngs_modulus, 0.0, 1.0)[0]
-    found = (point_rows(operators.model, (1.0, 0.0)) @ operators.prestress)[0]
+    found = (operators.at_place((1.0, 0.0)).rows[0] @ operators.prestress)[0]
     assert found == pytest.approx(expected, rel=1e-4 if theory == "solid" and taper else 1e-8)
 
 
@@ -257,10 +257,7 @@ def test_the_mesh_chosen_is_as_good_as_it_says(profile, theory):
     four times what is left.
     """
     planform = Rectangle(0.2, 0.08)
-
-    def build(size):
-        return assemble(Plate(planform.mesh(size), profile, STEEL), Rotor(0.05), FLAT, theory)
-
+    build = builder(planform, profile, theory, Rotor(0.05))
     choice = choose_mesh(planform, build, (0.0, 600.0), 6, 1e-2)
     finer = build(2 * choice.size)
     found, limit = (
