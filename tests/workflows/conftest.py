@@ -177,8 +177,14 @@ def changed(scene, **changes):
     return new
 
 
+class Raw(str):
+    """A value that is TOML already, which may be anything that a file can hold."""
+
+
 def toml(value):
     """A value as TOML."""
+    if isinstance(value, Raw):
+        return str(value)
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{json.dumps(key)} = {toml(item)}" for key, item in value.items()) + " }"
     if isinstance(value, float) and not math.isfinite(value):
