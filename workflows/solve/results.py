@@ -22,7 +22,6 @@ from fem.meshes.cells import edges_of
 from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import from_rpm
 from workflows.effects.definition import Effect, LeftOut
-from workflows.effects.selection import NAMES
 from workflows.formatting import rounded_rpm
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -908,9 +907,6 @@ def require_results(results: object, who: str) -> None:
         raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")
 
 
-_EFFECTS = tuple(name for name in NAMES if name in ErrorParts.__annotations__)
-"""Parts of an error that are what an effect left out would move."""
-
 SMOOTH, _PARTS = 900, 4
 """Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
 
@@ -968,7 +964,7 @@ def points(
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
-    shares = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
+    shares = {name: effect.at(omega, count) for name, effect in discrete.left_out.items()}
     if discrete.cavity is not None:
         cavity = discrete.cavity
         shifts = cut(operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
