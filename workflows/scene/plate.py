@@ -177,12 +177,11 @@ class Root(Table):
     """stiffness against rotation of the root's section, per length of the root"""
 
 
-_VARYING = "[varying]"
-"""Marks a thickness that is a table among the errors that pydantic finds; no key of a scene has brackets."""
+VALUE, TABLE = Tag("[value]"), Tag("[table]")
+"""Mark what a key holds among the errors that pydantic finds; no key of a scene has brackets."""
 
-
-def _kind_of_thickness(value: Any) -> str:
-    return _VARYING if isinstance(value, Mapping | Thickness) else "[constant]"
+VALUE_OR_TABLE = Discriminator(lambda value: f"[{'table' if isinstance(value, Mapping | Table) else 'value'}]")
+"""Of a key that holds either; what is wrong is said of the one that is there."""
 
 
 class Plate(Table):
@@ -193,8 +192,7 @@ class Plate(Table):
     width: Annotated[q.Length, q.Positive] | None = None
     """across, centred on y = 0"""
     thickness: Annotated[
-        Annotated[Annotated[q.Length, q.Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
-        Discriminator(_kind_of_thickness),
+        Annotated[Annotated[q.Length, q.Positive], VALUE] | Annotated[Thickness, TABLE], VALUE_OR_TABLE
     ]
     """through the plate, along z; or the table [plate.thickness] if it varies"""
     mesh: q.MeshFile | None = None

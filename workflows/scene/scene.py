@@ -15,7 +15,7 @@ from workflows.scene import materials
 from workflows.scene import quantities as q
 from workflows.scene.damper import HEAVIEST, Damper, Release, misfit, through_the_thickness
 from workflows.scene.materials import LIGHTEST
-from workflows.scene.plate import Material, Plate, thickness_at
+from workflows.scene.plate import TABLE, VALUE, VALUE_OR_TABLE, Material, Plate
 from workflows.scene.quantities import ROUNDING, Table, fault, wrong
 
 MOST_SPEEDS = 100_000
@@ -189,10 +189,6 @@ class RootRadius(Table):
     """from the spin axis, up to which all nodes are clamped"""
 
 
-def _kind_of_root(value: Any) -> str:
-    return "[radius]" if isinstance(value, Mapping | RootRadius) else "[named]"
-
-
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
@@ -200,12 +196,7 @@ class Blade(Table):
     """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
-    root: (
-        Annotated[
-            Annotated[q.Line, Tag("[named]")] | Annotated[RootRadius, Tag("[radius]")], Discriminator(_kind_of_root)
-        ]
-        | None
-    ) = None
+    root: Annotated[Annotated[q.Line, VALUE] | Annotated[RootRadius, TABLE], VALUE_OR_TABLE] | None = None
     """the clamped part: a set of nodes or faces in the file, the radius of its nodes, such as '100 mm', or
     { radius = '100 mm' }, all nodes up to there; default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
@@ -221,7 +212,7 @@ class Blade(Table):
 
 
 _GIVEN, _KNOWN = "[given]", "[known]"
-"""Mark the two kinds of [structure] among the errors that pydantic finds; no key of a scene has brackets."""
+"""Mark the two kinds of [structure], as `VALUE` and `TABLE` do."""
 
 
 def _kind_of_structure(value: Any) -> str:
