@@ -20,7 +20,7 @@ from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE, called_for
 from workflows.formatting import turning, upwards
 from workflows.report import templates
-from workflows.scene import paper, plate_mesh
+from workflows.scene import paper
 from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.scene.scene import FINEST, Scene
@@ -786,7 +786,7 @@ def rows(results: Results) -> Values:
     if plate is None or plate.width is None or damper is None or damper.housing:
         return None
     place = damper.on_plate or (plate.length or 0.0, 0.0)
-    most = cavities_abreast(damper, plate_mesh.plate_thickness(plate, place), plate.width)
+    most = cavities_abreast(damper, plate.thickness_at(place), plate.width)
     rows = math.ceil(damper.count / most)
     return {"most": most, "count": damper.count, "rows": rows, "depth": 2 * damper.radius * rows} if rows > 1 else None
 

@@ -114,11 +114,6 @@ class Thickness(Table):
         return field
 
 
-def thickness_at(profile: float | Thickness, place: tuple[float, float], field: Profile | None = None) -> float:
-    """The thickness [m] at a place (x, y) [m]; `field` as in :meth:`Thickness.profile`."""
-    return profile if isinstance(profile, float) else profile.profile(field).near(place)
-
-
 def extremes(profile: float | Thickness, length: float, width: float) -> tuple[float, float]:
     """Least and greatest thickness [m] of a rectangle with these sides [m].
 
@@ -224,6 +219,11 @@ class Plate(Table):
         if self.mesh is None:
             self._rectangle()
         return self
+
+    def thickness_at(self, place: tuple[float, float], field: Profile | None = None) -> float:
+        """The thickness [m] at a place (x, y) [m]; `field` as in :meth:`Thickness.profile`."""
+        thickness = self.thickness
+        return thickness if isinstance(thickness, float) else thickness.profile(field).near(place)
 
     def _rectangle(self) -> None:
         for key in ("length", "width"):

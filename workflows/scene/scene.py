@@ -482,7 +482,7 @@ def _check_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | 
     if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
         raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
     if damper is not None:
-        _raise_misfit(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
+        _raise_misfit(misfit(damper, plate.thickness_at((x, y)), width, x, width - 2 * abs(y)))
 
 
 def _raise_misfit(odd: tuple[str, str] | None) -> None:

@@ -333,7 +333,7 @@ def room(scene: Scene) -> float:
         return math.inf
     if plate.length is None:
         return plate.thickness if isinstance(plate.thickness, float) else 0.0
-    return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
+    return plate.thickness_at(damper.on_plate or (plate.length, 0.0))
 
 
 def deflection_governs(results: Results, omega: float | None = None) -> bool:
