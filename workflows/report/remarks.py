@@ -90,7 +90,7 @@ def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> l
     lines = [line for each, line in means.items() if each in marks]
     lines += said("remarks/rough", results, points=rough) if rough else []
     tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in points)
-    return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not limits.is_printed(results) else lines
+    return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not results.scene.is_printed else lines
 
 
 def beyond_means(results: Results, speeds: list[float]) -> str:
@@ -182,7 +182,7 @@ _ALONG_BOTH = 0.02
 def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with the answer."""
     shares = [p.tilt_share for p in points]
-    if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
+    if results.scene.is_printed or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
     both = any(point.drive_left > abs(1 - point.tilt_share) + _ALONG_BOTH for point in points)
     return phrase("remarks/tilt", results, begin=as_it_moves(results), shares=shares, both=both)
@@ -461,7 +461,7 @@ def books(results: Results) -> Values:
     """Energy that appears or vanishes without a cause."""
     shares = [d.energy.residual / d.energy.initial for _, _, d in ring_downs(results) if d.energy.initial > 0]
     worst = max(shares, key=abs, default=0.0)
-    return {"share": worst, "printed": limits.is_printed(results)} if abs(worst) > EXPLAINED else None
+    return {"share": worst, "printed": results.scene.is_printed} if abs(worst) > EXPLAINED else None
 
 
 @remark
@@ -509,7 +509,7 @@ def level_floor(results: Results) -> Values:
     ]
     tilted = [ratio for ratio, _ in pairs if not math.isnan(ratio)]
     level = [ratio for _, ratio in pairs if ratio is not None]
-    of = {"count": len(pairs), "never": len(pairs) - len(tilted), "printed": limits.is_printed(results)}
+    of = {"count": len(pairs), "never": len(pairs) - len(tilted), "printed": results.scene.is_printed}
     return {"tilted": tilted, "level": level, **of} if pairs else None
 
 
@@ -736,7 +736,7 @@ def neglected_forces(results: Results) -> Values:
     changes the load by c (u'² + u u'').
     """
     scene = results.scene
-    if scene.damper is None or scene.given is not None or limits.is_printed(results):
+    if scene.damper is None or scene.given is not None or results.scene.is_printed:
         return None
     chord, along, load = (0.0, ""), (0.0, ""), (0.0, "")
     for point in results.speeds:
@@ -773,7 +773,7 @@ def modes_left_out(results: Results) -> Values:
 @remark
 def lent(results: Results) -> Values:
     """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
-    rung = [] if limits.is_printed(results) else ring_downs(results)
+    rung = [] if results.scene.is_printed else ring_downs(results)
     borrowed = [(_share(d), p) for p, _, d in rung if lost_at_most(d) != d.peak_sdc and d.impacts]
     share, point = max(borrowed, key=lambda pair: pair[0], default=(0.0, None))
     return {"share": share, "point": point} if borrowed else None

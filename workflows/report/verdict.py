@@ -221,7 +221,7 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
     loaded = [p for p in points if p.load_g > 0] or points
     judged, unjudged = [p for p in loaded if _rank(p) >= 0], _unjudged(results, loaded)
     dense = remarks.too_dense(results)
-    refused = phrase("answer/printed", results) if limits.is_printed(results) else None if dense is None else dense[0]
+    refused = phrase("answer/printed", results) if results.scene.is_printed else None if dense is None else dense[0]
     if not judged and refused is None:
         return [capital(unjudged[0]), *unjudged[1:]], ()
     speaking = judged or loaded

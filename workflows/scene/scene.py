@@ -716,6 +716,11 @@ class Scene(Table):
         return (None, own) if self.damper is None else (self.damper.ball_material, self.damper.floor_material or own)
 
     @property
+    def is_printed(self) -> bool:
+        """Whether the damper follows the equations as printed, which do not conserve energy."""
+        return self.damper is not None and self.damper.formulation == "printed"
+
+    @property
     def ball_count(self) -> int:
         """Balls of the damper; 1 without one."""
         return 1 if self.damper is None else self.damper.count

@@ -158,7 +158,7 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
 
 def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
     """Why there is no verdict at a speed whatever the damper does there; None where there may be one."""
-    if is_printed(results):
+    if results.scene.is_printed:
         return Reason.PRINTED
     if is_too_dense(ball_density(results, point)):
         return Reason.DENSITY
@@ -171,11 +171,6 @@ def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
 def energy_loss(damping_ratio: float) -> float:
     """Share of a vibration's energy that a damping ratio takes in a cycle."""
     return -math.expm1(-4 * math.pi * damping_ratio)
-
-
-def is_printed(results: Results) -> bool:
-    """Whether the damper follows the equations as printed, which do not conserve energy."""
-    return results.scene.damper is not None and results.scene.damper.formulation == "printed"
 
 
 def _idle(results: Results, point: SpeedPoint) -> Reason:
