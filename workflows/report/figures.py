@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.rotor import from_rpm
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
@@ -358,12 +358,6 @@ def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
     return None
 
 
-def frequency(point: SpeedPoint) -> float:
-    """Of the structure with the ball at rest in its cavity [Hz]."""
-    assert point.reduced is not None
-    return point.reduced.f1_hz
-
-
 def cavity_path(results: Results) -> Figure | None:
     """The ball from above, and over time with the structure's motion below; None where no ball moved."""
     from matplotlib.figure import Figure
@@ -376,7 +370,7 @@ def cavity_path(results: Results) -> Figure | None:
     figure.set_layout_engine("constrained", hspace=0.08)
     grid = figure.add_gridspec(3, 1, height_ratios=(2.6, 1.25, 1.25))  # a square, and two panels below it
     above, ball, structure = (figure.add_subplot(grid[k]) for k in range(3))
-    _from_above(above, path, spec.cavity, spec.radius, _LINED / frequency(point))
+    _from_above(above, path, spec.cavity, spec.radius, _LINED / present(point.reduced).f1_hz)
     _over_time(ball, path, path.ball)
     for i in files.moving_axes(path.ball):
         half = 1e3 * (spec.cavity[i] / 2 - spec.radius)

@@ -110,11 +110,10 @@ def beyond_of(results: Results, omega: float | None = None) -> str:
 
     `omega`: speed [rad/s]; None: that at which it endures least, which is named where the strains at others differ.
     """
-    if omega is not None:
-        return phrase("phrases/beyond", results, by_deflection=limits.deflection_governs(results, omega))
-    strains = sorted((strain, speed) for speed, strain in limits.strains_held(results))
+    held = [p for p in results.speeds if omega is None and not limits.is_torn(results, p)]
+    strains = sorted((p.root_strain, p.omega) for p in held if p.root_strain is not None)
     most = strains[-1][1] if strains and strains[-1][0] > _ALIKE * strains[0][0] else None
-    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=most)
+    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results, omega), omega=most)
 
 
 _ALIKE = 1.01

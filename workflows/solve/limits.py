@@ -372,13 +372,6 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
     return float(max([value for speed, value in known if speed <= most] or [value for _, value in known]))
 
 
-def strains_held(results: Results) -> list[tuple[float, float]]:
-    """Speeds [rad/s] whose load does not tear the root, and the largest strain over the cavity's amplitude [1/m]."""
-    most = torn_above(results)
-    held = [point for point in results.speeds if point.omega <= most]
-    return [(point.omega, point.root_strain) for point in held if point.root_strain is not None]
-
-
 def span(results: Results) -> float | None:
     """The plate's extent from its root outwards [m]."""
     plate = results.scene.plate
