@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BeforeValidator, Field, WithJsonSchema, computed_field, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, PlainSerializer, WithJsonSchema, computed_field
+from pydantic.functional_validators import BeforeValidator, PlainValidator, model_validator
 
 import fem
 from fem import modal_model
@@ -75,22 +75,14 @@ def copy_fields(record: type[T], source: object, **more: object) -> T:
     return record(**fields_of, **more)
 
 
-class _Array:
+def _array(kind: type) -> tuple[PlainValidator, PlainSerializer]:
     """How pydantic takes an array: from a list with null where there is no number, and to one."""
-
-    def __init__(self, kind: type) -> None:
-        self.kind = kind
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        written = core_schema.plain_serializer_function_ser_schema(np.ndarray.tolist, when_used="json")
-        return core_schema.no_info_plain_validator_function(self._read, serialization=written)
-
-    def _read(self, value: Any) -> npt.NDArray[Any]:
-        return value if isinstance(value, np.ndarray) else np.array(value, self.kind)
+    read = PlainValidator(lambda value: value if isinstance(value, np.ndarray) else np.array(value, kind))
+    return read, PlainSerializer(np.ndarray.tolist, when_used="json")
 
 
-Floats = Annotated[npt.NDArray[np.float64], _Array(float)]
-Ints = Annotated[npt.NDArray[np.int64], _Array(int)]
+Floats = Annotated[npt.NDArray[np.float64], *_array(float)]
+Ints = Annotated[npt.NDArray[np.int64], *_array(int)]
 
 _NULL = WithJsonSchema({"type": ["number", "null"]})
 _NULL_AS_NAN = (BeforeValidator(lambda value: math.nan if value is None else value), _NULL)
