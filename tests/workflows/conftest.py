@@ -150,6 +150,11 @@ def shipped_scene(name):
     return tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
 
 
+def table_of(name):
+    """What a TOML file beside the tests holds."""
+    return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
+
+
 @pytest.fixture
 def paper():
     """The paper's scene as plain data."""
