@@ -352,10 +352,8 @@ def _beside(axes: Axes, limit: float) -> None:
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
     """The path kept and the speed it belongs to; None where no ball moved."""
-    for point in results.speeds:
-        if point.damper is not None and point.damper.path is not None:
-            return point.damper.path, point
-    return None
+    kept = ((point.damper.path, point) for point in results.speeds if point.damper is not None)
+    return next(((path, point) for path, point in kept if path is not None), None)
 
 
 def cavity_path(results: Results) -> Figure | None:

@@ -228,18 +228,18 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
 
 
+_BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
+"""Parts of an error that an effect removes."""
+
 PARTS = {
     "mesh": "mesh",
     "layers": "layers of the solid",
     "basis": "reduced basis",
     "theory": "theory",
-    **{name: f"{EFFECTS[name].word} left out" for name in ("large_deflection", "coriolis")},
+    **{name: f"{effect} left out" for name, effect in _BY_EFFECT.items()},
     "cavity_mass": "cavities",
 }
 """Parts of an error, as people call them."""
-
-_BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
-"""Those that an effect removes."""
 
 _WITHOUT_PART = tuple(name for name in OF_THE_PLATE if name not in _BY_EFFECT)
 """Effects of a plate that are on unless the scene switches them off; what they would move is not estimated."""
