@@ -213,13 +213,9 @@ def _from_file(source: SceneFile) -> fem.Given:
 
     plate = present(source.scene.plate)
     field = None if isinstance(plate.thickness, float) else plate.thickness.field
-    try:
+    of_mesh = source.blaming("[plate] mesh", plate.mesh, fem.MeshError)
+    with of_mesh, source.blaming("[plate] thickness.field", field, FieldError):
         mesh, values = read_field(present(source.mesh), field)
-    except FieldError as error:
-        raise source.wrong(str(error), "[plate] thickness.field", field) from error
-    except fem.MeshError as error:
-        text = str(error).removeprefix(f"{source.mesh}: ")
-        raise source.wrong(text, "[plate] mesh", plate.mesh) from error
     scale = unit_in_si(plate.mesh_unit, LENGTH)
     if scale != 1.0:
         mesh = mesh.scaled(scale)

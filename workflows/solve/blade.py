@@ -238,12 +238,9 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.solid.blade import Blade, root_at, up_to
 
     path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
-    try:
+    of_mesh = source.blaming("[blade] mesh", spec.mesh, fem.MeshError)
+    with of_mesh, source.blaming("[blade] unit", spec.unit, SizeError):
         mesh = read_volume(path, unit_in_si(spec.unit, LENGTH), spec.size)
-    except fem.MeshError as error:
-        text = str(error).removeprefix(f"{path}: ")
-        key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
-        raise source.wrong(text, f"[blade] {key}", value) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
