@@ -150,6 +150,11 @@ def shipped_scene(name):
     return tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
 
 
+def table_of(name):
+    """What a TOML file beside the tests holds."""
+    return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
+
+
 @pytest.fixture
 def paper():
     """The paper's scene as plain data."""
@@ -177,8 +182,14 @@ def changed(scene, **changes):
     return new
 
 
+class Raw(str):
+    """A value that is TOML already, which may be anything that a file can hold."""
+
+
 def toml(value):
     """A value as TOML."""
+    if isinstance(value, Raw):
+        return str(value)
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{json.dumps(key)} = {toml(item)}" for key, item in value.items()) + " }"
     if isinstance(value, float) and not math.isfinite(value):

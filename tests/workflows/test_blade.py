@@ -18,7 +18,7 @@ from damper import ringdown
 from damper.state import HIT
 from fem.rotor import from_rpm
 from meshes import make
-from tests.workflows.conftest import QUIET
+from tests.workflows.conftest import QUIET, table_of
 from workflows import pipeline
 from workflows.errors import BadInput, NoAnswer
 from workflows.formatting import significant
@@ -36,7 +36,7 @@ from workflows.studies.design.space import Optimum, design_space, evaluate_desig
 from workflows.studies.design.study import design
 
 LEVEL = ('stagger = "35 deg"', 'stagger = "0 deg"')
-TEXTS = tomllib.loads(Path(__file__).with_name("blades.toml").read_text(encoding="utf-8"))
+TEXTS = table_of("blades")
 SCENE, DAMPER, PLATE = (TEXTS[name] for name in ("scene", "damper", "plate"))
 
 pytestmark = pytest.mark.usefixtures("quickly")

@@ -4,7 +4,6 @@ import gzip
 import json
 import math
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 
 import spindamp as package
-from tests.workflows.conftest import BALL, QUIET, changed, refused, write
+from tests.workflows.conftest import BALL, QUIET, changed, refused, table_of, write
 from workflows import pipeline
 from workflows.report import mode_viewer, remarks
 from workflows.scene.load import load
@@ -354,7 +353,7 @@ def small():
 OF_THE_BAR = changed(SCENE, structure__modes="bar.json", damper__at="TIP")
 OF_THE_BAR["rotor"] = {"speeds": ["3000 rpm"], "gravity": "10 m/s^2"}
 
-WRONG = tomllib.loads(Path(__file__).with_name("wrong_modes.toml").read_text(encoding="utf-8"))
+WRONG = table_of("wrong_modes")
 
 
 def bent(case):

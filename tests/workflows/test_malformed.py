@@ -10,13 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflows.conftest import refused, shipped_scene, toml
+from tests.workflows.conftest import Raw, changed, refused, shipped_scene, text_of, toml
 from workflows.scene.load import key_name
 from workflows.scene.quantities import Table
 from workflows.scene.scene import Effects, KnownModes, Scene, Structure
-
-Raw = dict[str, dict[str, str]]
-"""A scene as table → key → TOML text, so that a value can be anything a file can hold."""
 
 WRONG = tomllib.loads(
     Path(__file__)
@@ -56,100 +53,74 @@ def _tables():
     return found
 
 
-def _right(shipped):
-    """A shipped scene as raw text, to be bent."""
-    data = shipped_scene(shipped)
-    top = {"": {key: toml(value) for key, value in data.items() if not isinstance(value, dict)}}
-    return top | {
-        name: {key: toml(value) for key, value in table.items()}
-        for name, table in data.items()
-        if isinstance(table, dict)
-    }
-
-
-def _text(raw):
-    lines = []
-    for name, table in raw.items():
-        lines += [f"[{name}]"] if name else []
-        lines += [f"{key} = {value}" for key, value in table.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _with(raw, table, key, value):
-    """A copy with one value set, or taken out by None."""
-    new = {name: dict(keys) for name, keys in raw.items()}
-    place = new.setdefault(table, {})
-    if value is None:
-        place.pop(key, None)
-    else:
-        place[key] = value
-    return new
+def _with(scene, table, key, value):
+    """A copy with one value set, from TOML text, or taken out by None."""
+    return changed(scene, **{f"{table}__{key}" if table else key: None if value is None else Raw(value)})
 
 
 def _in_space(table, **carrier):
     """A scene of a structure in space, but that its file is not there."""
-    raw = _right("paper")
+    scene = shipped_scene("paper")
     plate_alone = ("plate", "material", "excitation") if table == "structure" else ("plate",)
-    raw = {name: keys for name, keys in raw.items() if name not in plate_alone} | {table: carrier}
-    raw["effects"] = {}
-    return _with(raw, "damper", "at", "[0.2, 0, 0]")
+    scene = {name: keys for name, keys in scene.items() if name not in plate_alone} | {table: carrier, "effects": {}}
+    return _with(scene, "damper", "at", "[0.2, 0, 0]")
 
 
 def _home(table, key):
     """A right scene in which this key can stand."""
     if table == "structure" and key in KnownModes.model_fields:
-        units = {} if key == "modes" else {"unit": '"mm"', "mass_unit": '"t"'}
-        return _in_space("structure", modes='"a.npz"', **units)
+        units = {} if key == "modes" else {"unit": "mm", "mass_unit": "t"}
+        return _in_space("structure", modes="a.npz", **units)
     if table == "blade" or f"{table}.{key}" in ("rotor.axis", "rotor.origin", "damper.direction", "damper.normal"):
-        return _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
+        return _in_space("blade", mesh="a.inp", unit="mm", root="NROOT")
     if f"{table}.{key}" in ("excitation.at", "excitation.direction"):
-        raw = _in_space("blade", mesh='"a.inp"', unit='"mm"', root='"NROOT"')
-        return raw | {"excitation": {"orders": "[3]", "force": '"1 N"', "at": "1", "direction": "[0, 0, 1]"}}
+        scene = _in_space("blade", mesh="a.inp", unit="mm", root="NROOT")
+        return scene | {"excitation": {"orders": [3], "force": "1 N", "at": 1, "direction": [0, 0, 1]}}
     if table == "structure" or (table, key) == ("rotor", "radius"):
-        return _right("structure")
+        return shipped_scene("structure")
     if table == "design":
-        return _right("design")
-    raw = _right("paper")
+        return shipped_scene("design")
+    scene = shipped_scene("paper")
     if (table, key) == ("material", "name"):
-        return raw | {"material": {}}
+        return scene | {"material": {}}
     if table == "damper" and key.startswith("ball_"):
-        return _with(raw, "damper", "mass_ratio", None)
+        return _with(scene, "damper", "mass_ratio", None)
     if (table, key) == ("plate", "mesh"):
-        return _with(_with(raw, "plate", "length", None), "plate", "width", None)
-    return raw
+        return _with(_with(scene, "plate", "length", None), "plate", "width", None)
+    return scene
 
 
 def _bent():
     for path, values in BENT.items():
         table, _, key = path.rpartition(".")
         for what, value in values.items():
-            raw = _right("paper") if what == "with a plate" else _home(table, key)
+            scene = shipped_scene("paper") if what == "with a plate" else _home(table, key)
             named = key if not table else key_name([table, key])
             if path == "plate.length" and what == "shorter than thick":
                 named = "[plate] thickness"
             if path in ("plate.thickness", "blade.root") and what == "a table":  # they may be one
                 named += ".a"
-            yield f"{path} {what}", Case(_text(_with(raw, table, key, value)), named)
+            yield f"{path} {what}", Case(text_of(_with(scene, table, key, value)), named)
 
 
 def _misspelt():
     for name, table in _tables():
         for key in table.model_fields:
-            raw = _home(name, key)
+            scene = _home(name, key)
             wrong = key[:-2] + key[-1] + key[-2] if len(key) > 2 else key + key
-            value = raw.get(name, {}).get(key, "1")
-            bent = _with(_with(raw, name, key, None), name, wrong, value)
+            value = toml(scene.get(name, {}).get(key, 1))
+            bent = _with(_with(scene, name, key, None), name, wrong, value)
             if wrong != key:
-                yield f"misspelt {name}.{key}", Case(_text(bent), f"[{name}] {wrong}", f"did you mean '{key}'?")
+                yield f"misspelt {name}.{key}", Case(text_of(bent), f"[{name}] {wrong}", f"did you mean '{key}'?")
 
 
 def _missing():
     for shipped in ("paper", "structure"):
-        raw = _right(shipped)
+        scene = shipped_scene(shipped)
         for name, table in _tables():
             for key, field in table.model_fields.items():
-                if key in raw.get(name, {}) and (field.is_required() or (name, key) in NEEDED[shipped]):
-                    yield f"{shipped} without {name}.{key}", _case(raw, name, key, None, "missing")
+                if key in scene.get(name, {}) and (field.is_required() or (name, key) in NEEDED[shipped]):
+                    yield f"{shipped} without {name}.{key}", _case(scene, name, key, None, "missing")
 
 
 NEEDED = {"paper": {("plate", "length"), ("plate", "width")}, "structure": {("rotor", "radius")}}
@@ -158,61 +129,63 @@ NEEDED = {"paper": {("plate", "length"), ("plate", "width")}, "structure": {("ro
 
 def _whole_tables():
     for shipped in ("paper", "structure"):
-        raw = _right(shipped)
-        for name in raw:
-            if not name:
+        scene = shipped_scene(shipped)
+        for name in scene:
+            if name == "title":
                 continue
-            rest = {table: keys for table, keys in raw.items() if table != name}
+            rest = {table: keys for table, keys in scene.items() if table != name}
             if name not in ("effects", "excitation", "accuracy", "release"):
                 # Without its structure a scene is taken for one of a plate that is not there.
                 key = "[plate]" if name == "structure" else f"[{name}]"
-                yield f"{shipped} without [{name}]", Case(_text(rest), key, "missing")
+                yield f"{shipped} without [{name}]", Case(text_of(rest), key, "missing")
             for what, value in (("a number", "1"), ("text", '"x"'), ("a list", "[1]"), ("true", "true")):
-                bent = {"": raw[""] | {name: value}} | {t: k for t, k in rest.items() if t}
-                yield f"{shipped}: {name} is {what}", Case(_text(bent), f"[{name}]", "expected a table")
-            array = _text(raw).replace(f"[{name}]\n", f"[[{name}]]\n")
+                yield (
+                    f"{shipped}: {name} is {what}",
+                    Case(text_of(rest | {name: Raw(value)}), f"[{name}]", "expected a table"),
+                )
+            array = text_of(scene).replace(f"[{name}]\n", f"[[{name}]]\n")
             yield f"{shipped}: {name} in double brackets", Case(array, f"[{name}]", "expected a table")
             swapped = name[:-2] + name[-1] + name[-2]
-            misspelt = _text(raw).replace(f"[{name}]\n", f"[{swapped}]\n")
+            misspelt = text_of(scene).replace(f"[{name}]\n", f"[{swapped}]\n")
             yield f"{shipped}: [{swapped}]", Case(misspelt, f"[{swapped}]", f"did you mean '{name}'?")
 
 
-def _case(raw, table, key, value, hint=""):
+def _case(scene, table, key, value, hint=""):
     """One key set, or taken out by None, that the message must name."""
-    return Case(_text(_with(raw, table, key, value)), f"[{table}] {key}", hint)
+    return Case(text_of(_with(scene, table, key, value)), f"[{table}] {key}", hint)
 
 
 def _combined():
-    paper, structure, long = _right("paper"), _right("structure"), "x" * 5000
-    tables = {name: keys for name, keys in paper.items() if name}
-    shaken = paper | {"excitation": {"orders": "[3]", "force": '"1 N"'}}
-    deep = _text(_with(paper, "plate", "length", None)).replace("[material]", f"length{3000 * '.a'} = 1\n[material]")
+    paper, structure, long = shipped_scene("paper"), shipped_scene("structure"), "x" * 5000
+    tables = {name: keys for name, keys in paper.items() if name != "title"}
+    shaken = paper | {"excitation": {"orders": [3], "force": "1 N"}}
+    deep = text_of(_with(paper, "plate", "length", None)).replace("[material]", f"length{3000 * '.a'} = 1\n[material]")
     yield from {
         "a plate and a structure": Case(
-            _text(paper | {"structure": structure["structure"]}), "[plate]", "leave one out"
+            text_of(paper | {"structure": structure["structure"]}), "[plate]", "leave one out"
         ),
         "a material for a structure": Case(
-            _text(structure | {"material": paper["material"]}), "[material]", "leave one out"
+            text_of(structure | {"material": paper["material"]}), "[material]", "leave one out"
         ),
         "hub radius of a structure": _case(structure, "rotor", "hub_radius", "1.0"),
         "stagger of a structure": _case(structure, "rotor", "stagger", '"1 deg"'),
         "place on a structure": _case(structure, "damper", "at", "[0.1, 0]"),
         "one negative side": _case(paper, "damper", "cavity", '"-3 mm"', "expected more than 0"),
-        "two masses": Case(_text(_with(paper, "damper", "mass", '"1 g"')), "[damper] mass_ratio", "leave one out"),
+        "two masses": Case(text_of(_with(paper, "damper", "mass", '"1 g"')), "[damper] mass_ratio", "leave one out"),
         "no mass": _case(paper, "damper", "mass_ratio", None),
-        "a mesh and a length": Case(_text(_with(paper, "plate", "mesh", '"a.msh"')), "[plate] length", "leave"),
-        "a table below a value": Case("title.a = 1\n" + _text(tables), "title"),
+        "a mesh and a length": Case(text_of(_with(paper, "plate", "mesh", '"a.msh"')), "[plate] length", "leave"),
+        "a table below a value": Case("title.a = 1\n" + text_of(tables), "title"),
         "a key below a key": _case(paper, "plate", "length", '{ value = 20, unit = "cm" }', "expected a length"),
         "deeply below": Case(deep, "[plate] length"),
-        "a key of 5000 letters": Case(_text(_with(paper, "plate", long, "1")), f"[plate] {'x' * 50}"),
+        "a key of 5000 letters": Case(text_of(_with(paper, "plate", long, "1")), f"[plate] {'x' * 50}"),
         "a value of 5000 letters": _case(paper, "plate", "length", f'"{long}"'),
-        "a key on two lines": Case(_text(_with(paper, "plate", '"a\\nb"', "1")), "[plate] a b"),
+        "a key on two lines": Case(text_of(_with(paper, "plate", '"a\\nb"', "1")), "[plate] a b"),
     }.items()
     for key, value in (("at", "[0.1, 0]"), ("at", "1"), ("direction", "[0, 0, 1]")):
         case = _case(shaken, "excitation", key, value, "belongs to a [blade]")
         yield f"{key} = {value} of a force on a plate", case
     for key in ("length", "speeds", "radius", "cycles", "friction"):
-        yield f"{key} outside its table", Case(_text({"": paper[""] | {key: "1"}} | tables), key, "belongs in [")
+        yield f"{key} outside its table", Case(text_of(paper | {key: 1}), key, "belongs in [")
 
 
 CASES = {name: case for make in (_bent, _misspelt, _missing, _whole_tables, _combined) for name, case in make()}

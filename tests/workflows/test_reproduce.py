@@ -2,20 +2,18 @@
 
 import math
 import re
-import tomllib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.workflows.browser import findings, needs_chromium
-from tests.workflows.conftest import measured_quickly, stored
+from tests.workflows.conftest import measured_quickly, stored, table_of
 from workflows.io.files import write_study
 from workflows.solve import damper
 from workflows.studies.reproduction import FORMULATIONS, RELEASE, SHOWN, Verdict, of_figures, of_table_two, reproduce
 
-VERDICTS = tomllib.loads(Path(__file__).with_name("verdicts.toml").read_text(encoding="utf-8"))
+VERDICTS = table_of("verdicts")
 
 
 @pytest.fixture(scope="module")

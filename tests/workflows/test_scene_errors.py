@@ -1,14 +1,12 @@
 """Scenes that are wrong: exit 2, one line that names file, key and value, no traceback, nothing written."""
 
 import re
-import tomllib
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from tests.workflows.conftest import changed, refused, shipped_scene, write
+from tests.workflows.conftest import changed, refused, shipped_scene, table_of, write
 from tests.workflows.test_blades import TAPER
 from workflows import pipeline
 from workflows.errors import BadInput
@@ -16,7 +14,7 @@ from workflows.report import remarks
 from workflows.scene.load import parse
 from workflows.studies.sweep import study
 
-REFUSED = tomllib.loads(Path(__file__).with_name("wrong_scenes.toml").read_text(encoding="utf-8"))
+REFUSED = table_of("wrong_scenes")
 SCENES = {"taper": TAPER}
 SCENES |= {name: shipped_scene(name) for name in ("paper", "structure")}
 

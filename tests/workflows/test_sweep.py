@@ -3,9 +3,7 @@
 import json
 import math
 import re
-import tomllib
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from scipy.stats import norm, qmc
 
 import spindamp
 from tests.workflows.browser import findings
-from tests.workflows.conftest import ROOT, changed, refused, shipped_scene, stored
+from tests.workflows.conftest import ROOT, changed, refused, shipped_scene, stored, table_of
 from workflows.errors import BadInput
 from workflows.io import serialise
 from workflows.report import plots
@@ -27,7 +25,7 @@ from workflows.studies.sweep.plan import base, grid, of_a_point, sample, with_va
 from workflows.studies.sweep.report import HEADLINE
 
 G = 9.80665
-VARIED = tomllib.loads(Path(__file__).with_name("varied.toml").read_text(encoding="utf-8"))
+VARIED = table_of("varied")
 
 
 def axis(text):

@@ -2,14 +2,13 @@
 
 import math
 import re
-import tomllib
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.workflows.conftest import table_of
 from workflows import formatting
 from workflows.effects import selection
 from workflows.report import templates
@@ -17,7 +16,7 @@ from workflows.scene import quantities
 from workflows.scene.load import load
 from workflows.scene.quantities import UnitError, to_si
 
-TABLES = tomllib.loads(Path(__file__).with_name("units.toml").read_text(encoding="utf-8"))
+TABLES = table_of("units")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from tests.workflows.browser import NO_GL, VIEWER, driven, needs_chromium
 from workflows.report import mode_viewer
 from workflows.report.page import load_results
-from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface
+from workflows.solve.results import SMOOTH, Mode, SpeedPoint, Surface, bare_surface
 
 LENGTH, WIDTH, HOLE = 0.2, 0.08, 0.02
 SPEEDS = (0.0, 3000.0, 6000.0)
@@ -33,7 +33,7 @@ const count = () => {
 
 def plate(cells, kind="triangle", hole=False):
     """A rectangle of cells along, with a square hole of twice HOLE in its middle or not."""
-    from fem.meshes.planform import rectangle, root_facets
+    from fem.meshes.planform import rectangle
 
     mesh = rectangle(LENGTH, WIDTH, cells, 2 * (cells // 5))
     if kind == "triangle":
@@ -41,9 +41,7 @@ def plate(cells, kind="triangle", hole=False):
     if hole:
         middle = mesh.p[:, mesh.t].mean(axis=1)
         mesh = mesh.remove_elements(np.flatnonzero((abs(middle[0] - LENGTH / 2) < HOLE) & (abs(middle[1]) < HOLE)))
-    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
-    outline, root = (np.asarray(mesh.facets[:, found].T) for found in (mesh.boundary_facets(), root_facets(mesh)))
-    return Surface(points, (kind, np.asarray(mesh.t.T)), outline, root, np.zeros((0, 0, len(points), 3)), ())
+    return bare_surface(mesh)
 
 
 def swinging(surface, modes=4):

@@ -75,7 +75,7 @@ def _floor_tilt(case: Case) -> Called:
     scene = case.scene
     if not case.spins:
         return Called(False, "the rotor is at rest: no load pulls the ball down a slope")
-    if case.damper.formulation == "printed":
+    if scene.is_printed:
         return Called(False, PRINTED)
     if scene.in_space:
         return Called(True, "as the structure bends, the floor tilts, and the load pulls the ball down the slope")
@@ -126,7 +126,7 @@ def _structural_modes(case: Case) -> Called:
     damper, plate, release = case.damper, scene.plate, scene.release
     if scene.given is not None:
         return GIVEN
-    if damper.formulation == "printed":
+    if scene.is_printed:
         return Called(False, PRINTED)
     if plate is None:
         return Called(True, "the modes are known, with their motion along both axes")

@@ -118,7 +118,7 @@ PRINTED = "the printed equations support one mode along each axis and a level fl
 
 def not_printed(scene: Scene) -> Refusal | None:
     """Refuses what the printed equations do not know."""
-    return Refusal(PRINTED) if scene.damper is not None and scene.damper.formulation == "printed" else None
+    return Refusal(PRINTED) if scene.is_printed else None
 
 
 @dataclass(frozen=True)

@@ -32,9 +32,7 @@ if TYPE_CHECKING:
 TABLE = "speeds"
 """The file of everything that is one number a speed, for spreadsheets."""
 
-_OF_A_SPEED = (
-    r"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_from_above|_slow_ramp|_abrupt_start)?)_[\d.e+]+rpm"
-)
+_OF_A_SPEED = rf"((velocity|ball|displacement)_[xy]|sdc|damping_ratio(_{'|_'.join(OTHER_WAYS)})?)_[\d.e+]+rpm"
 
 FILES = rf"({TABLE}|campbell_\w+_\d+|{_OF_A_SPEED})\.csv"
 """What the files of curves are called, as a regular expression: which there are is known at the end of a run only."""

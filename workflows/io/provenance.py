@@ -75,7 +75,8 @@ def _varying(source: SceneFile, form: Planform | None) -> tuple[float, float, fl
     if plate is None or isinstance(plate.thickness, float):
         return None
     least, _, greatest = plate_mesh.thickness_range(plate, form)
-    return least, greatest, plate_mesh.plate_thickness(plate, plate_mesh.root_and_place(source, _mesh(form))[1], form)
+    place = plate_mesh.root_and_place(source, _mesh(form))[1]
+    return least, greatest, plate.thickness_at(place, getattr(form, "thickness", None))
 
 
 def _root_length(source: SceneFile, form: Planform | None) -> float | None:

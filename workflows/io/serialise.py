@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -306,33 +306,17 @@ def write_unpublished(results: Results, file: h5netcdf.File) -> None:
 
 
 def _unpublished(record: Any) -> dict[str, Any]:
-    """The fields of a record, and of those within it, that JSON leaves out, as JSON is nested."""
-    alone, parts = _unpublished_fields(record.__class__)
-    rest: dict[str, Any] = {name: getattr(record, name) for name in alone}
-    for name, key in parts:
+    """The fields of a record, and of those within it, that JSON leaves out and no column has, as JSON is nested."""
+    alone, parts = dict[str, Any](), dict[str, Any]()
+    for name, info in _fields(record.__class__).items():
         value = getattr(record, name)
-        if is_dataclass(value):
-            rest[key] = _unpublished(value)
+        if info.exclude and not info.json_schema_extra:  # which a column has
+            alone[name] = value
+        elif is_dataclass(value):
+            parts[info.alias or name] = _unpublished(value)
         elif isinstance(value, tuple) and value and is_dataclass(value[0]):
-            rest[key] = [_unpublished(each) for each in value]
-    return rest
-
-
-@cache
-def _unpublished_fields(record: type) -> tuple[list[str], list[tuple[str, str]]]:
-    """The fields that JSON leaves out and no column has; and those that may hold records, with their keys in JSON."""
-    alone, parts = [], []
-    for name, info in _fields(record).items():
-        extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-        if not info.exclude:
-            parts += [(name, info.alias or name)] if _holds_records(info.annotation) else []
-        elif "column" not in extra:
-            alone.append(name)
-    return alone, parts
-
-
-def _holds_records(annotation: Any) -> bool:
-    return is_dataclass(annotation) or any(map(_holds_records, get_args(annotation)))
+            parts[info.alias or name] = [_unpublished(each) for each in value]
+    return alone | parts
 
 
 @cache

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.rotor import from_rpm
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
 from workflows.report import plots
@@ -352,16 +352,8 @@ def _beside(axes: Axes, limit: float) -> None:
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:
     """The path kept and the speed it belongs to; None where no ball moved."""
-    for point in results.speeds:
-        if point.damper is not None and point.damper.path is not None:
-            return point.damper.path, point
-    return None
-
-
-def frequency(point: SpeedPoint) -> float:
-    """Of the structure with the ball at rest in its cavity [Hz]."""
-    assert point.reduced is not None
-    return point.reduced.f1_hz
+    kept = ((point.damper.path, point) for point in results.speeds if point.damper is not None)
+    return next(((path, point) for path, point in kept if path is not None), None)
 
 
 def cavity_path(results: Results) -> Figure | None:
@@ -376,7 +368,7 @@ def cavity_path(results: Results) -> Figure | None:
     figure.set_layout_engine("constrained", hspace=0.08)
     grid = figure.add_gridspec(3, 1, height_ratios=(2.6, 1.25, 1.25))  # a square, and two panels below it
     above, ball, structure = (figure.add_subplot(grid[k]) for k in range(3))
-    _from_above(above, path, spec.cavity, spec.radius, _LINED / frequency(point))
+    _from_above(above, path, spec.cavity, spec.radius, _LINED / present(point.reduced).f1_hz)
     _over_time(ball, path, path.ball)
     for i in files.moving_axes(path.ball):
         half = 1e3 * (spec.cavity[i] / 2 - spec.radius)

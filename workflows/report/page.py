@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.io import files, provenance, serialise
 from workflows.io.folder import check, put, replacing, writable
 from workflows.progress import Stages
@@ -38,7 +38,7 @@ def data(results: Results) -> str:
     content: dict[str, Any] = {
         "begin": 1e3 * begin,
         "t": mode_viewer.base64_of((1e3 * (path.t - begin)).astype("<f4")),
-        "frequency": 1e-3 * figures.frequency(point),
+        "frequency": 1e-3 * present(point.reduced).f1_hz,
         "radius": 1e3 * spec.radius,
         "ball": _packed(path.ball),
         "structure": _packed(path.structure),

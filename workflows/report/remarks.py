@@ -20,7 +20,7 @@ from fem.theory.registry import THEORIES, kind
 from workflows.effects.selection import EFFECTS, OF_THE_PLATE, called_for
 from workflows.formatting import turning, upwards
 from workflows.report import templates
-from workflows.scene import paper, plate_mesh
+from workflows.scene import paper
 from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.scene.scene import FINEST, Scene
@@ -90,7 +90,7 @@ def legend(results: Results, *, cutoffs: bool = True, damping: bool = True) -> l
     lines = [line for each, line in means.items() if each in marks]
     lines += said("remarks/rough", results, points=rough) if rough else []
     tilts = any(p.damping_curve and p.damping_curve.tilted_cutoff_ratio is not None for p in points)
-    return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not limits.is_printed(results) else lines
+    return [*lines, LEVEL_MEANS] if cutoffs and damping and tilts and not results.scene.is_printed else lines
 
 
 def beyond_means(results: Results, speeds: list[float]) -> str:
@@ -110,11 +110,10 @@ def beyond_of(results: Results, omega: float | None = None) -> str:
 
     `omega`: speed [rad/s]; None: that at which it endures least, which is named where the strains at others differ.
     """
-    if omega is not None:
-        return phrase("phrases/beyond", results, by_deflection=limits.deflection_governs(results, omega))
-    strains = sorted((strain, speed) for speed, strain in limits.strains_held(results))
+    held = [p for p in results.speeds if omega is None and not limits.is_torn(results, p)]
+    strains = sorted((p.root_strain, p.omega) for p in held if p.root_strain is not None)
     most = strains[-1][1] if strains and strains[-1][0] > _ALIKE * strains[0][0] else None
-    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results), omega=most)
+    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results, omega), omega=most)
 
 
 _ALIKE = 1.01
@@ -182,7 +181,7 @@ _ALONG_BOTH = 0.02
 def tilt(results: Results, points: list[SpeedPoint]) -> str | None:
     """What the tilt of the cavity's floor has to do with the answer."""
     shares = [p.tilt_share for p in points]
-    if limits.is_printed(results) or max(map(abs, shares)) < _NOTABLE_TILT:
+    if results.scene.is_printed or max(map(abs, shares)) < _NOTABLE_TILT:
         return None
     both = any(point.drive_left > abs(1 - point.tilt_share) + _ALONG_BOTH for point in points)
     return phrase("remarks/tilt", results, begin=as_it_moves(results), shares=shares, both=both)
@@ -229,18 +228,18 @@ def assumptions(results: Results) -> list[tuple[str, str]]:
     return [(text, source) for text, _, source in (line.partition(" | ") for line in lines)]
 
 
+_BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
+"""Parts of an error that an effect removes."""
+
 PARTS = {
     "mesh": "mesh",
     "layers": "layers of the solid",
     "basis": "reduced basis",
     "theory": "theory",
-    **{name: f"{EFFECTS[name].word} left out" for name in ("large_deflection", "coriolis")},
+    **{name: f"{effect} left out" for name, effect in _BY_EFFECT.items()},
     "cavity_mass": "cavities",
 }
 """Parts of an error, as people call them."""
-
-_BY_EFFECT = {name: EFFECTS[name].word for name in ("large_deflection", "coriolis")}
-"""Those that an effect removes."""
 
 _WITHOUT_PART = tuple(name for name in OF_THE_PLATE if name not in _BY_EFFECT)
 """Effects of a plate that are on unless the scene switches them off; what they would move is not estimated."""
@@ -470,7 +469,7 @@ def books(results: Results) -> Values:
     """Energy that appears or vanishes without a cause."""
     shares = [d.energy.residual / d.energy.initial for _, _, d in ring_downs(results) if d.energy.initial > 0]
     worst = max(shares, key=abs, default=0.0)
-    return {"share": worst, "printed": limits.is_printed(results)} if abs(worst) > EXPLAINED else None
+    return {"share": worst, "printed": results.scene.is_printed} if abs(worst) > EXPLAINED else None
 
 
 @remark
@@ -518,7 +517,7 @@ def level_floor(results: Results) -> Values:
     ]
     tilted = [ratio for ratio, _ in pairs if not math.isnan(ratio)]
     level = [ratio for _, ratio in pairs if ratio is not None]
-    of = {"count": len(pairs), "never": len(pairs) - len(tilted), "printed": limits.is_printed(results)}
+    of = {"count": len(pairs), "never": len(pairs) - len(tilted), "printed": results.scene.is_printed}
     return {"tilted": tilted, "level": level, **of} if pairs else None
 
 
@@ -745,7 +744,7 @@ def neglected_forces(results: Results) -> Values:
     changes the load by c (u'² + u u'').
     """
     scene = results.scene
-    if scene.damper is None or scene.given is not None or limits.is_printed(results):
+    if scene.damper is None or scene.given is not None or results.scene.is_printed:
         return None
     chord, along, load = (0.0, ""), (0.0, ""), (0.0, "")
     for point in results.speeds:
@@ -782,7 +781,7 @@ def modes_left_out(results: Results) -> Values:
 @remark
 def lent(results: Results) -> Values:
     """A cycle of a ring-down that takes more than a steady vibration loses, since the ball may give some of it back."""
-    rung = [] if limits.is_printed(results) else ring_downs(results)
+    rung = [] if results.scene.is_printed else ring_downs(results)
     borrowed = [(_share(d), p) for p, _, d in rung if lost_at_most(d) != d.peak_sdc and d.impacts]
     share, point = max(borrowed, key=lambda pair: pair[0], default=(0.0, None))
     return {"share": share, "point": point} if borrowed else None
@@ -795,7 +794,7 @@ def rows(results: Results) -> Values:
     if plate is None or plate.width is None or damper is None or damper.housing:
         return None
     place = damper.on_plate or (plate.length or 0.0, 0.0)
-    most = cavities_abreast(damper, plate_mesh.plate_thickness(plate, place), plate.width)
+    most = cavities_abreast(damper, plate.thickness_at(place), plate.width)
     rows = math.ceil(damper.count / most)
     return {"most": most, "count": damper.count, "rows": rows, "depth": 2 * damper.radius * rows} if rows > 1 else None
 

@@ -97,12 +97,15 @@ def at_speed(point: SpeedPoint) -> str:
     return f"{formatting.turning(point.omega)} ({formatting.whole(point.load_g)} g)"
 
 
-def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
-    """Where some of the points lie among all, in few words: up to, from, from ... to; both with rising load."""
+def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint], *, goes_on: bool = False) -> str:
+    """Where some of the points lie among all, in few words: up to, from, from ... to; both with rising load.
+
+    `goes_on`: beyond the first point or the last, too, where that is the only one.
+    """
     places = sorted(points, key=lambda point: point.load_g)
     at = sorted(places.index(point) for point in chosen)
     first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
-    if first == last:
+    if first == last and not (goes_on and (at[0] == 0 or at[-1] == len(places) - 1)):
         return f"at {first}"
     if at[-1] - at[0] >= len(at):
         among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"

@@ -10,7 +10,7 @@ import numpy as np
 from workflows.formatting import apart, revolutions, turning
 from workflows.report import remarks
 from workflows.report.remarks import as_it_moves, phrase, said, tilt
-from workflows.report.templates import at_speed, capital, in_percent, stretch
+from workflows.report.templates import capital, in_percent, stretch
 from workflows.solve import engine_orders, limits, remedies
 from workflows.solve.excitation import HELPS, refused
 from workflows.solve.results import Figures, Grade, OwnFigures, Reason, Results, SpeedPoint, VibrationReduction
@@ -221,7 +221,7 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
     loaded = [p for p in points if p.load_g > 0] or points
     judged, unjudged = [p for p in loaded if _rank(p) >= 0], _unjudged(results, loaded)
     dense = remarks.too_dense(results)
-    refused = phrase("answer/printed", results) if limits.is_printed(results) else None if dense is None else dense[0]
+    refused = phrase("answer/printed", results) if results.scene.is_printed else None if dense is None else dense[0]
     if not judged and refused is None:
         return [capital(unjudged[0]), *unjudged[1:]], ()
     speaking = judged or loaded
@@ -278,7 +278,7 @@ def followed_mode(results: Results) -> str:
 def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
     """How useful the damper is over the loads, by stretches of them, and on what that rests; where it is locked."""
     stretches = [(rank, list(run)) for rank, run in groupby(points, key=_rank)]
-    known = [k for k, (rank, _) in enumerate(stretches) if rank > 0]
+    known = [(rank, run) for rank, run in stretches if rank > 0]
     most = max(map(_rank, points))
     if most < len(_WORDS) - 1:
         best, at = max(_bests(results, [p for p in points if _rank(p) > 0]), key=lambda pair: pair[0].damping_ratio)
@@ -288,18 +288,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
     elif len(known) > _STEPS_AT_MOST:
         main = f"{_WORDS[most]} at some speeds"
     else:
-        words = []
-        for k in known:
-            rank, run = stretches[k]
-            first, last = at_speed(run[0]), at_speed(run[-1])
-            if k == 0:
-                where = f"up to {last}"
-            elif k == len(stretches) - 1:
-                where = f"from {first} on"
-            else:
-                where = f"at {last}" if first == last else f"from {first} to {last}"
-            words.append(f"{_WORDS[rank]} {where}")
-        main = ", ".join(words)
+        main = ", ".join(f"{_WORDS[rank]} {stretch(run, points, goes_on=True)}" for rank, run in known)
     nothing = [point for point in points if _rank(point) == 0]
     locked = [point for point in nothing if point.verdict and point.verdict.grade == Grade.LOCKED]
     idle = [point for point in nothing if point not in locked]

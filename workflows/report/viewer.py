@@ -11,7 +11,7 @@ import fem
 from fem.meshes.read import raw_mesh, surface_of
 from fem.meshes.volume import SizeError, has_volume, volume_of
 from workflows import pipeline
-from workflows.errors import BadInput
+from workflows.errors import BadInput, present
 from workflows.formatting import significant, whole
 from workflows.io import serialise
 from workflows.io.files import STUDIES
@@ -226,10 +226,9 @@ def data_of_scene(scene: str, omega: float | None) -> ViewData:
     resources.check(source)
     with Stages() as stages:
         state = pipeline.structure(source, stages)
-    if state.surface is None or state.diagram is None:
-        raise ValueError("a plate was solved without its surface")
     told = tuple(("remark", each) for each in source.remarks)
-    return of_plate(source.scene, state.surface, state.points, (*told, *_known(state.diagram, state.theory)))
+    known = (*told, *_known(present(state.diagram), state.theory))
+    return of_plate(source.scene, present(state.surface), state.points, known)
 
 
 def page_of_study(target: str) -> Path | None:

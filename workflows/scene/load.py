@@ -83,11 +83,11 @@ class SceneFile:
 
     @contextmanager
     def blaming(self, key: str, value: object, *errors: type[Exception]) -> Iterator[None]:
-        """What fails inside with one of these errors is the fault of one of its keys."""
+        """What fails inside with one of these errors is the fault of one of its keys, which names the mesh file."""
         try:
             yield
         except errors as error:
-            raise self.wrong(str(error), key, value) from error
+            raise self.wrong(str(error).removeprefix(f"{self.mesh}: "), key, value) from error
 
     def changed(self, **tables: Table | Mapping[str, Any] | None) -> SceneFile:
         """The same with another scene; see :meth:`Scene.changed`."""

@@ -114,11 +114,6 @@ class Thickness(Table):
         return field
 
 
-def thickness_at(profile: float | Thickness, place: tuple[float, float], field: Profile | None = None) -> float:
-    """The thickness [m] at a place (x, y) [m]; `field` as in :meth:`Thickness.profile`."""
-    return profile if isinstance(profile, float) else profile.profile(field).near(place)
-
-
 def extremes(profile: float | Thickness, length: float, width: float) -> tuple[float, float]:
     """Least and greatest thickness [m] of a rectangle with these sides [m].
 
@@ -177,12 +172,11 @@ class Root(Table):
     """stiffness against rotation of the root's section, per length of the root"""
 
 
-_VARYING = "[varying]"
-"""Marks a thickness that is a table among the errors that pydantic finds; no key of a scene has brackets."""
+VALUE, TABLE = Tag("[value]"), Tag("[table]")
+"""Mark what a key holds among the errors that pydantic finds; no key of a scene has brackets."""
 
-
-def _kind_of_thickness(value: Any) -> str:
-    return _VARYING if isinstance(value, Mapping | Thickness) else "[constant]"
+VALUE_OR_TABLE = Discriminator(lambda value: f"[{'table' if isinstance(value, Mapping | Table) else 'value'}]")
+"""Of a key that holds either; what is wrong is said of the one that is there."""
 
 
 class Plate(Table):
@@ -193,8 +187,7 @@ class Plate(Table):
     width: Annotated[q.Length, q.Positive] | None = None
     """across, centred on y = 0"""
     thickness: Annotated[
-        Annotated[Annotated[q.Length, q.Positive], Tag("[constant]")] | Annotated[Thickness, Tag(_VARYING)],
-        Discriminator(_kind_of_thickness),
+        Annotated[Annotated[q.Length, q.Positive], VALUE] | Annotated[Thickness, TABLE], VALUE_OR_TABLE
     ]
     """through the plate, along z; or the table [plate.thickness] if it varies"""
     mesh: q.MeshFile | None = None
@@ -226,6 +219,11 @@ class Plate(Table):
         if self.mesh is None:
             self._rectangle()
         return self
+
+    def thickness_at(self, place: tuple[float, float], field: Profile | None = None) -> float:
+        """The thickness [m] at a place (x, y) [m]; `field` as in :meth:`Thickness.profile`."""
+        thickness = self.thickness
+        return thickness if isinstance(thickness, float) else thickness.profile(field).near(place)
 
     def _rectangle(self) -> None:
         for key in ("length", "width"):

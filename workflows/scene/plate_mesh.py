@@ -17,7 +17,7 @@ from fem.meshes.thickness import of as thickness_of
 from workflows.errors import present
 from workflows.scene.damper import misfit
 from workflows.scene.load import SceneFile
-from workflows.scene.plate import Plate, disproportion, extremes, thickness_at
+from workflows.scene.plate import Plate, disproportion, extremes
 from workflows.scene.quantities import LENGTH, unit_in_si
 from workflows.scene.scene import Scene
 
@@ -33,11 +33,6 @@ def profile(plate: Plate, form: Planform | None = None) -> float | Profile:
     """
     thickness = plate.thickness
     return thickness if isinstance(thickness, float) else thickness.profile(getattr(form, "thickness", None))
-
-
-def plate_thickness(plate: Plate, place: tuple[float, float], form: Planform | None = None) -> float:
-    """The thickness [m] at a place (x, y) [m] on the plate."""
-    return thickness_at(plate.thickness, place, getattr(form, "thickness", None))
 
 
 def sides(plate: Plate, form: Planform | None = None) -> tuple[float, float]:
@@ -218,13 +213,9 @@ def _from_file(source: SceneFile) -> fem.Given:
 
     plate = present(source.scene.plate)
     field = None if isinstance(plate.thickness, float) else plate.thickness.field
-    try:
+    of_mesh = source.blaming("[plate] mesh", plate.mesh, fem.MeshError)
+    with of_mesh, source.blaming("[plate] thickness.field", field, FieldError):
         mesh, values = read_field(present(source.mesh), field)
-    except FieldError as error:
-        raise source.wrong(str(error), "[plate] thickness.field", field) from error
-    except fem.MeshError as error:
-        text = str(error).removeprefix(f"{source.mesh}: ")
-        raise source.wrong(text, "[plate] mesh", plate.mesh) from error
     scale = unit_in_si(plate.mesh_unit, LENGTH)
     if scale != 1.0:
         mesh = mesh.scaled(scale)
@@ -261,8 +252,7 @@ def _check_place(source: SceneFile, form: fem.Given) -> None:
             raise PlaceError(f"expected a place that moves: ({at[0]:g}, {at[1]:g}) m is on the clamped root")
     if plate is None or damper is None:
         return
-    thickness = plate_thickness(plate, at, form)
-    odd = misfit(damper, thickness, float(width), float(reach), room_across(mesh, at))
+    odd = misfit(damper, plate.thickness_at(at, form.thickness), float(width), float(reach), room_across(mesh, at))
     if odd is not None:
         key, problem = odd
         raise source.wrong(problem, f"[damper] {key}", getattr(damper, key))

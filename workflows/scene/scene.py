@@ -15,7 +15,7 @@ from workflows.scene import materials
 from workflows.scene import quantities as q
 from workflows.scene.damper import HEAVIEST, Damper, Release, misfit, through_the_thickness
 from workflows.scene.materials import LIGHTEST
-from workflows.scene.plate import Material, Plate, thickness_at
+from workflows.scene.plate import TABLE, VALUE, VALUE_OR_TABLE, Material, Plate
 from workflows.scene.quantities import ROUNDING, Table, fault, wrong
 
 MOST_SPEEDS = 100_000
@@ -189,10 +189,6 @@ class RootRadius(Table):
     """from the spin axis, up to which all nodes are clamped"""
 
 
-def _kind_of_root(value: Any) -> str:
-    return "[radius]" if isinstance(value, Mapping | RootRadius) else "[named]"
-
-
 class Blade(Table):
     """A solid blade from a mesh of its volume, instead of a plate: twisted, cambered, of any shape."""
 
@@ -200,12 +196,7 @@ class Blade(Table):
     """file of a mesh (tetrahedra, hexahedra or wedges, best of second order) or of geometry (.step)"""
     unit: q.LengthUnit | None = None
     """of the coordinates in the mesh file; default: m"""
-    root: (
-        Annotated[
-            Annotated[q.Line, Tag("[named]")] | Annotated[RootRadius, Tag("[radius]")], Discriminator(_kind_of_root)
-        ]
-        | None
-    ) = None
+    root: Annotated[Annotated[q.Line, VALUE] | Annotated[RootRadius, TABLE], VALUE_OR_TABLE] | None = None
     """the clamped part: a set of nodes or faces in the file, the radius of its nodes, such as '100 mm', or
     { radius = '100 mm' }, all nodes up to there; default: the innermost face"""
     size: Annotated[q.Length, q.Positive] | None = None
@@ -221,7 +212,7 @@ class Blade(Table):
 
 
 _GIVEN, _KNOWN = "[given]", "[known]"
-"""Mark the two kinds of [structure] among the errors that pydantic finds; no key of a scene has brackets."""
+"""Mark the two kinds of [structure], as `VALUE` and `TABLE` do."""
 
 
 def _kind_of_structure(value: Any) -> str:
@@ -491,7 +482,7 @@ def _check_rectangle(plate: Plate, sides: tuple[float, float], damper: Damper | 
     if not 0 < x <= length * (1 + ROUNDING) or abs(y) > width / 2 * (1 + ROUNDING):
         raise fault(key, f"outside the plate: expected x above 0 and at most {length:g} m, y within ±{width / 2:g} m")
     if damper is not None:
-        _raise_misfit(misfit(damper, thickness_at(plate.thickness, (x, y)), width, x, width - 2 * abs(y)))
+        _raise_misfit(misfit(damper, plate.thickness_at((x, y)), width, x, width - 2 * abs(y)))
 
 
 def _raise_misfit(odd: tuple[str, str] | None) -> None:
@@ -723,6 +714,11 @@ class Scene(Table):
         """Names of the materials of ball and floor, as far as they have one; the floor is the plate's by default."""
         own = None if self.material is None else self.material.name
         return (None, own) if self.damper is None else (self.damper.ball_material, self.damper.floor_material or own)
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether the damper follows the equations as printed, which do not conserve energy."""
+        return self.damper is not None and self.damper.formulation == "printed"
 
     @property
     def ball_count(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -238,12 +238,9 @@ def blade_of(source: SceneFile) -> Blade:
     from fem.solid.blade import Blade, root_at, up_to
 
     path, spec, material = present(source.mesh), present(source.scene.blade), present(source.scene.material)
-    try:
+    of_mesh = source.blaming("[blade] mesh", spec.mesh, fem.MeshError)
+    with of_mesh, source.blaming("[blade] unit", spec.unit, SizeError):
         mesh = read_volume(path, unit_in_si(spec.unit, LENGTH), spec.size)
-    except fem.MeshError as error:
-        text = str(error).removeprefix(f"{path}: ")
-        key, value = ("unit", spec.unit) if isinstance(error, SizeError) else ("mesh", spec.mesh)
-        raise source.wrong(text, f"[blade] {key}", value) from error
     resources.check_blade(source, 3 * len(mesh.points))
     plain = ModalModel(mesh.points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
     about = about_spin_axis(source, plain)
@@ -286,18 +283,16 @@ def in_words(source: SceneFile, blade: Blade) -> str:
     return f"{cells} cells of {name}, {extents}, {unknowns} unknowns, {blade.held.size} nodes clamped{by}"
 
 
-def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None) -> tuple[str, ...]:
+def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None) -> Iterator[str]:
     """Remarks on a blade's mesh, root and spin axis; `stress`: see `root_stress`."""
     spec, blade = present(source.scene.blade), operators.blade
     if spec.size is not None:
-        made = [f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."]
+        yield f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."
     elif blade.mesh.first_order:
-        made = [
+        yield (
             "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors of the"
             " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20)."
-        ]
-    else:
-        made = []
+        )
     radii, along = np.linalg.norm(blade.arms, axis=1), blade.arms @ blade.arms.mean(axis=0)
     inboard = np.setdiff1d(blade.held, blade.root)
     if inboard.size:
@@ -306,23 +301,22 @@ def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None)
             for each in operators.cells
         ]
         inner, whole = np.sum(volumes, axis=0)
-        made.append(
+        yield (
             f"{share(inner / whole, 2)} % of the mesh is cut off from the blade by its"
             " root, on the side of the axis, and is clamped with it: the modes are those of the rest."
         )
     about = ModalModel(blade.mesh.points, (), blade.axis, blade.origin)
-    made += orientation_remarks(about, operators.masses, blade.root, "blade", inboard)
+    yield from orientation_remarks(about, operators.masses, blade.root, "blade", inboard)
     covered = min(float(np.ptp(each[blade.root]) / np.ptp(each)) for each in (radii, along))
     if covered > _TALL:
-        made.append(
+        yield (
             f"The root covers {percent(covered, 0)} % of the blade's radial extent: is it the end that the rotor holds?"
         )
     if stress is None:
-        made.append(
+        yield (
             "The mean stress at the root is not known, since the vector areas of its outer faces cancel:"
             " whether the load tears the root is not checked."
         )
-    return tuple(made)
 
 
 _TALL = 0.2

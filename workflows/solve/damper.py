@@ -93,7 +93,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
     system = particle_damper(scene, effects, point)
     damping = _one(scene, system, point, keep=keep)
     tilting = _tilting(scene, effects, point)
-    judged = system if tilting is None or system.formulation == "printed" else tilting
+    judged = system if tilting is None or scene.is_printed else tilting
     more: dict[str, Any] = {"pendulum": coupling.pendulum(system, point.omega)}
     if tilting is not None:
         level = None if judged is system else copy_fields(results.Figures, falling(system))
@@ -105,8 +105,7 @@ def _simulated(scene: Scene, effects: dict[str, Effect], point: SpeedPoint, *, k
 
 def verdict_damper(scene: Scene, effects: dict[str, Effect], point: SpeedPoint) -> damper.ParticleDamper:
     """The damper that the figures of a verdict are those of: on a floor that tilts."""
-    printed = scene.damper is not None and scene.damper.formulation == "printed"
-    tilting = None if printed else _tilting(scene, effects, point)
+    tilting = None if scene.is_printed else _tilting(scene, effects, point)
     return tilting or particle_damper(scene, effects, point)
 
 

@@ -142,7 +142,7 @@ def excitation_of(source: SceneFile) -> Excitation:
     if scene.excitation is None:
         problem = 'the table is missing: response needs it, such as orders = [2, 3] and force = ["1 N", "10 N"]'
         raise source.wrong(problem, "[excitation]")
-    if scene.damper.formulation == "printed":
+    if scene.is_printed:
         problem = "the printed equations do not support a force: expected 'consistent'"
         raise source.wrong(problem, "[damper] formulation", "printed")
     if len(scene.rotor.speeds) < 2:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
@@ -154,7 +154,7 @@ class SpaceStructure:
             return None
         modes = self.modes(omega)
         floor, names = self.floor(modes), _families(self.model, modes)
-        still = np.abs(floor.moved) <= _STILL * np.abs(floor.moved).max()
+        still = np.abs(floor.moved) <= results.STILL * np.abs(floor.moved).max()
         moved, at = np.where(still, np.nan, floor.moved), self.seat.place
         masses, tilts = moved**-2, floor.slope / moved
         figures = ([tuple(results.known(pair)) for pair in each.T] for each in (masses, masses * modes.squares, tilts))
@@ -202,7 +202,11 @@ class SpaceStructure:
             return np.array([floor.normal, floor.axes[1], floor.axes[0]])
         load = self.model.load(self.model.points).mean(axis=0)
         largest = float(np.linalg.norm(load))
-        normal = load / largest if largest > _STILL * self.model.size else np.eye(3)[int(self.model.axis[0] ** 2 > 0.5)]
+        normal = (
+            load / largest
+            if largest > results.STILL * self.model.size
+            else np.eye(3)[int(self.model.axis[0] ** 2 > 0.5)]
+        )
         axes = frame(normal, self.model.axis)
         return np.array([normal, axes[1], axes[0]])
 
@@ -212,10 +216,6 @@ _MARK = 0.006
 
 _TETRAHEDRON = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)])
 _SIDES = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
-
-
-_STILL = 1e-6
-"""Displacement of a place over the largest of all modes that counts as none."""
 
 
 def _modes(modes: ModesAtSpeed, families: Sequence[str], *left_out: Floats | None) -> tuple[results.Mode, ...]:
@@ -325,13 +325,12 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str],
     return about_spin_axis(source, model, turns=turns), remarks, whole
 
 
-def _copies(source: SceneFile, name: str, model: ModalModel) -> list[str]:
+def _copies(source: SceneFile, name: str, model: ModalModel) -> Iterator[str]:
     """Remarks on modes that move all nodes alike at nearly one frequency: a copy would count twice.
 
     Raises:
         BadInput: two modes are the same.
     """
-    remarks = list[str]()
     for modes in model.speeds:
         flat, hertz = modes.shapes.reshape(len(modes.shapes), -1), modes.frequencies_hz
         sizes = np.maximum(np.linalg.norm(flat, axis=1), np.finfo(float).tiny)
@@ -344,38 +343,30 @@ def _copies(source: SceneFile, name: str, model: ModalModel) -> list[str]:
             if apart < _CLOSE:
                 ends = " and ".join(significant(float(hertz[k]), 5) for k in (one, other))
                 alike = f"{which} ({ends} Hz) move all its nodes alike"
-                remarks.append(f"{name}: {alike}: if one is a copy of the other, it counts twice.")
-    return remarks
+                yield f"{name}: {alike}: if one is a copy of the other, it counts twice."
 
 
 _COPY, _SAME, _CLOSE = 1 - 1e-4, 1e-6, 0.01
 """MAC of modes that move all nodes alike; relative differences of frequencies and sizes: of the same, of close ones."""
 
 
-def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> list[str]:
+def _contradictions(known: KnownModes, models: Sequence[ModalModel]) -> Iterator[str]:
     """What files by speed say that does not go with these speeds, or with each other."""
-    problems, names = list[str](), list(known.files.values())
+    names = list(known.files.values())
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            problems.append(
-                f"{name} is given for {names.count(name)} speeds: its modes are assumed not to change between them."
-            )
+            yield f"{name} is given for {names.count(name)} speeds: its modes are assumed not to change between them."
     for (omega, name), model in zip(known.files.items(), models, strict=True):
         static = model.speeds[0].static
         if omega == 0.0 and static is not None and static.any():
-            problems.append(
-                f"{name} is given for 0 rpm, but holds a static displacement: does it belong to another speed?"
-            )
+            yield f"{name} is given for 0 rpm, but holds a static displacement: does it belong to another speed?"
     unloaded = {each.omega for model in models for each in model.speeds if each.omega > 0.0 and each.static is None}
     if unloaded:
         where = f"The modes at {turning(min(unloaded))} hold" if len(unloaded) == 1 else "Modes at speed hold"
-        problems.append(f"{where} no static displacement: place and floor of the damper are those at rest.")
+        yield f"{where} no static displacement: place and floor of the damper are those at rest."
     counts = [modes.frequencies_hz.size for model in models for modes in model.speeds]
     if min(counts) < max(counts):
-        problems.append(
-            f"The files hold {min(counts)} to {max(counts)} modes; the first {min(counts)}, common to all, are used."
-        )
-    return problems
+        yield f"The files hold {min(counts)} to {max(counts)} modes; the first {min(counts)}, common to all, are used."
 
 
 @lru_cache(maxsize=8)
@@ -517,16 +508,15 @@ _UNEVEN = 1.05
 """Ratio of densities from which on it is said."""
 
 
-def _uneven_density(name: str, model: ModalModel) -> list[str]:
+def _uneven_density(name: str, model: ModalModel) -> Iterator[str]:
     """A remark where the mass that the shapes say the structure has is not that of one density."""
     fits = modal_model.densities(model, model.speeds[0])
-    if fits is None or fits.max() <= _UNEVEN * fits.min():
-        return []
-    return [
-        f"By its shapes {name} has densities from {significant(float(fits.min()))} to"
-        f" {significant(float(fits.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
-        " normalised to mass."
-    ]
+    if fits is not None and fits.max() > _UNEVEN * fits.min():
+        yield (
+            f"By its shapes {name} has densities from {significant(float(fits.min()))} to"
+            f" {significant(float(fits.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
+            " normalised to mass."
+        )
 
 
 def about_spin_axis(source: SceneFile, model: ModalModel, *, turns: bool = False) -> ModalModel:
@@ -621,7 +611,7 @@ def seat_of(
     if damper is None:
         return None, ()
     at = _place(source, model, damper.at, "[damper] at")
-    if np.abs(at.displacement(modes.shapes)).max() <= _STILL * np.abs(modes.shapes).max():
+    if np.abs(at.displacement(modes.shapes)).max() <= results.STILL * np.abs(modes.shapes).max():
         raise source.wrong("this place is clamped: no mode moves it", "[damper] at", damper.at)
     try:
         wanted = damper.direction

@@ -158,7 +158,7 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
 
 def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
     """Why there is no verdict at a speed whatever the damper does there; None where there may be one."""
-    if is_printed(results):
+    if results.scene.is_printed:
         return Reason.PRINTED
     if is_too_dense(ball_density(results, point)):
         return Reason.DENSITY
@@ -171,11 +171,6 @@ def inadmissible(results: Results, point: SpeedPoint) -> Reason | None:
 def energy_loss(damping_ratio: float) -> float:
     """Share of a vibration's energy that a damping ratio takes in a cycle."""
     return -math.expm1(-4 * math.pi * damping_ratio)
-
-
-def is_printed(results: Results) -> bool:
-    """Whether the damper follows the equations as printed, which do not conserve energy."""
-    return results.scene.damper is not None and results.scene.damper.formulation == "printed"
 
 
 def _idle(results: Results, point: SpeedPoint) -> Reason:
@@ -333,7 +328,7 @@ def room(scene: Scene) -> float:
         return math.inf
     if plate.length is None:
         return plate.thickness if isinstance(plate.thickness, float) else 0.0
-    return plate_mesh.plate_thickness(plate, (plate.length, 0.0) if damper.on_plate is None else damper.on_plate)
+    return plate.thickness_at(damper.on_plate or (plate.length, 0.0))
 
 
 def deflection_governs(results: Results, omega: float | None = None) -> bool:
@@ -375,13 +370,6 @@ def _largest(results: Results, name: str, omega: float | None) -> float | None:
         return float(np.interp(omega**2, squares, values))
     most = torn_above(results)
     return float(max([value for speed, value in known if speed <= most] or [value for _, value in known]))
-
-
-def strains_held(results: Results) -> list[tuple[float, float]]:
-    """Speeds [rad/s] whose load does not tear the root, and the largest strain over the cavity's amplitude [1/m]."""
-    most = torn_above(results)
-    held = [point for point in results.speeds if point.omega <= most]
-    return [(point.omega, point.root_strain) for point in held if point.root_strain is not None]
 
 
 def span(results: Results) -> float | None:

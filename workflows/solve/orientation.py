@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from workflows.solve.results import Floats, Ints
 
 def orientation_remarks(
     model: ModalModel, masses: Floats, root: Ints, name: str, inboard: Ints | None = None
-) -> list[str]:
+) -> Iterator[str]:
     """Remarks on a structure that lies inboard of its root, along the spin axis, or out of the plane of rotation.
 
     Args:
@@ -23,14 +24,14 @@ def orientation_remarks(
         name: what it is called.
         inboard: numbers of nodes that the root cuts off from it; None: there are none.
     """
-    remarks, arms = list[str](), model.load(model.points)
+    arms = model.load(model.points)
     radii, whole = np.linalg.norm(arms, axis=1), masses.sum()
     if root.size:
         within = np.flatnonzero(radii < radii[root].min())
         within = within if inboard is None else np.setdiff1d(within, inboard)
         inside = float(masses[within].sum() / whole)
         if inside > 0.5:
-            remarks.append(
+            yield (
                 f"Most of the {name} ({percent(inside, 0)} %) lies nearer the axis than its root: the load compresses"
                 " it."
             )
@@ -38,16 +39,15 @@ def orientation_remarks(
     way = root_to_centre(model.points, masses, root)
     lean = 0.0 if way is None else math.asin(min(abs(float(way @ model.axis)), 1.0))
     if axial > _SLENDER * across and (way is None or lean > _ALONG):
-        remarks.append(
+        yield (
             f"The {name} measures {significant(1e3 * axial)} mm along the spin axis and {significant(1e3 * across)} mm"
             " across it: does [rotor] axis lie along the blade, where it should lie across it?"
         )
     elif lean > _LEANS and np.linalg.norm(arms.mean(axis=0)) > ON_ONE_SIDE * radii.mean():
-        remarks.append(
+        yield (
             f"The {name} leans by {significant(math.degrees(lean), 2)}° out of the plane of rotation, from the"
             " middle of its root to its centre of mass: is this intended, or is [rotor] axis wrong?"
         )
-    return remarks
 
 
 _LEANS = math.radians(15.0)

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BeforeValidator, Field, WithJsonSchema, computed_field, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, PlainSerializer, WithJsonSchema, computed_field
+from pydantic.functional_validators import BeforeValidator, PlainValidator, model_validator
 
 import fem
 from fem import modal_model
@@ -22,7 +22,6 @@ from fem.meshes.cells import edges_of
 from fem.meshes.planform import clamped_length, root_facets
 from fem.rotor import from_rpm
 from workflows.effects.definition import Effect, LeftOut
-from workflows.effects.selection import NAMES
 from workflows.formatting import rounded_rpm
 from workflows.scene import plate_mesh
 from workflows.scene.load import SceneFile
@@ -76,22 +75,14 @@ def copy_fields(record: type[T], source: object, **more: object) -> T:
     return record(**fields_of, **more)
 
 
-class _Array:
+def _array(kind: type) -> tuple[PlainValidator, PlainSerializer]:
     """How pydantic takes an array: from a list with null where there is no number, and to one."""
-
-    def __init__(self, kind: type) -> None:
-        self.kind = kind
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        written = core_schema.plain_serializer_function_ser_schema(np.ndarray.tolist, when_used="json")
-        return core_schema.no_info_plain_validator_function(self._read, serialization=written)
-
-    def _read(self, value: Any) -> npt.NDArray[Any]:
-        return value if isinstance(value, np.ndarray) else np.array(value, self.kind)
+    read = PlainValidator(lambda value: value if isinstance(value, np.ndarray) else np.array(value, kind))
+    return read, PlainSerializer(np.ndarray.tolist, when_used="json")
 
 
-Floats = Annotated[npt.NDArray[np.float64], _Array(float)]
-Ints = Annotated[npt.NDArray[np.int64], _Array(int)]
+Floats = Annotated[npt.NDArray[np.float64], *_array(float)]
+Ints = Annotated[npt.NDArray[np.int64], *_array(int)]
 
 _NULL = WithJsonSchema({"type": ["number", "null"]})
 _NULL_AS_NAN = (BeforeValidator(lambda value: math.nan if value is None else value), _NULL)
@@ -908,9 +899,6 @@ def require_results(results: object, who: str) -> None:
         raise TypeError(f"{who} takes what run returns, got {type(results).__name__}")
 
 
-_EFFECTS = tuple(name for name in NAMES if name in ErrorParts.__annotations__)
-"""Parts of an error that are what an effect left out would move."""
-
 SMOOTH, _PARTS = 900, 4
 """Points up to which pictures look between those of a coarse mesh, and parts of a side of its cells at most."""
 
@@ -968,7 +956,7 @@ def points(
     rows = list(numbers)
     omega, bounds = diagram.omega[rows], diagram.bounds[rows, : rotor.modes]
     count = bounds.shape[1]
-    shares = {name: effect.at(omega, count) for name, effect in discrete.left_out.items() if name in _EFFECTS}
+    shares = {name: effect.at(omega, count) for name, effect in discrete.left_out.items()}
     if discrete.cavity is not None:
         cavity = discrete.cavity
         shifts = cut(operators, diagram, numbers, cavity.at, cavity.volume, cavity.depth)
