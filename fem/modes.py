@@ -74,7 +74,7 @@ class Divergence(ArithmeticError):
         count: how many are.
     """
 
-    def __init__(self, omega: float, eigenvalue: float, count: int = 1, body: str = "plate") -> None:
+    def __init__(self, omega: float, eigenvalue: float, count: int = 1, body: str = "structure") -> None:
         super().__init__(
             f"the {body} diverges at {in_rpm(omega):.6g} rpm: {count} mode(s) without a frequency, "
             f"eigenvalue {eigenvalue:.6g} rad²/s²"

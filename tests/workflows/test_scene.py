@@ -26,7 +26,7 @@ from workflows.pipeline import run
 from workflows.report.remarks import assumptions
 from workflows.scene import plate_mesh
 from workflows.scene.damper import Release
-from workflows.scene.load import SHIPPED, load, parse, schema, shipped
+from workflows.scene.load import SHIPPED, as_scene_file, load, parse, schema, shipped
 from workflows.scene.plate import Plate
 from workflows.scene.scene import Effects
 from workflows.solve import model_choice
@@ -338,5 +338,6 @@ def test_quantities_of_another_library_are_read_as_text():
     scene = shipped_scene("structure")
     for unit in ("mm", "millimeter"):
         assert parse(changed(scene, damper__radius=Quantity(0.9, unit))).damper.radius == pytest.approx(0.9e-3)
+    assert as_scene_file(changed(scene, rotor__speeds=[Quantity(350.0, "rad/s")])).remarks == ()
     with pytest.raises(BadInput, match=r"\[damper\] radius = '0.9 kg': expected a length"):
         parse(changed(scene, damper__radius=Quantity(0.9, "kg")))

@@ -129,7 +129,8 @@ def as_scene_file(scene: SceneLike) -> SceneFile:
     if isinstance(scene, Scene):
         return _with_its_mesh(SceneFile(scene, "scene", Path.cwd()))
     if isinstance(scene, Mapping):
-        return _with_its_mesh(SceneFile(parse(scene), "scene", Path.cwd(), _remarks(scene), scene))
+        plain = _plain(scene)
+        return _with_its_mesh(SceneFile(parse(plain), "scene", Path.cwd(), _remarks(plain), plain))
     raise TypeError(
         f"expected a scene's name or path, a dict, a Scene or what load returns, got {type(scene).__name__}"
     )
