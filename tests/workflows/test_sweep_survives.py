@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 import zarr
 
-from tests.workflows.conftest import QUIET, python
+from tests.workflows.conftest import MESHES, QUIET, changed, on_mesh, python, write
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.studies.sweep import evaluate, executor, store, study
@@ -309,6 +309,25 @@ def test_another_study_is_refused(asked, out):
     with pytest.raises(BadInput, match="differs in its points and keys: use another folder"):
         complete(keys, out)
     assert contents(out) == before
+
+
+@pytest.mark.parametrize("varied", ["plate.mesh=a.msh,b.msh", "damper.friction=0.1,0.2"])
+def test_a_study_of_other_files_is_another(tmp_path, paper, varied):
+    """Of meshes that are tried, and of files of modes, which count by what is in them."""
+    for name in ("a.msh", "b.msh"):
+        shutil.copy(MESHES / "plate_coarse.msh", tmp_path / name)
+    (tmp_path / "modes.npz").write_bytes(b"first")
+    given = {"structure": {"modes": {"0 rpm": "modes.npz"}}, "plate": None, "material": None, "effects": None}
+    given |= {"damper__at": ["1 m", "0 m", "0 m"], "damper__ball_material": "steel", "damper__mass_ratio": None}
+    scene = on_mesh(paper, "a.msh") if "mesh" in varied else changed(paper, **given)
+    write(scene, tmp_path / "scene.toml")
+    studies = [study.of_scene(tmp_path / "scene.toml", [varied]).attributes for _ in range(2)]
+    (tmp_path / "b.msh").write_bytes((MESHES / "plate_medium.msh").read_bytes())
+    (tmp_path / "modes.npz").write_bytes(b"other")
+    studies.append(study.of_scene(tmp_path / "scene.toml", [varied]).attributes)
+    assert studies[0] == studies[1]
+    differ = {name for name, each in studies[0].items() if studies[2][name] != each}
+    assert differ == {"files_sha256", "study"}
 
 
 def test_other_code_is_refused(asked, out, monkeypatch):

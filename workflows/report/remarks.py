@@ -241,6 +241,9 @@ PARTS = {
 }
 """Parts of an error, as people call them."""
 
+_OF_FILES = {"mesh": "file", "basis": "interpolation"}
+"""The same of known modes."""
+
 _WITHOUT_PART = tuple(name for name in OF_THE_PLATE if name not in _BY_EFFECT)
 """Effects of a plate that are on unless the scene switches them off; what they would move is not estimated."""
 
@@ -298,7 +301,8 @@ def sentence(results: Results) -> Values:
     if unknown:
         return {"unknown": unknown, "target": target}
     last = max(modes, key=lambda mode: mode.whole)
-    sizes = {words: getattr(last.parts, name) or 0.0 for name, words in PARTS.items()}
+    named = PARTS if results.scene.known is None else PARTS | _OF_FILES
+    sizes = {words: getattr(last.parts, name) or 0.0 for name, words in named.items()}
     parts = {words: size for words, size in sizes.items() if size >= _NOTABLE_PART * last.whole}
     calls = called_for(results.scene, names=_WITHOUT_PART)
     off = [EFFECTS[name].word for name in calls if calls[name].called and not results.effects[name].on]
@@ -330,7 +334,9 @@ def cure(results: Results) -> dict[str, Any]:
     left = sum((sizes[name] for name, key in remedies.items() if key != _FINER), np.zeros(len(modes)))
     thin = results.scene.plate is not None and results.scene.plate.theory == "kirchhoff"  # knows no large deflection
     keys: dict[str, str] = {}
-    notable = [name for name in remedies if sizes[name].max() >= _NOTABLE_PART * max(mode.whole for mode in modes)]
+    whole = np.array([mode.whole for mode in modes])
+    missed = whole > target
+    notable = [name for name in remedies if (sizes[name] >= _NOTABLE_PART * whole)[missed].any()]
     for name in sorted(notable, key=lambda name: (thin and name != "theory", -sizes[name].max())):
         key = remedies[name]
         if key and key != _FINER and left.max() > (target if name == "theory" else target / 2):

@@ -48,13 +48,17 @@ class SceneFile:
         meshed = self.scene.plate or self.scene.blade
         return None if meshed is None or meshed.mesh is None else self.folder / meshed.mesh
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What its structure comes from: that file, or those of known modes."""
+        if self.scene.known is not None:
+            return tuple(self.folder / name for name in self.scene.known.files.values())
+        return () if self.mesh is None else (self.mesh,)
+
     @cached_property
-    def mesh_sha256(self) -> str | None:
-        """SHA-256 of that file's bytes; read once."""
-        if self.mesh is None:
-            return None
-        with self.mesh.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+    def files_sha256(self) -> str | None:
+        """Their digest; they are read once."""
+        return sha256_of(self.files)
 
     def plate_alone(self) -> SceneFile:
         """The same without the damper; a housing stays, a part of the point mass at the damper's place."""
@@ -66,7 +70,7 @@ class SceneFile:
     def with_full_paths(self) -> SceneFile:
         """The same with the full paths of the files it names, for a copy in another folder."""
         tables: dict[str, dict[str, Any]] = {}
-        for table, key in (("plate", "mesh"), ("blade", "mesh"), ("structure", "modes")):
+        for table, _, key in (name.partition(".") for name in FILES):
             names = getattr(getattr(self.scene, table), key, None)
             if isinstance(names, str):
                 tables[table] = {key: self._full(names)}
@@ -93,6 +97,20 @@ class SceneFile:
         """The same with another scene; see :meth:`Scene.changed`."""
         return replace(self, scene=self.scene.changed(**tables))
 
+
+def sha256_of(files: Iterable[Path]) -> str | None:
+    """SHA-256 of the bytes of a file, or of the digests of several, of those there are; None of none."""
+    digests = []
+    for path in filter(Path.is_file, files):
+        with path.open("rb") as file:
+            digests.append(hashlib.file_digest(file, "sha256").hexdigest())
+    if len(digests) < 2:
+        return digests[0] if digests else None
+    return hashlib.sha256("".join(digests).encode()).hexdigest()
+
+
+FILES = ("plate.mesh", "blade.mesh", "structure.modes")
+"""Keys that name files."""
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
 DEFAULT = "paper"

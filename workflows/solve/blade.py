@@ -97,7 +97,7 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         seat=seat,
         described=in_words(source, solved.operators.blade),
         remarks=(*_remarks(source, solved.operators, stress), *remarks),
-        sha256=source.mesh_sha256,
+        sha256=source.files_sha256,
         coriolis=solved.coriolis_shifts,
         root_stress=stress,
         root_strain=None if stress is None else solved.root_strain,
@@ -152,7 +152,7 @@ def _key(source: SceneFile, *others: str) -> str:
     """What a blade's structure depends on, but for some keys of its rotor, and its effects."""
     scene = source.scene
     rotor = scene.rotor.model_dump_json(exclude={"gravity", *others})
-    return f"{source.mesh} {source.mesh_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
+    return f"{source.mesh} {source.files_sha256} {scene.blade!r} {scene.material!r} {rotor} {scene.accuracy!r}"
 
 
 def _matrices(source: SceneFile) -> SolidOperators:

@@ -137,7 +137,7 @@ def choose_model(source: SceneFile, stages: Stages) -> ModelChoice:
                 settled = {"large_deflection": blade.deflection(source)}
         return ModelChoice(None, selection.resolve(scene, source.name, settled=settled))
     with stages("mesh"):
-        sha256, form = source.mesh_sha256, plate_mesh.planform(source)
+        sha256, form = source.files_sha256, plate_mesh.planform(source)
     with stages("prestress"), translated_errors(source):
         effects = selection.resolve(scene, source.name, form)
         theory, tried = chosen_theory(scene, form, effects["large_deflection"].on)

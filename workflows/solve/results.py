@@ -515,7 +515,7 @@ class ErrorParts:
     """
 
     mesh: Annotated[float | None, quantity("1")]
-    """left by the mesh"""
+    """left by the mesh; of known modes, what their file states in all"""
     layers: Annotated[float, quantity("1")]
     """left by the layers of a solid"""
     basis: Annotated[Unknown, quantity("1")]

@@ -73,7 +73,7 @@ class Designs:
     def _read(self, path: Path, seed: int) -> dict[str, Evaluation]:
         """Scores from before, without a last line that was cut off; the file is ready for further ones."""
         source = self._space.source
-        origin = (executor.identity(), source.scene.model_dump_json(), source.mesh_sha256, seed)
+        origin = (executor.identity(), source.scene.model_dump_json(), source.files_sha256, seed)
         digest, scores = hashlib.sha256(repr(origin).encode()).hexdigest(), dict[str, Evaluation]()
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         adapter = TypeAdapter(Evaluation)

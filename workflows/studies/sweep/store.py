@@ -211,7 +211,7 @@ def check_target(path: Path) -> Path:
     return target
 
 
-_CALLED = {"code": "code and versions", "mesh_sha256": "mesh", "plan": "points", "block": "points"}
+_CALLED = {"code": "code and versions", "files_sha256": "files", "plan": "points", "block": "points"}
 
 
 def _check_same(target: Path, path: Path, identity: dict[str, str]) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.progress import Stages
-from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
+from workflows.scene.load import DEFAULT, FILES, SceneFile, SceneLike, as_scene_file, sha256_of
 from workflows.solve import resources
 from workflows.studies.sweep import evaluate, executor, plan, sensitivity, store
 from workflows.studies.sweep.plan import Plan
@@ -62,7 +62,7 @@ class Study:
         identity: dict[str, Any] = {
             "title": self.source.scene.title,
             "scene": plan.plain(self.source.scene),
-            "mesh_sha256": self.source.mesh_sha256,
+            "files_sha256": sha256_of([*self.source.files, *self._varied_files()]),
             "plan": self.plan.identity,
             "quick": self.quick,
             "points": self.plan.size,
@@ -73,6 +73,11 @@ class Study:
         keys = json.dumps([axis.name for axis in self.plan.axes])
         digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()
         return texts | {"title": self.source.scene.title, "keys": keys, "study": digest}
+
+    def _varied_files(self) -> list[Path]:
+        """Files of the structures that are tried in its place."""
+        axes = [axis for axis in self.plan.axes if axis.key.path in FILES]
+        return [self.source.folder / str(value) for axis in axes for value in axis.values]
 
     def regions(self) -> list[store.Region]:
         """Its points, region by region."""

@@ -230,7 +230,10 @@ LIMITS = (
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A plate to be solved for some modes at one speed [rad/s], without Coriolis forces and large deflection."""
+    """A plate to be solved for some modes at one speed [rad/s], without Coriolis forces and large deflection.
+
+    `mindlin`: what a run takes for Mindlin's theory, which says where its plate is clamped.
+    """
 
     form: Planform
     plate: Callable[[Any], fem.Plate]
@@ -238,6 +241,7 @@ class Problem:
     effects: fem.Effects
     omega: float
     count: int
+    mindlin: str = "mindlin"
 
     @property
     def is_rectangle(self) -> bool:
@@ -254,7 +258,8 @@ class Problem:
             raise ValueError("the mesh is from a file")
         if method.cells == "triangles" and mesh.t.shape[0] == 4:
             mesh = mesh.to_meshtri()
-        operators = fem.assemble(self.plate(mesh), self.rotor, self.effects, method.model)
+        model = self.mindlin if method.model == "mindlin" else method.model
+        operators = fem.assemble(self.plate(mesh), self.rotor, self.effects, model)
         return operators.mass.shape[0], fem.solve_modes(operators, self.omega, self.count).frequencies_hz
 
     def sizes(self, finest: int) -> list[int]:
@@ -440,7 +445,9 @@ def _plate(source: SceneFile, choice: ModelChoice, stages: Stages) -> tuple[list
     operators, count = solver.choice.operators, source.scene.rotor.modes
     plain = replace(operators.effects, coriolis=False, large_deflection=False)
     top = float(solver.choice.probes[-1])
-    problem = Problem(form, lambda mesh: plate_mesh.plate(source, mesh, form), operators.rotor, plain, top, count)
+    mindlin = choice.model if solver.theory.name == "mindlin" else "mindlin"
+    made = partial(plate_mesh.plate, source, form=form)
+    problem = Problem(form, made, operators.rotor, plain, top, count, mindlin)
     steps = 3 + sum(len(problem.sizes(method.finest)) for method in PLATE_METHODS)
     with stages("plate", steps) as step:
         studies, limits = plate_studies(problem, step)
