@@ -24,7 +24,7 @@ from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, for
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep.evaluate import DamperCase, damper_cases
 from workflows.studies.sweep.plan import Axis, Spread, Value, as_plain
-from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
+from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, map_spread, mark, paint
 
 _AT_END = 0.02
 """Share of a range from its end, and of a limit, from which on it counts as an active constraint."""
@@ -403,16 +403,11 @@ def _map(result: DesignResult, grid: Grid) -> str:
     xs, ys, values = _in_mm(grid.x, grid.xs), _in_mm(grid.y, grid.ys), factor * grid.values
     levels = contour_levels([values]) if of_damping else contour_levels([values], least=0.0)
     colours = map_spread(len(levels) - 1)[:: 1 if of_damping else -1]
-    shown = np.where(values > 0, np.clip(values, levels[0], levels[-1]), values)
-    axes.contourf(xs, ys, shown, levels, colors=colours)
-    if grid.beyond.any():
-        hatch(axes, xs, ys, grid.beyond)
+    paint(axes, xs, ys, values, levels, colours, grid.beyond)
     best = result.space.values(result.optimum.shares)
     mark(axes, _in_mm(grid.x, best[grid.x]), _in_mm(grid.y, best[grid.y]))
-    scales: dict[str, Any] = {"xscale": scale(grid.xs), "yscale": scale(grid.ys)}
     xlabel, ylabel = (f"{NAMES[key].replace('_', ' ')}, mm" for key in (grid.x, grid.y))
-    axes.set(xlabel=xlabel, ylabel=ylabel, **scales)
-    axes.grid(visible=False)
+    axes.set(xlabel=xlabel, ylabel=ylabel)
     colour_key(figure, levels, colours, name, idle="beyond a limit" if grid.beyond.any() else "")
     return plots.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
 
