@@ -40,8 +40,8 @@ class Integration:
         damper: ParticleDamper,
         release: tuple[float, float],
         cycles: float,
-        method: Integrator = "DOP853",
-        rtol: float = 1e-9,
+        method: Integrator,
+        rtol: float,
     ) -> None:
         for field in fields(damper):
             if field.name in _DEFAULT and getattr(damper, field.name) != field.default:
@@ -71,18 +71,14 @@ class Integration:
         """In which the ball rolls along each axis; 0: stuck."""
         self.y: Floats = np.array([*release, *[0.0] * 7])
         """q, s, q', s' along both axes, and the energy that the dashpots took."""
-        self.initial = self.energy()
+        self.initial = self.final
         for axis in (0, 1):
             self.settle(axis)
         self.follow(cycles * 2 * math.pi / rate)
 
     @property
     def final(self) -> float:
-        """Energy at present [J]."""
-        return self.energy()
-
-    def energy(self) -> float:
-        """Of structure and ball [J]."""
+        """Energy of structure and ball at present [J]."""
         q, _, v, w = self.y[:8].reshape(4, 2)
         spin = 0.0 if self.load == 0 or self.printed else 0.2 * self.m
         kinetic = 0.5 * self.free * v @ v + 0.5 * self.m * (v + w) @ (v + w) + spin * w @ w
