@@ -349,23 +349,18 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
 
 def _damper(result: Response, passage: Passage) -> dict[str, Any]:
     """The force from which the damper moves at a crossing, and its own figures where the mode leads along axis 1."""
-    c, figures, spec = passage.crossing, passage.figures, result.results.scene.damper
-    own: dict[str, Any] = dict.fromkeys(("damping_ratio_peak", "at_amplitude", "range", "cutoff", "curve"))
-    if figures is not None:
-        own = {
-            "damping_ratio_peak": figures.peak,
-            "at_amplitude": finite(figures.peak_amplitude),
-            "range": [finite(end) for end in figures.range],
-            "cutoff": finite(figures.cutoff),
-            "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
-        }
+    c, own, spec = passage.crossing, passage.figures, result.results.scene.damper
     return {
         "order": c.order,
         "mode": c.branch + 1,
         "least_force": finite(passage.least_force),
         "structure_damping_ratio": None if spec is None else spec.damping_ratio,
         "endured_amplitude": finite(endured(result.results, c)),
-        **own,
+        "damping_ratio_peak": own and own.peak,
+        "at_amplitude": own and finite(own.peak_amplitude),
+        "range": own and [finite(end) for end in own.range],
+        "cutoff": own and finite(own.cutoff),
+        "curve": own and {"amplitude": own.amplitude.tolist(), "damping_ratio": own.damping_ratio.tolist()},
     }
 
 
