@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 import damper
 from workflows.errors import during, read_from
@@ -252,7 +251,7 @@ def set_off_speeds(omega: Floats, threshold: Floats, levels: Sequence[float]) ->
             low, high = omega[k : k + 2]
             begin = min(max(k - 1, 0), max(len(omega) - 3, 0))
             known, square = omega[begin : begin + 3] - low, threshold[begin : begin + 3] ** 2
-            roots: npt.NDArray[Any] = np.empty(0)
+            roots: Any = np.empty(0)
             if len(known) == 3 and np.isfinite(square).all():
                 roots = np.polynomial.Polynomial.fit(known, square - aim**2, 2).roots()
             real = low + roots[np.isreal(roots)].real

@@ -19,6 +19,7 @@ from workflows.report import plots
 from workflows.report.templates import from_template, said, texts
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
+from workflows.solve.results import Floats
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import HEADLINE
 from workflows.studies.sweep.plan import SAMPLE, SPEEDS
@@ -26,8 +27,6 @@ from workflows.studies.sweep.sensitivity import INDICES, PERCENTILES
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    Floats = np.ndarray[Any, np.dtype[np.float64]]
     from matplotlib.axes import Axes
 
 
