@@ -69,11 +69,11 @@ def ramp(
         scale = math.sqrt(begun * factor**n / swing())
         run.x[: run.k] *= scale
         run.x[mode] *= scale
-        before, now = run.energy(), swing()
+        before, now = run.final, swing()
         run.cycles = n + 1
         run.go_on()
         amplitude = math.sqrt(2 * now / damper.stiffness[0])
-        yield amplitude, -0.5 * math.log1p((run.energy() - before) / now)
+        yield amplitude, -0.5 * math.log1p((run.final - before) / now)
 
 
 def damping_curve(name: str, samples: int) -> dict[str, float]:

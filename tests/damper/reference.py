@@ -110,15 +110,10 @@ class Reference:
         turn = [1.0, math.cos(phase), math.sin(phase)]
         self.known: dict[tuple[object, ...], Floats] = {}
         self.x: Floats = np.concatenate([release, place, np.zeros(k + 2 + 2), turn])
-        self.time, self.initial = 0.0, self.energy()
+        self.time, self.initial = 0.0, self.final
         for i in (0, 1) * 4:  # setting off along one axis changes what drives the other
             self.settle(i)
         self.go_on()
-
-    @property
-    def final(self) -> float:
-        """Energy at present [J]."""
-        return self.energy()
 
     def potential(self, z: Floats) -> float:
         """Of the structure, the load on the tilting and curved floor, and the spin in its plane of rotation."""
@@ -134,8 +129,9 @@ class Reference:
         z, y, sine, cosine = *at, math.sin(self.damper.stagger), math.cos(self.damper.stagger)
         return float(y**2 * cosine**2 + z**2 * sine**2 - 2 * y * z * sine * cosine)
 
-    def energy(self) -> float:
-        """Of structure and ball [J]."""
+    @property
+    def final(self) -> float:
+        """Energy of structure and ball at present [J]."""
         z, rate, spin = np.split(self.x[: self.one], [self.k + 2, 2 * self.k + 4])
         turning = 0.0 if self.load == 0 or self.printed else 0.2 * self.m * float(spin @ spin)
         return float(0.5 * rate @ self.mass @ rate) + self.potential(z) + turning

@@ -29,8 +29,11 @@ def let_go(damper: ParticleDamper, amplitudes: tuple[float, ...], cycles: float,
     return ringdown(damper, cycles=cycles, keep_events=True, **release, **more)
 
 
-def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:
-    """A damper and a release, in SI with everything about unit size but for what is drawn."""
+def random_scene(seed: int, slip: float | None = None) -> tuple[ParticleDamper, tuple[float, float]]:
+    """A damper and a release, in SI with everything about unit size but for what is drawn.
+
+    With slip, the floor's friction, it obeys the consistent equations.
+    """
     rng = np.random.default_rng(seed)
     modal_mass = 10 ** rng.uniform(-2, 1)
     ball_mass = modal_mass * 10 ** rng.uniform(-4, 0)
@@ -45,20 +48,20 @@ def random_scene(seed: int) -> tuple[ParticleDamper, tuple[float, float]]:
     fraction = rng.choice([0.0, 10 ** rng.uniform(-2, 0.1)], p=[0.1, 0.9])
     acceleration = fraction * omega**2 * largest
     load = acceleration * radius / lever if fraction > 0 else rng.choice([0.0, 1e4])
-    return (
-        ParticleDamper(
-            modal_mass=modal_mass,
-            stiffness=(stiffness, stiffness * rng.choice([1.0, rng.uniform(0.5, 2.0)])),
-            ball_mass=ball_mass,
-            ball_radius=radius,
-            cavity=(2 * (radius + gaps[0]), 2 * (radius + gaps[1])),
-            centrifugal_acceleration=float(load),
-            restitution=float(rng.choice([0.0, 1.0, rng.uniform(0, 1)], p=[0.05, 0.1, 0.85])),
-            friction=float(rng.choice([0.0, rng.uniform(0, 0.6)], p=[0.2, 0.8])),
-            rolling_friction=lever if fraction > 0 else 0.0,
-            damping_ratio=float(rng.choice([0.0, 10 ** rng.uniform(-4, -0.7)], p=[0.3, 0.7])),
-            sticking_ratio=float(rng.choice([1e-2, 10 ** rng.uniform(-4, -1)])),
-            formulation=Formulation.CONSISTENT if rng.random() < 0.6 else Formulation.PRINTED,
-        ),
-        (largest, ratio * largest),
+    damper = ParticleDamper(
+        modal_mass=modal_mass,
+        stiffness=(stiffness, stiffness * rng.choice([1.0, rng.uniform(0.5, 2.0)])),
+        ball_mass=ball_mass,
+        ball_radius=radius,
+        cavity=(2 * (radius + gaps[0]), 2 * (radius + gaps[1])),
+        centrifugal_acceleration=float(load),
+        restitution=float(rng.choice([0.0, 1.0, rng.uniform(0, 1)], p=[0.05, 0.1, 0.85])),
+        friction=float(rng.choice([0.0, rng.uniform(0, 0.6)], p=[0.2, 0.8])),
+        rolling_friction=lever if fraction > 0 else 0.0,
+        damping_ratio=float(rng.choice([0.0, 10 ** rng.uniform(-4, -0.7)], p=[0.3, 0.7])),
+        sticking_ratio=float(rng.choice([1e-2, 10 ** rng.uniform(-4, -1)])),
+        formulation=Formulation.CONSISTENT if rng.random() < 0.6 else Formulation.PRINTED,
     )
+    if slip is not None:
+        damper = replace(damper, formulation=Formulation.CONSISTENT, floor_friction=slip)
+    return damper, (largest, ratio * largest)

@@ -5,12 +5,20 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from damper import compiled
 from tests.compiler import needs_compiler
 from tests.limits import HANG
+
+
+def python(code: str, **how: Any) -> subprocess.CompletedProcess[str]:
+    """What a process of its own does with code."""
+    how |= {"capture_output": True, "text": True, "check": False, "timeout": HANG}
+    return subprocess.run([sys.executable, "-c", code], **how)
+
 
 NOWHERE = """
 from numba.core.caching import CacheImpl
@@ -24,7 +32,7 @@ print(compiled.CACHED, compiled.kernel(lambda x: x + 1)(2))
 @needs_compiler
 def test_no_place_for_compiled_code() -> None:
     """As where neither the package's folder nor a home can be written: numba then refuses to decorate with a cache."""
-    done = subprocess.run([sys.executable, "-c", NOWHERE], capture_output=True, text=True, check=False, timeout=HANG)
+    done = python(NOWHERE)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False 3\n", "")
 
 
@@ -47,15 +55,7 @@ def test_what_is_kept_is_used_if_it_is_whole_and_of_these_sources(tmp_path: Path
 
     def start() -> list[str]:
         """Value; whether this is the first start, before and after; how much was read. Numba keeps all in `kept`."""
-        done = subprocess.run(
-            [sys.executable, "-c", KEPT],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=HANG,
-            env={**os.environ, "NUMBA_CACHE_DIR": str(kept)},
-            cwd=tree,
-        )
+        done = python(KEPT, env={**os.environ, "NUMBA_CACHE_DIR": str(kept)}, cwd=tree)
         assert (done.returncode, done.stderr) == (0, "")
         return done.stdout.split()
 

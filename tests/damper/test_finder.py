@@ -27,9 +27,9 @@ def first_root(polynomial: ArrayLike, end: float = 1.0) -> float:
     return of_series(guard * FACTORIALS, end)
 
 
-def brute(guard: np.ndarray, end: float = 1.0, samples: int = 10_000) -> float:
-    """First sign change on a grid, polished by bisection."""
-    x = np.linspace(0, end, samples + 1)
+def brute(guard: np.ndarray) -> float:
+    """First sign change on a grid from 0 to 1, polished by bisection."""
+    x = np.linspace(0, 1.0, 10_001)
     below = np.flatnonzero(np.polynomial.polynomial.polyval(x, guard)[1:] <= 0)
     if not len(below):
         return math.inf

@@ -141,12 +141,12 @@ def test_cutoffs_with_tilt(load: int) -> None:
     assert ratio == pytest.approx(published, rel=0.01)  # three digits, another phase of the same decay
 
 
-def hinged(stagger: float = 0.0) -> ParticleDamper:
+def hinged() -> ParticleDamper:
     """A rigid blade on a hinge at the axis: it flaps as a tilted orbit, and lags not at all."""
     speed, radius, mass = 300.0, 0.2, 0.05
     stiffness = (1 + mass) * speed**2
     level = ParticleDamper(1.0, (stiffness, 1e-3 * stiffness), mass, 1e-3, (3e-3, 3e-3), speed**2 * radius, 0.5)
-    return replace(level, floor_tilt=(1 / radius, 1 / radius), rotation=speed, stagger=stagger)
+    return replace(level, floor_tilt=(1 / radius, 1 / radius), rotation=speed)
 
 
 @pytest.mark.parametrize("release", [1e-6, 1e-3, 0.1, 10.0])

@@ -38,11 +38,6 @@ def alike(damper: ParticleDamper, apart: float, count: int = 6) -> list[DampingC
     return [damping_curve(replace(damper, ball_mass=mass), threads=1) for mass in masses]
 
 
-def at(found: DampingCurve, amplitude: Any) -> Any:
-    """Damping ratio of the curve at amplitudes."""
-    return np.interp(np.log(amplitude), np.log(found.amplitude), found.damping_ratio)
-
-
 def ratio_of(lost: float, damper: ParticleDamper, amplitude: float) -> float:
     """Damping ratio by which a cycle from an amplitude loses an energy."""
     return -math.log1p(-lost / (0.5 * damper.stiffness[0] * amplitude**2)) / (4 * math.pi)
@@ -74,7 +69,7 @@ def two_hits(damper: ParticleDamper, amplitude: float) -> float:
 def test_two_hits_a_cycle_of_a_rolling_ball(over_gap: float) -> None:
     damper = paper(mass_ratio=1e-5, rolling_friction=1e-8, restitution=0.7)
     amplitude = over_gap * damper.half_gap[0]
-    assert at(curve(damper).descending, amplitude) == pytest.approx(two_hits(damper, amplitude), rel=0.03)
+    assert curve(damper).descending.at(amplitude) == pytest.approx(two_hits(damper, amplitude), rel=0.03)
 
 
 def held(damper: ParticleDamper, amplitude: float, growth: float = 0.0) -> float:
@@ -108,7 +103,7 @@ def test_what_a_held_amplitude_loses(restitution: float, mass_ratio: float, over
     """Not what a ball still has of faster motion, where the amplitude no longer keeps it bouncing."""
     damper = paper(mass_ratio=mass_ratio, rolling_friction=1e-7, restitution=restitution)
     amplitude = over_gap * damper.half_gap[0]
-    assert at(curve(damper).descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
+    assert curve(damper).descending.at(amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
 
 
 def steel_ball() -> ParticleDamper:
@@ -141,8 +136,8 @@ def test_the_way_up_of_a_steel_ball() -> None:
         (1.02e-3, 3.2e-3, 1.45e-4),
         (1.47e-3, 1.80e-3, rolling(damper, 1.47e-3)),
     ):
-        assert at(found.descending, amplitude) == pytest.approx(down, rel=0.02)
-        assert at(found, amplitude) == pytest.approx(up, rel=0.03)
+        assert found.descending.at(amplitude) == pytest.approx(down, rel=0.02)
+        assert found.at(amplitude) == pytest.approx(up, rel=0.03)
     assert found.folds[0] == pytest.approx(0.400e-3, rel=0.03)
     assert 0.9e-3 < found.jump[0] < found.jump[1] < 1.47e-3
     assert found.folds[1] == pytest.approx(damper.half_gap[0] / (5 / 7), rel=0.01)
@@ -163,13 +158,13 @@ def test_a_growing_vibration_meets_the_lower_motion(damper: ParticleDamper) -> N
     """
     found = curve(damper)
     amplitude = math.sqrt(found.folds[0] * found.jump[0])
-    assert at(found, amplitude) == pytest.approx(held(damper, amplitude, 1e-3), rel=0.02)
-    assert at(found.descending, amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
-    assert at(found, amplitude) < 0.5 * at(found.descending, amplitude)
+    assert found.at(amplitude) == pytest.approx(held(damper, amplitude, 1e-3), rel=0.02)
+    assert found.descending.at(amplitude) == pytest.approx(held(damper, amplitude), rel=0.08)
+    assert found.at(amplitude) < 0.5 * found.descending.at(amplitude)
     last = math.hypot(7 / 5 * damper.half_gap[0], math.pi / 2 * damper.rolling_threshold / damper.stuck_frequency**2)
     assert found.folds[1] == pytest.approx(last, rel=0.01)
-    assert at(found, 0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.02)
-    assert at(found, 1.05 * last) == pytest.approx(held(damper, 1.05 * last, 5e-3), rel=0.08)
+    assert found.at(0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.02)
+    assert found.at(1.05 * last) == pytest.approx(held(damper, 1.05 * last, 5e-3), rel=0.08)
     assert found.peak <= found.descending.peak
     if found.peak_amplitude > last / 2:
         assert found.range[0] == pytest.approx(found.folds[1], rel=1e-5)
@@ -191,10 +186,10 @@ def test_a_rolling_ball_counts_up_to_where_it_meets_the_walls(share: float) -> N
     last = found.folds[1]
     assert last == pytest.approx(reach, rel=1e-3)
     least = ratio_of(4 * damper.ball_mass * damper.rolling_threshold * gap, damper, last)
-    assert at(found, (1 - 1e-5) * last) == pytest.approx(least, rel=1e-3)
-    assert at(found, 0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.01)
-    assert at(found, (1 + 1e-5) * last) == pytest.approx(at(found.descending, last), rel=0.1)
-    assert least < 0.2 * at(found.descending, last)
+    assert found.at((1 - 1e-5) * last) == pytest.approx(least, rel=1e-3)
+    assert found.at(0.98 * last) == pytest.approx(rolling(damper, 0.98 * last), rel=0.01)
+    assert found.at((1 + 1e-5) * last) == pytest.approx(found.descending.at(last), rel=0.1)
+    assert least < 0.2 * found.descending.at(last)
 
 
 def test_a_falling_ball_bounces_on_where_few_sweeps_fall_off_early() -> None:
@@ -212,7 +207,7 @@ def test_a_falling_ball_bounces_on_where_few_sweeps_fall_off_early() -> None:
     for amplitude in (0.112e-3, 0.141e-3, 0.2e-3, 0.282e-3):
         near = [lost[np.abs(place - math.log2(amplitude)) < 1 / 24].mean() for place, lost in ramps]
         for found in every:
-            assert at(found.descending, amplitude) == pytest.approx(float(np.median(near)), rel=0.05)
+            assert found.descending.at(amplitude) == pytest.approx(float(np.median(near)), rel=0.05)
     assert all(0.09e-3 < found.folds[0] < 0.105e-3 for found in every)
 
 
@@ -245,8 +240,8 @@ def test_a_falling_curve_has_no_points_that_it_does_not_show() -> None:
     assert found.descending.amplitude[-1] > 20e-3
     for amplitude in (0.2e-3, 0.3e-3, 0.7e-3, 1.2e-3, 1.6e-3):
         expected = pytest.approx(rolling(damper, amplitude), rel=0.02)
-        assert at(found, amplitude) == expected
-        assert amplitude < found.descending.amplitude[0] or at(found.descending, amplitude) == expected
+        assert found.at(amplitude) == expected
+        assert amplitude < found.descending.amplitude[0] or found.descending.at(amplitude) == expected
 
 
 def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
@@ -257,8 +252,8 @@ def test_a_slow_ramp_and_an_abrupt_start_of_a_steel_ball() -> None:
     at_once = [float(led(damper, np.full(36, each))[12:].mean()) / (2 * math.pi) for each in amplitudes]
     assert (np.abs(ratios / at_once - 1) > 0.1).mean() < 0.1  # hits may be chaotic
     for amplitude in (0.8e-3, 2e-3, 5e-3):
-        assert at(found.slow_ramp, amplitude) == pytest.approx(held(damper, amplitude, 2.2e-3), rel=0.1)
-    assert at(found.slow_ramp, 1.47e-3) == pytest.approx(1.81e-3, rel=0.05)  # by an integrator of another hand
+        assert found.slow_ramp.at(amplitude) == pytest.approx(held(damper, amplitude, 2.2e-3), rel=0.1)
+    assert found.slow_ramp.at(1.47e-3) == pytest.approx(1.81e-3, rel=0.05)  # by an integrator of another hand
     assert found.peak < found.abrupt_start.peak < found.slow_ramp.peak < found.descending.peak
     assert found.jump[0] < found.slow_ramp.half[0] < found.jump[1]
     dented = curve(replace(damper, break_away=0.2))
@@ -282,14 +277,15 @@ def test_a_ball_drawn_to_a_wall_is_promised_nothing_below_what_moves_it_there() 
     assert found.peak_amplitude > drawn / omega**2
 
 
-def light(damper: ParticleDamper, amplitude: float, place: tuple[float, float], velocity: float = 0.0) -> float:
-    """Damping ratio at an amplitude that hardly falls, from a place on: cycles 1201 to 1600 of ring-downs.
-
-    The ball has a ten-millionth of its mass, on a structure as heavy as the two.
-    """
+def featherlight(damper: ParticleDamper, amplitude: float, cycles: int, **more: Any) -> RingDown:
+    """The ball with a ten-millionth of its mass, on a structure as heavy as the two."""
     still = replace(damper, modal_mass=damper.stuck_mass, ball_mass=1e-7 * damper.ball_mass)
-    start = {"ball_position": place, "ball_velocity": (velocity, 0.0)}
-    early, late = (ringdown(still, (amplitude, 0.0), cycles, **start).energy for cycles in (1200, 1600))
+    return ringdown(still, (amplitude, 0.0), cycles, **more)
+
+
+def light(damper: ParticleDamper, amplitude: float, place: tuple[float, float]) -> float:
+    """Damping ratio at an amplitude that hardly falls, from a place on: cycles 1201 to 1600 of ring-downs."""
+    early, late = (featherlight(damper, amplitude, cycles, ball_position=place).energy for cycles in (1200, 1600))
     taken = [each.rolling + each.impact + each.slip for each in (early, late)]
     lost = 1e7 * (taken[1] - taken[0]) / 400
     return lost / (4 * math.pi * 0.5 * damper.stiffness[0] * amplitude**2)
@@ -324,7 +320,7 @@ def test_what_a_ball_gains_on_its_way_to_a_wall_is_no_damping(lever: float) -> N
     for amplitude in (1.1 * found.peak_amplitude, 1.3 * found.peak_amplitude):
         starts = amplitude * (1 + 1e-5 * np.arange(5))  # some find a motion that damps far less
         expected = np.median([light(damper, one, corner) for one in starts])
-        assert at(found, amplitude) == pytest.approx(expected, rel=0.04)
+        assert found.at(amplitude) == pytest.approx(expected, rel=0.04)
 
 
 def test_what_a_ball_gains_on_its_way_down_a_bowl_is_no_damping() -> None:
@@ -333,7 +329,7 @@ def test_what_a_ball_gains_on_its_way_down_a_bowl_is_no_damping() -> None:
     damper = replace(damper, rotation=0.0, lateral_acceleration=(5.0, 0.0), floor_radius=(1.0, 1.0))
     found, rests = damping_curve(damper, threads=1), 5.0 * (1.0 - 2e-3) / damper.centrifugal_acceleration
     for amplitude in (1e-5, 1e-4):
-        assert light(damper, amplitude, (rests, 0.0)) == pytest.approx(at(found, amplitude), abs=1e-12)
+        assert light(damper, amplitude, (rests, 0.0)) == pytest.approx(found.at(amplitude), abs=1e-12)
 
 
 def test_the_weight_of_a_ball_at_a_wall_is_no_vibration() -> None:
@@ -359,23 +355,22 @@ def test_a_ball_that_begins_at_a_wall_counts() -> None:
     for amplitude in (1.3e-3, 1.356e-3):
         wall = light(damper, amplitude, corner)
         assert light(damper, amplitude, (0.0, 0.0)) > 2 * wall
-        assert 0.7 * wall < at(found, amplitude) < 1.05 * wall
+        assert 0.7 * wall < found.at(amplitude) < 1.05 * wall
     dented = damping_curve(replace(damper, break_away=0.01), threads=1)
     hold = damper.rolling_threshold + 0.01 * damper.centrifugal_acceleration
     leaves = damper.amplitude_of(hold + pull)
     held = dented.amplitude < leaves
     assert 1.2e-3 < leaves < 1.3e-3
     assert not dented.damping_ratio[held].any()
-    assert dented.damping_ratio[~held] == pytest.approx(at(found, dented.amplitude[~held]), rel=1e-12)
+    assert dented.damping_ratio[~held] == pytest.approx(found.at(dented.amplitude[~held]), rel=1e-12)
     assert dented.cutoff == damper.amplitude_of(hold)
 
 
 def even(damper: ParticleDamper, amplitude: float, cycles: int, off: float = 0.0) -> RingDown:
     """A light ball on a heavy structure that begins to roll evenly, so far off the middle of its cavity [m]."""
     place, velocity = map(float, swinging(damper, amplitude))
-    still = replace(damper, modal_mass=damper.stuck_mass, ball_mass=1e-7 * damper.ball_mass)
     start = {"ball_position": (place + off, 0.0), "ball_velocity": (velocity, 0.0)}
-    return ringdown(still, (amplitude, 0.0), cycles, keep_events=True, **start)
+    return featherlight(damper, amplitude, cycles, **start, keep_events=True)
 
 
 @pytest.mark.parametrize(
@@ -398,7 +393,7 @@ def test_a_ball_that_hardly_anything_pulls_rolls_as_on_a_level_floor(changes: di
         assert run.impacts == 0
         lost = 1e7 * run.energy.rolling / 3000 / (0.5 * damper.stiffness[0] * amplitude**2)
         assert lost / (4 * math.pi) == pytest.approx(rolling(damper, amplitude), rel=1e-2)
-        assert at(found, amplitude) == pytest.approx(rolling(damper, amplitude), rel=0.02)
+        assert found.at(amplitude) == pytest.approx(rolling(damper, amplitude), rel=0.02)
     assert found.peak == pytest.approx(expected.peak, rel=0.02)
     assert found.peak_amplitude == pytest.approx(expected.peak_amplitude, rel=0.01)
 
@@ -412,7 +407,7 @@ def test_a_curve_begins_at_the_amplitude_from_which_on_it_counts() -> None:
     assert found.amplitude[0] < 5e-6 * 2 ** (1 / BINS)
     assert whole.amplitude[0] < 1e-6
     for amplitude in (6e-6, 2e-5, 1e-4):
-        assert at(found, amplitude) == pytest.approx(rolling(damper, amplitude), rel=0.01)
+        assert found.at(amplitude) == pytest.approx(rolling(damper, amplitude), rel=0.01)
     assert found.half == pytest.approx(whole.half, rel=1e-3)
     assert found.peak == pytest.approx(whole.peak, rel=1e-3)
     narrow = staggered(1500, 0, 1e-8, (4e-3 + 2e-6, 5e-3))
@@ -424,7 +419,7 @@ def test_a_ball_that_takes_much_at_the_least_amplitude_that_counts() -> None:
     damper = replace(staggered(1500, 0, 3e-8, (4.6e-3, 5e-3)), restitution=0.99)
     found = damping_curve(damper, threads=1, least=5.5e-6)
     assert found.descending.damping_ratio[0] > 0.01
-    assert at(found, 6e-6) == pytest.approx(rolling(damper, 6e-6), rel=0.02)
+    assert found.at(6e-6) == pytest.approx(rolling(damper, 6e-6), rel=0.02)
 
 
 def test_what_a_falling_vibration_shows_below_all_that_grow_is_not_theirs() -> None:
@@ -456,7 +451,7 @@ def test_sweeps_up_leave_no_hole_where_they_end() -> None:
     damper = ParticleDamper(1.0, (stiffness, 2 * stiffness), 0.02855, 2e-3, sides, load, 0.5986, 0.2, 4e-5)
     found = damping_curve(damper, threads=1)
     amplitudes = np.geomspace(1.85, 2.3, 12) * half
-    assert (at(found, amplitudes) > 0.9 * at(found.descending, amplitudes)).all()
+    assert (found.at(amplitudes) > 0.9 * found.descending.at(amplitudes)).all()
 
 
 @pytest.mark.parametrize("aside", [{"rotation": 314.16, "stagger": 0.5236}, {"lateral_acceleration": (15.8, 51.3)}])
@@ -478,7 +473,7 @@ def test_what_a_ball_gives_the_other_axis_is_not_led(aside: dict[str, Any]) -> N
         first, last = (np.array([np.argmax(each < amplitude * way) for each in peaks]) for way in (1.1, 1 / 1.1))
         lost = [np.log(each[i] / each[j]) for each, i, j in zip(peaks, first, last, strict=True)]
         ratio = np.sum(lost) / (2 * math.pi * np.sum(last - first))
-        assert at(found, amplitude) == pytest.approx(ratio, rel=0.15)
+        assert found.at(amplitude) == pytest.approx(ratio, rel=0.15)
 
 
 def test_a_ball_that_is_pulled_aside_rolls_until_it_has_strayed_to_a_wall() -> None:
@@ -594,7 +589,7 @@ def test_a_dent_holds_a_ball_at_rest() -> None:
     assert dented.cutoff == pytest.approx(first)
     held, rolls = dented.amplitude < dented.cutoff, curve(free)
     assert not dented.damping_ratio[held].any()
-    assert dented.damping_ratio[~held] == pytest.approx(at(rolls, dented.amplitude[~held]), rel=1e-12)
+    assert dented.damping_ratio[~held] == pytest.approx(rolls.at(dented.amplitude[~held]), rel=1e-12)
     assert np.array_equal(dented.descending.damping_ratio, rolls.descending.damping_ratio)
     assert dented.half[0] >= dented.cutoff
     far = curve(replace(free, break_away=10.0))
@@ -626,7 +621,7 @@ def loses_as_said(
     """A ring-down with damping ratio z loses to the ball the integral of zb / (z + zb) dE, E = K A²/2."""
     books = ringdown(replace(damper, damping_ratio=zeta), (begin, 0.0)).energy
     amplitude = np.linspace(end, begin, 4001)[1:]
-    ball = np.where(amplitude < found.amplitude[0], 0.0, at(found, amplitude))
+    ball = np.where(amplitude < found.amplitude[0], 0.0, found.at(amplitude))
     expected = np.trapezoid(ball / (zeta + ball) * damper.stiffness[0] * amplitude, amplitude)
     assert books.rolling + books.impact + books.slip == pytest.approx(expected, rel=rel)
 
@@ -679,7 +674,7 @@ def test_a_mode_that_hits_feed_shakes_no_ball_for_ever(turn: float) -> None:
     found = every[0]
     amplitudes = np.geomspace(0.6e-3, 4e-3, 30)
     for way in (found.descending, found.slow_ramp, found.abrupt_start):
-        assert at(way, amplitudes) == pytest.approx(at(alone.descending, amplitudes), rel=0.05)
+        assert way.at(amplitudes) == pytest.approx(alone.descending.at(amplitudes), rel=0.05)
     assert np.median([each.error for each in every]) < 0.25  # where it begins to bounce is chance
 
 
@@ -717,7 +712,7 @@ def test_range_and_half() -> None:
     assert found.cutoff == pytest.approx(0.1 * 26870 / (2 * math.pi * 208.9) ** 2)
     assert found.half[0] > found.cutoff
     assert found.half == found.range
-    assert at(found, found.half) == pytest.approx(found.peak / 2, rel=0.02)
+    assert found.at(found.half) == pytest.approx(found.peak / 2, rel=0.02)
 
 
 @pytest.mark.parametrize("changes", [{"cavity": (2e-3, 2.4e-3)}, {"rolling_friction": 0.0, "restitution": 1.0}])

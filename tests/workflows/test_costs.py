@@ -400,11 +400,11 @@ def test_modes_are_compared_with_their_like():
     own = (point(1000, ("flap", 110.0), ("twist", 150.0), ("flap", 300.0)),)
     other = (point(1000, ("twist", 100.0), ("flap", 100.0), ("lag", 300.0)),)
     found = changes(own, other, own_has_it=True, judged={})
-    assert found.relative["frequency_1"] == pytest.approx(0.1)
-    assert found.relative["frequency_2"] == pytest.approx(0.5)
-    assert found.relative["frequency_3"] is None
+    assert found.changes["frequency_1"] == pytest.approx(0.1)
+    assert found.changes["frequency_2"] == pytest.approx(0.5)
+    assert found.changes["frequency_3"] is None
     assert found.remarks == ("frequency_3 has no partner of its family at 1000 rpm",)
-    assert changes(own, other, own_has_it=False, judged={}).relative["frequency_2"] == pytest.approx(-1 / 3)
+    assert changes(own, other, own_has_it=False, judged={}).changes["frequency_2"] == pytest.approx(-1 / 3)
 
 
 def test_a_ratio_to_rounding_is_none():
@@ -419,22 +419,22 @@ def test_a_ratio_to_rounding_is_none():
         )
 
     found = changes(both(0.12, 3e-3), both(0.15, 2e-16), own_has_it=True, judged={})
-    assert found.relative["peak_sdc"] == pytest.approx(-0.2)
+    assert found.changes["peak_sdc"] == pytest.approx(-0.2)
     assert found.rpm["peak_sdc"] == first.rpm
     assert found.one_sided == {"peak_sdc": "only with it"}
     assert found.remarks == (f"no peak_sdc without it, at {2 * first.rpm:.0f} rpm",)
     gone = changes(both(3e-17, 2e-16), both(-4e-16, 1e-16), own_has_it=True, judged={})
-    assert (gone.relative["peak_sdc"], gone.remarks) == (0.0, ())
+    assert (gone.changes["peak_sdc"], gone.remarks) == (0.0, ())
 
 
 def test_speeds_are_compared_with_their_like():
     """The plate diverges at the first speed of one run: the others keep their partners."""
     slow, fast = point(1000, ("flap", 100.0)), point(12000, ("flap", 500.0))
     found = changes((fast, slow), (point(1000, ("flap", 80.0)),), own_has_it=True, judged={})
-    assert found.relative == {"frequency_1": pytest.approx(0.25)}
+    assert found.changes == {"frequency_1": pytest.approx(0.25)}
     assert found.remarks == ("without it the plate diverges at 12000 rpm",)
     swapped = changes((slow,), (fast, slow), own_has_it=True, judged={})
-    assert swapped.relative == {"frequency_1": 0.0}
+    assert swapped.changes == {"frequency_1": 0.0}
     assert swapped.remarks == ("with it the plate diverges at 12000 rpm",)
 
 
@@ -444,7 +444,7 @@ def test_the_largest_change_is_at_a_speed_with_a_verdict():
     other = tuple(point(rpm, ("flap", 100.0)) for rpm in (0, 1000, 2000))
     for judged, change, rpm in (((1000, 2000), 0.1, 1000), ((2000,), 0.05, 2000), ((), 1.0, 0)):
         found = changes(own, other, own_has_it=True, judged=dict.fromkeys(judged, 1))
-        assert (found.relative, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
+        assert (found.changes, found.rpm) == ({"frequency_1": pytest.approx(change)}, {"frequency_1": rpm})
 
 
 @pytest.mark.usefixtures("hasty")
@@ -585,7 +585,7 @@ def test_damping_is_compared_where_the_ball_moves(paper):
     found = changes(own, soft, own_has_it=True, judged=ranks)
     assert found.rpm["ball_damping_ratio"] == own[0].rpm
     assert found.rpm["impacts"] == own[1].rpm
-    assert changes(own, soft, own_has_it=True, judged={}).relative["ball_damping_ratio"] > 1000
+    assert changes(own, soft, own_has_it=True, judged={}).changes["ball_damping_ratio"] > 1000
 
 
 @pytest.mark.usefixtures("hasty")
@@ -686,10 +686,10 @@ def test_a_change_within_the_error_of_its_sides_is_none():
         other = replace(own, damping_curve=replace(curve, peak=factor * curve.peak, error=error))
         for has_it in (True, False):
             found = changes((own,), (other,), own_has_it=has_it, judged={})
-            row = EffectChange("ball_slip", True, "", True, found.relative, found.rpm, found.error)
+            row = EffectChange("ball_slip", True, "", True, found.changes, found.rpm, found.error)
             # The two values reach each other, whichever of them is the reference.
             assert (curve.peak * (1 - curve.error) > factor * curve.peak * (1 + error)) is beyond
-            assert row.largest == (("ball_damping_ratio", found.relative["ball_damping_ratio"]) if beyond else None)
+            assert row.largest == (("ball_damping_ratio", found.changes["ball_damping_ratio"]) if beyond else None)
             said = effects_report.text(EffectStudy("", 1e-3, (row,)))
             assert ("within the error that run estimates: ball_damping_ratio" in said) is not beyond
 

@@ -312,7 +312,7 @@ def test_files(known, written):
         assert data["mean"].attrs["units"] == "m"
         assert list(data["start"].values) == ["up", "down", "random"]
         (passage,) = known.passages
-        np.testing.assert_array_equal(data["mean"].values[0], passage.shaped(passage.states.mean))
+        np.testing.assert_array_equal(data["mean"].values[0], passage.states.mean)
         set_off = 2 * sum(force > passage.least_force for force in passage.forces)
         assert dict(data.sizes) == {"crossing": 1, "speed": 40 + 4 * 3 + set_off, "force": 3, "start": 3}
         assert set(data["regime"].values.flat) <= {"locked", "periodic", "modulated", "chaotic", "not settled"}
@@ -458,7 +458,7 @@ def test_where_a_force_sets_off_the_ball_at_rest():
 def test_the_ball_at_rest_moves_farthest_where_it_is_set_off(known):
     """Up to the last speeds below and above the resonance at which a force leaves it at rest."""
     (passage,) = known.passages
-    factor = passage.shaped(passage.states.moves_from)
+    factor = passage.states.moves_from
     up = passage.states.starts.index("up")
     for k, force in enumerate(passage.forces):
         moves = np.flatnonzero(factor[:, k] < 1)
@@ -467,17 +467,17 @@ def test_the_ball_at_rest_moves_farthest_where_it_is_set_off(known):
             continue
         for rests in (moves[0] - 1, moves[-1] + 1):
             assert 1 <= factor[rests, k] <= 1 + study.SET_OFF
-            assert passage.shaped(passage.states.regime)[rests, k, up] == "locked"
+            assert passage.states.regime[rests, k, up] == "locked"
 
 
 def test_a_row_with_the_ball_at_rest_says_how_much_farther_it_goes(known):
     """Where the next speed sets it off: by as much as the force may still grow."""
     (passage,) = known.passages
     states = passage.states
-    first = np.flatnonzero(passage.shaped(states.moves_from)[:, -1] < 1)[0] - 1
+    first = np.flatnonzero(states.moves_from[:, -1] < 1)[0] - 1
     mean, factor = states.mean.copy(), states.moves_from.copy()
-    passage.shaped(mean)[first, -1, 0] = 2 * np.nanmax(mean)
-    passage.shaped(factor)[first, -1] = 1.03
+    mean[first, -1, 0] = 2 * np.nanmax(mean)
+    factor[first, -1] = 1.03
     changed_states = replace(states, mean=mean, moves_from=factor)
     (*_, row) = study.rows(known, replace(passage, states=changed_states))
     assert row.regime == "locked"
@@ -556,7 +556,7 @@ def test_a_plate_that_is_shaken_all_over(kind, level):
     (passage,) = found.passages
     assert passage.crossing.family == "flap"
     assert len(passage.omega) == min(study.SPEEDS, FEW_SPEEDS) + study.ROUNDS
-    without = np.abs(passage.shaped(passage.states.without))[:, 0]
+    without = np.abs(passage.states.without)[:, 0]
     assert passage.omega[without.argmax()] == pytest.approx(passage.crossing.omega, rel=1e-9), "no ball pulls"
     (row,) = study.rows(found)
     omega = 2 * math.pi * passage.crossing.frequency_hz
@@ -772,7 +772,7 @@ def test_without_the_ball_nothing_pulls_on_the_blade():
     for modes in (True, False):
         found = respond(as_scene_file(scene | {"effects": {"structural_modes": modes}}))
         (passage,) = found.passages
-        without = np.abs(passage.shaped(passage.states.without))[:, 0]
+        without = np.abs(passage.states.without)[:, 0]
         assert passage.omega[without.argmax()] == pytest.approx(passage.crossing.omega, rel=1e-4)
 
 

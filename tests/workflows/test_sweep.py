@@ -590,7 +590,8 @@ def test_what_takes_nothing_is_hatched_and_named(data, picture):
 def test_what_is_hatched_begins_where_the_colours_end():
     """Between a point that damps and one that does not nothing is left white."""
     _, (axes,) = plots.canvas(2.0)
-    report.hatch(axes, np.arange(3.0), np.arange(2.0), np.array([[False, False, True]] * 2))
+    idle = np.array([[False, False, True]] * 2)
+    report.paint(axes, np.arange(3.0), np.arange(2.0), np.zeros((2, 3)), [], [], idle)
     (hatched,) = axes.collections
     covered = [any(path.contains_point((x, 0.5)) for path in hatched.get_paths()) for x in (0.9, 1.1, 1.9)]
     assert covered == [False, True, True]

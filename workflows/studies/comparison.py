@@ -70,22 +70,18 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     """
     if len(runs) < 2:
         raise BadInput("expected at least two runs: folders of results, or scenes", key="compare")
-    # a mistake in a later scene is found before the first is run
-    read = [each if isinstance(each, Results) or _is_folder(each) else as_scene_file(each) for each in runs]
-    results = tuple(_results(each, stages) for each in read)
+    read = [_read(each) for each in runs]  # a mistake in a later one is found before the first is run
+    results = tuple(each if isinstance(each, Results) else solved(each, stages) for each in read)
     titles = [_title(*both) for both in zip(runs, results, strict=True)]
     names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
     return Comparison(tuple(names), results)
 
 
-def _is_folder(run: SceneLike) -> bool:
-    return isinstance(run, str | PathLike) and Path(run).is_dir()
-
-
-def _results(run: SceneLike | Results, stages: Stages | None) -> Results:
-    if isinstance(run, Results):
-        return run
-    return serialise.read(run) if isinstance(run, str | PathLike) else solved(run, stages)
+def _read(run: SceneLike | Results) -> SceneFile | Results:
+    """Results, those of a folder too, or the scene that is to be run."""
+    if isinstance(run, str | PathLike) and Path(run).is_dir():
+        return serialise.read(run)
+    return run if isinstance(run, Results) else as_scene_file(run)
 
 
 def _title(run: SceneLike | Results, results: Results) -> str:

@@ -1,7 +1,6 @@
 """The reproduction of the paper: its claims judged, and as files: JSON, CSV and one page for a person."""
 
 import json
-import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -121,7 +120,7 @@ def value(number: Value) -> str:
         return ", ".join(value(item) for item in number)
     size = abs(number)
     if size >= 1000:
-        return re.sub(r"[ \N{THIN SPACE}]", "\N{NARROW NO-BREAK SPACE}", formatting.fixed(number))
+        return formatting.fixed(number).replace("\N{THIN SPACE}", "\N{NARROW NO-BREAK SPACE}")
     if size >= 100:
         return formatting.fixed(number, 1)
     return formatting.significant(number, 2 if size < 1e-3 else 3)

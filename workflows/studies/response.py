@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 import damper
 from workflows.errors import during, read_from
@@ -30,7 +29,7 @@ class Passage:
     Attributes:
         crossing: where; axis: along which of the damper's axes the amplitude is.
         omega: (s,) [rad/s]; forces: (f,).
-        states: of the damper, s * f points, the speeds one after the other.
+        states: of the damper, in arrays of shape (s, f), or (s, f, starts).
         reduction: the same by free vibration, as a run estimates it, at the levels followed.
         least_force: up to which the ball stays at rest, in the unit of the forces.
         driven_from: force from which on the simulated forces move it.
@@ -46,10 +45,6 @@ class Passage:
     least_force: float
     driven_from: float
     figures: damper.DampingCurve | None
-
-    def shaped(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Values of the points as (s, f) or (s, f, starts)."""
-        return values.reshape(len(self.omega), len(self.forces), *values.shape[1:])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,7 +67,7 @@ class Response(StudyResult):
 
 def peak(passage: Passage, force: int) -> tuple[int, int]:
     """Speed and start at which the mean amplitude under a force is largest, whatever the start."""
-    means = np.nan_to_num(passage.shaped(passage.states.mean)[:, force])  # nan where a ball has no end of hits
+    means = np.nan_to_num(passage.states.mean[:, force])  # nan where a ball has no end of hits
     speed, start = np.unravel_index(int(np.argmax(means)), means.shape)
     return int(speed), int(start)
 
@@ -83,7 +78,7 @@ def shows(passage: Passage, speeds: Sequence[float]) -> bool:
     Otherwise another mode moves the cavity more at an end of the band: its tail is no answer about this one.
     """
     omega, last = passage.omega, len(passage.omega) - 1
-    places = np.abs(passage.shaped(passage.states.without)).argmax(axis=0)
+    places = np.abs(passage.states.without).argmax(axis=0)
     return all(0 < k < last or is_scene_end(float(omega[k]), speeds) for k in places)
 
 
@@ -161,10 +156,10 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
     states = passage.states
 
     def at(name: str) -> float:
-        return float(passage.shaped(getattr(states, name))[speed, force, start])
+        return float(getattr(states, name)[speed, force, start])
 
-    without = float(np.abs(passage.shaped(states.without))[:, force].max())
-    regime, short = passage.shaped(states.regime)[speed, force, start], _short_of_set_off(passage, speed, force)
+    without = float(np.abs(states.without)[:, force].max())
+    regime, short = states.regime[speed, force, start], _short_of_set_off(passage, speed, force)
     estimates = {each.level: each for each in passage.reduction.levels}
     stress = excitation.largest_stress(result.results, passage.crossing)
     return Row(
@@ -175,7 +170,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         without=without,
         **{name: at(name) for name in _OF_A_ROW},
         error=at("error") + (short if regime == damper.Regime.LOCKED else 0.0) * at("mean"),
-        smallest=float(passage.shaped(states.mean)[speed, force].min()),
+        smallest=float(states.mean[speed, force].min()),
         regime=str(regime),
         estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
@@ -185,7 +180,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
 
 def _short_of_set_off(passage: Passage, speed: int, force: int) -> float:
     """Relative growth of the amplitude until the ball, at rest there, is set off, where it is at a speed beside."""
-    factor = passage.shaped(passage.states.moves_from)[:, force]
+    factor = passage.states.moves_from[:, force]
     beside = factor[max(speed - 1, 0) : speed + 2]
     return float(factor[speed]) - 1 if factor[speed] >= 1 > beside.min() else 0.0
 
@@ -256,7 +251,7 @@ def set_off_speeds(omega: Floats, threshold: Floats, levels: Sequence[float]) ->
             low, high = omega[k : k + 2]
             begin = min(max(k - 1, 0), max(len(omega) - 3, 0))
             known, square = omega[begin : begin + 3] - low, threshold[begin : begin + 3] ** 2
-            roots: npt.NDArray[Any] = np.empty(0)
+            roots: Any = np.empty(0)
             if len(known) == 3 and np.isfinite(square).all():
                 roots = np.polynomial.Polynomial.fit(known, square - aim**2, 2).roots()
             real = low + roots[np.isreal(roots)].real
@@ -461,8 +456,8 @@ def _others_count(solver: StructureSolver, met: excitation.Meeting, passage: Pas
     few, many = (excitation.modes_followed(scene, at, modes, every=every) or () for every in (False, True))
     if len(few) == len(many):
         return False
-    without = np.abs(passage.shaped(passage.states.without)).max(axis=0)
-    means = np.nan_to_num(passage.shaped(passage.states.mean)).max(axis=2)
+    without = np.abs(passage.states.without).max(axis=0)
+    means = np.nan_to_num(passage.states.mean).max(axis=2)
     for k, level in enumerate(passage.forces):
         about = np.flatnonzero(means[:, k] >= _ABOUT * means[:, k].max())
         tried = np.unique(about[np.linspace(0, about.size - 1, _TRIED).round().astype(int)])
@@ -493,14 +488,12 @@ def _followed(
     steady_states = partial(_steady_states, solver, crossing, axis=axis)
     states = steady_states(cases(omega))
     for _ in range(ROUNDS):
-        largest = np.nan_to_num(states.mean).max(axis=1).reshape(len(omega), -1)
-        more = beside_peaks(omega, largest)
+        more = beside_peaks(omega, np.nan_to_num(states.mean).max(axis=2))
         omega, states = _merged(omega, states, more, steady_states(cases(more)))
     if last := _just_at_rest(cases, forcing, omega, states):
         omega, states = _merged(omega, states, np.array(list(last)), steady_states(list(last.values())))
-    levels = np.tile(forcing.levels, len(omega))
     with solver.stages("damper"):
-        driven_from = float((levels * states.moves_from).min())
+        driven_from = float((np.array(forcing.levels) * states.moves_from).min())
     figures = None
     if leads:
         own = damper.damping_curve(system, least=limits.least_amplitude(met.at))
@@ -512,15 +505,12 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
     """Some speeds and others, ascending, and the steady states there."""
     speeds = np.array([*omega, *more])
     order = np.argsort(speeds)
+    every: dict[str, Any] = {f: np.concatenate([getattr(states, f), getattr(others, f)])[order] for f in _FIGURES}
+    return speeds[order], replace(states, **every)
 
-    def both(name: str) -> Any:
-        one, other = getattr(states, name), getattr(others, name)
-        shape = one.shape[1:]
-        every = np.concatenate([one.reshape(len(omega), -1, *shape), other.reshape(len(more), -1, *shape)])
-        return every[order].reshape(-1, *shape)
 
-    merged = {field.name: both(field.name) for field in fields(states) if field.name != "starts"}
-    return speeds[order], replace(states, **merged)
+_FIGURES = [field.name for field in fields(damper.Forced) if field.name != "starts"]
+"""Fields of steady states that are arrays."""
 
 
 def _speeds(solver: StructureSolver, met: excitation.Meeting, system: damper.ParticleDamper) -> Floats:
@@ -592,14 +582,13 @@ def _just_at_rest(
     cases: Callable[[Floats], list[_Case]], forcing: Excitation, omega: Floats, states: damper.Forced
 ) -> dict[float, _Case]:
     """What is driven at the speeds beside which forces set off the ball at rest [rad/s]: there it moves farthest."""
-    threshold = np.tile(forcing.levels, len(omega)) * states.moves_from
-    threshold, tried = threshold[:: len(forcing.levels)], dict[float, _Case]()
+    level, tried = forcing.levels[0], dict[float, _Case]()
+    threshold = level * states.moves_from[:, 0]
     for _ in range(_TRIES):
         more = set_off_speeds(omega, threshold, forcing.levels)
         if not more.size:
             break
         new = cases(more)
-        level = forcing.levels[0]
         least = [level * float(damper.moves_from(each.system, each.harmonics[:1])[0]) for each in new]
         tried |= dict(zip(more.tolist(), new, strict=True))
         order = np.argsort([*omega, *more])
@@ -609,7 +598,7 @@ def _just_at_rest(
 
 
 def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[_Case], axis: int) -> damper.Forced:
-    """The steady states of what is driven, with progress for a person who waits.
+    """The steady states of what is driven, (speeds, forces) of them, with progress for a person who waits.
 
     Those without the ball are of the structure without its pull.
     """
@@ -628,4 +617,6 @@ def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[
         states = damper.forced(
             dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
         )
-    return replace(states, without=np.array([alone for each in cases for alone in each.alone], complex))
+    states = replace(states, without=np.array([alone for each in cases for alone in each.alone], complex))
+    every: dict[str, Any] = {name: getattr(states, name) for name in _FIGURES}
+    return replace(states, **{name: each.reshape(len(cases), -1, *each.shape[1:]) for name, each in every.items()})

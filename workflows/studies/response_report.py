@@ -61,12 +61,12 @@ def dataset(result: Response) -> xr.Dataset:
         rpm=(dims[:2], in_rpm(np.array([padded(t.omega) for t in passages])), {"units": "rpm"}),
     )
     for name, (unit, description) in templates.texts("response")["states"].items():
-        values = np.array([padded(t.shaped(getattr(t.states, name))) for t in passages], dtype=float)
+        values = np.array([padded(getattr(t.states, name)) for t in passages], dtype=float)
         data[name] = (dims, values, {"units": unit, "long_name": description})
-    regimes = np.array([padded(t.shaped(t.states.regime)).astype(str).astype(object) for t in passages])
+    regimes = np.array([padded(t.states.regime).astype(str).astype(object) for t in passages])
     data["regime"] = (dims, regimes, {"long_name": "what the steady state is"})
     for name, description in (("without", "amplitude without the ball"), ("linear", "amplitude with the ball at rest")):
-        values = np.abs([padded(passage.shaped(getattr(passage.states, name))) for passage in passages])
+        values = np.abs([padded(getattr(passage.states, name)) for passage in passages])
         data[name] = (dims[:3], values, {"units": "m", "long_name": description})
     every = ([row.estimate for row in rows(result, passage)] for passage in passages)
     estimates = [[np.nan if each is None else each.amplitude for each in one] for one in every]
@@ -104,8 +104,8 @@ def response(result: Response, passage: Passage, name: str, shades: Sequence[str
     figure, (axes,) = plots.canvas(3.3)
     rpm = in_rpm(passage.omega)
     states = passage.states
-    least, mean, greatest = (passage.shaped(getattr(states, key)) for key in ("least", "mean", "greatest"))
-    without = np.abs(passage.shaped(states.without))
+    least, mean, greatest = (getattr(states, key) for key in ("least", "mean", "greatest"))
+    without = np.abs(states.without)
     for k, (force, colour) in enumerate(zip(passage.forces, shades, strict=True)):
         axes.plot(rpm, 1e3 * without[:, k], color=colour, lw=0.8, ls=(0, (4, 2)))
         low, high = 1e3 * least[:, k].min(axis=1), 1e3 * greatest[:, k].max(axis=1)
@@ -349,23 +349,18 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
 
 def _damper(result: Response, passage: Passage) -> dict[str, Any]:
     """The force from which the damper moves at a crossing, and its own figures where the mode leads along axis 1."""
-    c, figures, spec = passage.crossing, passage.figures, result.results.scene.damper
-    own: dict[str, Any] = dict.fromkeys(("damping_ratio_peak", "at_amplitude", "range", "cutoff", "curve"))
-    if figures is not None:
-        own = {
-            "damping_ratio_peak": figures.peak,
-            "at_amplitude": finite(figures.peak_amplitude),
-            "range": [finite(end) for end in figures.range],
-            "cutoff": finite(figures.cutoff),
-            "curve": {"amplitude": figures.amplitude.tolist(), "damping_ratio": figures.damping_ratio.tolist()},
-        }
+    c, own, spec = passage.crossing, passage.figures, result.results.scene.damper
     return {
         "order": c.order,
         "mode": c.branch + 1,
         "least_force": finite(passage.least_force),
         "structure_damping_ratio": None if spec is None else spec.damping_ratio,
         "endured_amplitude": finite(endured(result.results, c)),
-        **own,
+        "damping_ratio_peak": own and own.peak,
+        "at_amplitude": own and finite(own.peak_amplitude),
+        "range": own and [finite(end) for end in own.range],
+        "cutoff": own and finite(own.cutoff),
+        "curve": own and {"amplitude": own.amplitude.tolist(), "damping_ratio": own.damping_ratio.tolist()},
     }
 
 

@@ -20,11 +20,11 @@ from workflows.solve.results import Floats
 from workflows.studies import response_report
 from workflows.studies.design import objectives
 from workflows.studies.design.objectives import Evaluation, LeastDamping, Obstacle
-from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness
+from workflows.studies.design.space import NAMES, Deviation, Optimum, Space, formatted, has_thickness, in_mm
 from workflows.studies.response import Response, rows
 from workflows.studies.sweep.evaluate import DamperCase, damper_cases
 from workflows.studies.sweep.plan import Axis, Spread, Value, as_plain
-from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, hatch, map_spread, mark, scale
+from workflows.studies.sweep.report import SHADES, Picture, colour_key, contour_levels, map_spread, mark, paint
 
 _AT_END = 0.02
 """Share of a range from its end, and of a limit, from which on it counts as an active constraint."""
@@ -400,26 +400,16 @@ def _map(result: DesignResult, grid: Grid) -> str:
     of_damping = result.space.goal.of_damping
     factor, name = (100.0, "least damping ratio, %") if of_damping else (1e3, "greatest amplitude, mm")
     figure, (axes,) = plots.canvas(3.4)
-    xs, ys, values = _in_mm(grid.x, grid.xs), _in_mm(grid.y, grid.ys), factor * grid.values
+    xs, ys, values = in_mm(grid.x, grid.xs), in_mm(grid.y, grid.ys), factor * grid.values
     levels = contour_levels([values]) if of_damping else contour_levels([values], least=0.0)
     colours = map_spread(len(levels) - 1)[:: 1 if of_damping else -1]
-    shown = np.where(values > 0, np.clip(values, levels[0], levels[-1]), values)
-    axes.contourf(xs, ys, shown, levels, colors=colours)
-    if grid.beyond.any():
-        hatch(axes, xs, ys, grid.beyond)
+    paint(axes, xs, ys, values, levels, colours, grid.beyond)
     best = result.space.values(result.optimum.shares)
-    mark(axes, _in_mm(grid.x, best[grid.x]), _in_mm(grid.y, best[grid.y]))
-    scales: dict[str, Any] = {"xscale": scale(grid.xs), "yscale": scale(grid.ys)}
+    mark(axes, in_mm(grid.x, best[grid.x]), in_mm(grid.y, best[grid.y]))
     xlabel, ylabel = (f"{NAMES[key].replace('_', ' ')}, mm" for key in (grid.x, grid.y))
-    axes.set(xlabel=xlabel, ylabel=ylabel, **scales)
-    axes.grid(visible=False)
+    axes.set(xlabel=xlabel, ylabel=ylabel)
     colour_key(figure, levels, colours, name, idle="beyond a limit" if grid.beyond.any() else "")
     return plots.svg(figure, "around", f"The {name.partition(',')[0]} around the best design")
-
-
-def _in_mm(name: str, value: Any) -> Any:
-    """In mm; of a ball its diameter."""
-    return 1e3 * np.asarray(value, dtype=float) * (2 if name == "damper.radius" else 1)
 
 
 def files(result: DesignResult) -> dict[str, str | bytes]:

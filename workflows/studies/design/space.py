@@ -127,7 +127,12 @@ def formatted(name: str, value: Value) -> str:
         return f"{label} {value}"
     if not math.isfinite(value):
         return f"{label} {FLAT}"
-    return f"{label} {significant(1e3 * float(value) * (2 if name == 'damper.radius' else 1), 4)} mm"
+    return f"{label} {significant(float(in_mm(name, value)), 4)} mm"
+
+
+def in_mm(name: str, value: Any) -> Any:
+    """Lengths of a key in mm; of a ball its diameter."""
+    return 1e3 * np.asarray(value, dtype=float) * (2 if name == "damper.radius" else 1)
 
 
 def exceeded(shares: Mapping[str, float]) -> tuple[str, float] | None:

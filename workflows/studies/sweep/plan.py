@@ -265,13 +265,11 @@ class Axis:
         return self.values if spread is None else range(math.ceil(spread.low), math.floor(spread.high) + 1)
 
     def at(self, shares: Floats) -> list[Value]:
-        """Its values at shares from 0 to 1: of its spread, or one of its values each."""
-        if self.spread is None:
-            return [self.values[k] for k in np.minimum((shares * len(self.values)).astype(int), len(self.values) - 1)]
-        if self.key.whole:
-            low, high = math.ceil(self.spread.low), math.floor(self.spread.high)
-            return [int(value) for value in np.clip(np.floor(low + shares * (high - low + 1)), low, high)]
-        return [float(value) for value in self.spread.at(shares)]
+        """Its values at shares from 0 to 1: of its spread, or one of its choices each."""
+        if self.spread is not None and not self.key.whole:
+            return [float(value) for value in self.spread.at(shares)]
+        choices = self.choices
+        return [choices[k] for k in np.minimum((shares * len(choices)).astype(int), len(choices) - 1)]
 
 
 _FORMS = "expected START:STOP:COUNT, log:START:STOP:COUNT or a list a,b,c"

@@ -19,6 +19,7 @@ from workflows.report import plots
 from workflows.report.templates import from_template, said, texts
 from workflows.scene.scene import FLAT
 from workflows.solve.limits import AIR
+from workflows.solve.results import Floats
 from workflows.studies.sweep import evaluate, plan, sensitivity, store
 from workflows.studies.sweep.evaluate import HEADLINE
 from workflows.studies.sweep.plan import SAMPLE, SPEEDS
@@ -26,8 +27,6 @@ from workflows.studies.sweep.sensitivity import INDICES, PERCENTILES
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    Floats = np.ndarray[Any, np.dtype[np.float64]]
     from matplotlib.axes import Axes
 
 
@@ -116,9 +115,16 @@ def map_spread(count: int) -> list[str]:
     return [every[round(k * (SHADES - 1) / max(count - 1, 1))] for k in range(count)]
 
 
-def hatch(axes: Any, xs: Floats, ys: Floats, where: Any) -> None:
-    """Hatch the part of a map that has no figures, up to the colours, which lie above."""
-    axes.contourf(xs, ys, where.astype(float), [1e-9, 1.5], colors="none", hatches=[_HATCH], zorder=0.9)
+def paint(axes: Any, xs: Floats, ys: Floats, values: Floats, levels: list[float], colours: Any, idle: Any) -> None:
+    """A map of values along x and y; the part that is idle is hatched up to the colours, which lie above."""
+    works = values > 0
+    if works.sum() > 1:
+        shown = np.where(works, np.clip(values, levels[0], levels[-1]), values)
+        axes.contourf(xs, ys, shown, levels, colors=colours)
+    if idle.any():
+        axes.contourf(xs, ys, idle.astype(float), [1e-9, 1.5], colors="none", hatches=[_HATCH], zorder=0.9)
+    axes.set(xscale=scale(xs), yscale=scale(ys))
+    axes.grid(visible=False)
 
 
 def mark(axes: Any, x: float, y: float) -> None:
@@ -239,19 +245,13 @@ def _map(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
     xs, ys = _along(data, x), _along(data, y)
     for k, each, values in zip(places, axes, tables, strict=True):
         works = values > 0
-        if works.sum() > 1:
-            shown = np.clip(np.where(works, values, np.nan), levels[0], levels[-1])
-            each.contourf(xs, ys, shown, levels, colors=colours)
-        if not works.all():
-            hatch(each, xs, ys, ~works)
+        paint(each, xs, ys, np.where(works, values, np.nan), levels, colours, ~works)
         if quantity == HEADLINE:
             _boundaries(each, xs, ys, values)
         if panel is None or k == best[panel] or len(places) == 1:
             mark(each, xs[best[x]], ys[best[y]])
-        scales: dict[str, Any] = {"xscale": scale(xs), "yscale": scale(ys)}
-        each.set(xlabel=_label(data, x), title=_at(data, panel, k), **scales)
+        each.set(xlabel=_label(data, x), title=_at(data, panel, k))
         each.set(xlim=(xs.min(), xs.max()), ylim=(ys.min(), ys.max()))
-        each.grid(visible=False)
     axes[0].set_ylabel(_label(data, y))
     idle = any(not (values > 0).all() for values in tables)
     colour_key(figure, levels, colours, named, idle="no damping, or no verdict" if idle else "")

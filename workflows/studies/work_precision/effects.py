@@ -29,14 +29,14 @@ class Changes:
     """Relative changes (with - without) / without, the largest over the speeds, and what no number can say.
 
     Attributes:
-        relative: by quantity; None where no speed has a value on both sides. A value that is rounding beside the
+        changes: by quantity; None where no speed has a value on both sides. A value that is rounding beside the
             quantity's largest is none.
         rpm, error: the speed of each that is known, and by how much its two values may err, as far as they say.
         remarks: quantities that are there on one side only, speeds at which the plate diverges on one side only.
         one_sided: of the former, on which side, in words.
     """
 
-    relative: dict[str, float | None]
+    changes: dict[str, float | None]
     rpm: dict[str, float]
     error: dict[str, float]
     remarks: tuple[str, ...]
@@ -285,8 +285,7 @@ def effect_study(source: SceneFile, stages: Stages | None = None) -> EffectStudy
             return replace(row, remarks=together, failed=f"{'off' if on else 'on'}: {reason}")
         changed = changes(own, time.value.points, own_has_it=on, judged=judged)
         extra, ends = (-time.median, (-time.high, -time.low)) if on else (time.median, (time.low, time.high))
-        measured: dict[str, Any] = {"changes": changed.relative, "rpm": changed.rpm, "error": changed.error}
-        row = replace(row, **measured, one_sided=changed.one_sided, remarks=together + changed.remarks)
+        row = replace(row, **vars(changed) | {"remarks": together + changed.remarks})
         if any(change and name in row.scatter and not row.within(name) for name, change in row.changes.items()):
             theirs = scatter_of(time.value.points, partial(run, **switches), judged)
             both = {name: max(row.scatter.get(name, 0.0), theirs.get(name, 0.0)) for name in row.scatter | theirs}
@@ -325,7 +324,7 @@ def scatter_of(
     """The largest change of each quantity of the ball by a change that is none, at all speeds judged."""
     scatter: dict[str, float] = {}
     for each in (run(clearance=1 + k * _PERTURBED).points for k in (-1, 1, 2)):
-        for name, change in changes(points, each, own_has_it=True, judged=judged).relative.items():
+        for name, change in changes(points, each, own_has_it=True, judged=judged).changes.items():
             if change is not None and not name.startswith("frequency"):
                 scatter[name] = max(scatter.get(name, 0.0), abs(change))
     return scatter

@@ -7,6 +7,7 @@ two. The tests have the equations of all floors, modes and forces (`tests/damper
 import math
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -40,8 +41,8 @@ class Integration:
         damper: ParticleDamper,
         release: tuple[float, float],
         cycles: float,
-        method: Integrator = "DOP853",
-        rtol: float = 1e-9,
+        method: Integrator,
+        rtol: float,
     ) -> None:
         for field in fields(damper):
             if field.name in _DEFAULT and getattr(damper, field.name) != field.default:
@@ -71,18 +72,14 @@ class Integration:
         """In which the ball rolls along each axis; 0: stuck."""
         self.y: Floats = np.array([*release, *[0.0] * 7])
         """q, s, q', s' along both axes, and the energy that the dashpots took."""
-        self.initial = self.energy()
+        self.initial = self.final
         for axis in (0, 1):
             self.settle(axis)
         self.follow(cycles * 2 * math.pi / rate)
 
     @property
     def final(self) -> float:
-        """Energy at present [J]."""
-        return self.energy()
-
-    def energy(self) -> float:
-        """Of structure and ball [J]."""
+        """Energy of structure and ball at present [J]."""
         q, _, v, w = self.y[:8].reshape(4, 2)
         spin = 0.0 if self.load == 0 or self.printed else 0.2 * self.m
         kinetic = 0.5 * self.free * v @ v + 0.5 * self.m * (v + w) @ (v + w) + spin * w @ w
@@ -109,29 +106,30 @@ class Integration:
 
         return rates
 
-    def guards(self) -> list[tuple[int, str, int, Callable[[Floats], float]]]:
-        """What can end the present flight: axis, kind, direction, and what rises through zero when it happens."""
-        found = []
-        for i, direction in enumerate(self.direction):
-            ways = (-1, 1) if direction == 0 else (int(direction),)
-            for kind in ("start",) if direction == 0 else ("hit", "reversal"):
-                found += [(i, kind, way, self.guard(i, kind, way)) for way in ways]
+    def guards(self) -> list[tuple[Callable[[Floats], float], Callable[[], None]]]:
+        """What can end the present flight: what rises through zero when it happens, and what happens then."""
+        found: list[tuple[Callable[[Floats], float], Callable[[], None]]] = []
+        for i, way in enumerate(self.direction.tolist()):
+            if way == 0:
+                found += [(partial(self.drive, i, side), partial(self.roll, i, side)) for side in (-1, 1)]
+            else:
+                found.append((partial(self.overlap, i, way), partial(self.hit, i, way)))
+                found.append((partial(self.return_speed, i, way), partial(self.settle, i)))
         return found
 
-    def guard(self, i: int, kind: str, way: int) -> Callable[[Floats], float]:
-        """Of one event."""
-        if kind == "hit":
-            return lambda y: float(way * y[2 + i] - self.gap[i])
-        if kind == "reversal":
-            return lambda y: float(-way * y[6 + i])
+    def overlap(self, i: int, way: int, y: Floats) -> float:
+        """Of ball and wall."""
+        return float(way * y[2 + i] - self.gap[i])
 
-        def start(y: Floats) -> float:
-            """By which the floor fails to hold a stuck ball, by the stuck and by the rolling law's dashpot."""
-            pulls = (self.spring[i] * y[i] + dashpot[i] * y[4 + i] for dashpot in (self.stuck_dashpot, self.dashpot))
-            held = way * self.y[2 + i] >= self.gap[i]
-            return -1.0 if held else min(way * pull for pull in pulls) / self.stuck_mass - self.resistance
+    def return_speed(self, i: int, way: int, y: Floats) -> float:
+        """Of the ball, back from where it rolls."""
+        return float(-way * y[6 + i])
 
-        return start
+    def drive(self, i: int, way: int, y: Floats) -> float:
+        """By which the floor fails to hold a stuck ball, by the stuck and by the rolling law's dashpot."""
+        pulls = (self.spring[i] * y[i] + dashpot[i] * y[4 + i] for dashpot in (self.stuck_dashpot, self.dashpot))
+        held = way * self.y[2 + i] >= self.gap[i]
+        return -1.0 if held else min(way * pull for pull in pulls) / self.stuck_mass - self.resistance
 
     def follow(self, end: float) -> None:
         """From event to event until a time [s]."""
@@ -140,40 +138,33 @@ class Integration:
         time, events = 0.0, 0
         while time < end:
             guards = self.guards()
-            now = [each for each in guards if each[3](self.y) > 0]
+            now = [happen for value, happen in guards if value(self.y) > 0]
             if not now:
-                watched = [_watched(value) for *_, value in guards]
+                watched = [_watched(value) for value, _ in guards]
                 solved: Any = solve_ivp(self.motion(), (0.0, end - time), self.y, events=watched, **self.how)
                 if solved.status < 0:
                     raise ArithmeticError(solved.message)
                 self.y = solved.y[:, -1].copy()
                 self.structure = float(self.y[8])
                 time += float(solved.t[-1])
-                now = [each for each, times in zip(guards, solved.t_events, strict=True) if len(times)]
+                now = [happen for (_, happen), times in zip(guards, solved.t_events, strict=True) if len(times)]
                 if not now:
                     return
-            self.happen(*now[0][:3])
+            now[0]()
             events += 1
             if events > _MOST_EVENTS:
                 raise ArithmeticError(f"more than {_MOST_EVENTS} events")
 
-    def happen(self, i: int, kind: str, way: int) -> None:
-        """Change velocities and directions at an event."""
-        if kind == "hit":
-            self.impacts += 1
-            self.y[2 + i] = way * self.gap[i]
-            self.hit(i)
-        elif kind == "reversal":
-            self.settle(i)
-        else:
-            self.direction[i] = way
+    def roll(self, i: int, way: int) -> None:
+        """From now on."""
+        self.direction[i] = way
 
     def settle(self, i: int) -> None:
         """Stuck, or off the way that the ball is driven."""
         self.y[6 + i] = self.direction[i] = 0
         for way in (-1, 1):
-            if self.guard(i, "start", way)(self.y) > 0:
-                self.direction[i] = way
+            if self.drive(i, way, self.y) > 0:
+                self.roll(i, way)
 
     def impulse(self, i: int, w: float) -> float:
         """Give s_i' the value w by an impulse between ball and structure: the floor has no time to act."""
@@ -182,9 +173,11 @@ class Integration:
         self.y[6 + i] = w
         return float(size)
 
-    def hit(self, i: int) -> None:
+    def hit(self, i: int, way: int) -> None:
         """Restitution along the wall's normal, capped friction along the wall, sticking."""
         d, j, y = self.damper, 1 - i, self.y
+        self.impacts += 1
+        y[2 + i] = way * self.gap[i]
         normal = abs(self.impulse(i, -d.restitution * y[6 + i]))
         if self.direction[j] != 0 and d.friction > 0:
             slides, give = y[6 + j], 1 / self.free + 1 / self.m
