@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -114,6 +115,8 @@ def test_runs_of_the_same_name_are_numbered(soft_and_stiff):
     assert found.names == ("soft (1)", "soft (2)")
     assert found.differences == {}
     assert "The scenes are the same." in report.text(found)
+    numbered = replace(soft, scene=soft.scene.model_copy(update={"title": "soft (1)"}))
+    assert spindamp.compare(soft, soft, numbered).names == ("soft (2)", "soft (3)", "soft (1)")
 
 
 def test_a_material_is_no_difference_where_its_density_is_the_same():

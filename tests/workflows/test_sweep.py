@@ -201,6 +201,21 @@ def test_a_normal_distribution_has_its_quantiles():
     assert np.allclose(spread.at(shares), [0.25, 0.3, 0.35], rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("values", "median", "deviation"), [("log:1:1000", 32, 226.9), ("normal:500:100", 500, 99), ("301:700", 500, 115)]
+)
+def test_whole_numbers_follow_the_law_of_their_range(values, median, deviation):
+    shares = (np.arange(4000) + 0.5) / 4000
+    drawn = axis(f"damper.count={values}").at(shares)
+    assert {type(each) for each in drawn} == {int}
+    assert (np.median(drawn), np.std(drawn)) == (pytest.approx(median, abs=1), pytest.approx(deviation, rel=0.02))
+
+
+def test_a_floor_flat_along_one_axis_alone_is_refused():
+    with pytest.raises(BadInput, match=r"a floor is flat along both axes: vary damper.floor_radius"):
+        axis("damper.floor_radius[1]=flat,20 mm")
+
+
 def test_points_are_what_runs_give(document, here):
     """Bit for bit: the same plate at the same speeds, the same damper."""
     headlines = {each.name for each in serialise.quantities(Damping) if each.headline}

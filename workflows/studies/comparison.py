@@ -1,5 +1,6 @@
 """Runs side by side: where their scenes differ, verdicts and figures at each speed; as text, JSON, CSV, chart, page."""
 
+import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -73,7 +74,10 @@ def compare(runs: Sequence[SceneLike | Results], stages: Stages | None = None) -
     read = [_read(each) for each in runs]  # a mistake in a later one is found before the first is run
     results = tuple(each if isinstance(each, Results) else solved(each, stages) for each in read)
     titles = [_title(*both) for both in zip(runs, results, strict=True)]
-    names = [title if titles.count(title) == 1 else f"{title} ({k + 1})" for k, title in enumerate(titles)]
+    names = list[str]()
+    for title in titles:
+        numbered = (f"{title} ({k})" for k in itertools.count(1))
+        names.append(title if titles.count(title) == 1 else next(n for n in numbered if n not in {*names, *titles}))
     return Comparison(tuple(names), results)
 
 

@@ -94,6 +94,8 @@ class Key:
             ValueError: it is none; the message says what would be right.
         """
         if self.field == "floor_radius" and value in (FLAT, math.inf):
+            if self.element is not None:
+                raise ValueError(f"a floor is flat along both axes: vary {self.path}")
             return math.inf
         parsed = self._validated(value, gravity)
         if isinstance(parsed, tuple):
@@ -266,9 +268,11 @@ class Axis:
 
     def at(self, shares: Floats) -> list[Value]:
         """Its values at shares from 0 to 1: of its spread, or one of its choices each."""
-        if self.spread is not None and not self.key.whole:
-            return [float(value) for value in self.spread.at(shares)]
-        choices = self.choices
+        spread, choices = self.spread, self.choices
+        if spread is not None and not self.key.whole:
+            return [float(value) for value in spread.at(shares)]
+        if spread is not None and spread.law != "even":  # the nearest
+            return [int(value) for value in np.clip(np.rint(spread.at(shares)), choices[0], choices[-1])]
         return [choices[k] for k in np.minimum((shares * len(choices)).astype(int), len(choices) - 1)]
 
 
