@@ -205,7 +205,7 @@ def damping_curve(
     others = {name: as_read(from_amplitude(resolved(each, rolls), least)) for name, each in others.items()}
     growing = replace(as_read(from_amplitude(resolved(growing, rolls), least)), **others)
     for curve in (growing, *others.values()):
-        if curve.peak > 0:
+        if curve.amplitude.size:
             laws.check_curve(bare, curve)
             laws.check_readings(curve, samples)
     for each in held:

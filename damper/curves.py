@@ -293,8 +293,9 @@ def as_read(curve: DampingCurve) -> DampingCurve:
     either side lack of it, and of a smooth peak a sixth: a quarter counts, and of a side no more than `_STEEP`.
     """
     ratio = curve.damping_ratio
-    if curve.peak < _SMALL or curve.peak < -ratio.min() < _TINY:
-        return nothing(curve.cutoff)
+    noise = max(_SMALL, -ratio.min(initial=0.0))
+    if curve.peak < min(noise, _TINY):
+        return nothing(curve.cutoff) if noise < _TINY else curve
     none = (abs(ratio) < _SMALL) | ((ratio < 0) & (ratio > -_ROUNDED * curve.peak))
     curve = at_peak(replace(curve, damping_ratio=np.where(none, 0.0, ratio)))
     place, best, lacks = np.log(curve.amplitude) / _WIDTH, int(np.argmax(curve.damping_ratio)), 0.0
@@ -417,7 +418,7 @@ def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
 
 def _with_step(curve: DampingCurve, amplitude: float) -> DampingCurve:
     """The same with a point at an amplitude [m], and one just below it, where it may step."""
-    if not curve.amplitude[0] < amplitude < curve.amplitude[-1]:
+    if not curve.amplitude.size or not curve.amplitude[0] < amplitude < curve.amplitude[-1]:
         return curve
     step = np.array([(1 - _STEP) * amplitude, amplitude])
     places = np.unique([*curve.amplitude, *step])
