@@ -696,8 +696,8 @@ _STILL = 1e-9
 """Displacement over the largest of its mode that counts as none."""
 
 
-TIP = 0.02
-"""Part of the radial extent, from the outermost node inwards, whose nodes are the tip's."""
+OUTER, TIP = 0.25, 0.02
+"""Parts of the radial extent, from the outermost node inwards: whose nodes say where the tip is, and are the tip's."""
 
 
 def deflection(model: ModalModel, static: Array) -> tuple[float, float]:
@@ -709,10 +709,11 @@ def deflection(model: ModalModel, static: Array) -> tuple[float, float]:
 
     Returns:
         The largest displacement [m], and the angle [rad] by which the tip turns about the direction from the axis to
-        it, right-handed: that of the rotation in the plane across it which fits its nodes best.
+        its middle, right-handed: that of the rotation in the plane across it which fits its nodes best.
     """
     arms = model.load(model.points)
-    outwards = arms[np.linalg.norm(arms, axis=1).argmax()]
+    radii = np.linalg.norm(arms, axis=1)
+    outwards = arms[radii >= radii.max() - OUTER * np.ptp(radii)].mean(axis=0)
     outwards = outwards / np.linalg.norm(outwards)
     along = arms @ outwards
     tip = along >= along.max() - TIP * np.ptp(along)
