@@ -233,8 +233,10 @@ def check_ringdowns(damper: ParticleDamper, rows: Parameters, run: Any, extremes
     if extremes.driven:
         return
     speed, ball = bounds.speed(books.initial + 0 * present), rows["ball_mass"]
-    riding = (1 + ball * bounds.mobility) / (rows["modal_mass"] + ball)  # where they stand for the energy of all modes
-    most = np.where(consistent, np.sqrt(np.maximum(bounds.mobility, riding)) * speed * (1 + EXACT), np.inf)
+    # Where they stand for the energy T + V of all modes: the ball may pull the structure beyond where it rests.
+    pulled = np.sqrt((bounds.pull**2 / structures.spring).sum(axis=1))
+    riding = np.sqrt((1 + ball * bounds.mobility) / (rows["modal_mass"] + ball)) * (speed + pulled)
+    most = np.where(consistent, np.maximum(np.sqrt(bounds.mobility) * speed, riding) * (1 + EXACT), np.inf)
     require("no velocity exceeds that of the total energy", "velocity maximum [m/s]", extremes.velocity, most, where)
     if damper.modes is not None and structures.dashpot.any():
         return  # the last term of the bound on the work has no bound there

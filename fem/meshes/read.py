@@ -210,8 +210,8 @@ def _check_kind(path: Path) -> None:
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 
 
-def _check_named_files(path: Path) -> None:
-    """See that what a mesh file names are files: a pipe or a device could be read for ever.
+def _named_files(path: Path) -> list[Path]:
+    """The files beside a mesh file that hold its numbers.
 
     XDMF names binary files by their path, HDF5 files by that from its own folder; TetGen's two files lie side by side.
     """
@@ -225,7 +225,12 @@ def _check_named_files(path: Path) -> None:
                 named.append(path.resolve().parent / text.partition(":")[0])
     elif path.suffix.lower() in (".node", ".ele"):
         named = [path.with_suffix(suffix) for suffix in (".node", ".ele")]
-    for other in named:
+    return named
+
+
+def _check_named_files(path: Path) -> None:
+    """See that what a mesh file names are files: a pipe or a device could be read for ever."""
+    for other in _named_files(path):
         if not other.is_file():
             raise MeshError(f"it names {other.name!r}, which is not a file: expected one with the mesh's numbers")
 
@@ -325,14 +330,36 @@ def _plain(path: Path) -> Iterator[Path]:
         yield copy
 
 
+def files_of(path: Path) -> list[Path]:
+    """A mesh file, and those that it names with parts of its mesh, there or not."""
+    suffix, found = path.suffix.lower(), [path]
+    if suffix != ".inp" and suffix not in NASTRAN:
+        with contextlib.suppress(ElementTree.ParseError):  # which is said where it is read
+            found += _named_files(path) if path.is_file() else []
+        return found
+    names = _DATA if suffix == ".inp" else _INCLUDE
+    for each in found:  # which grows on the way
+        raw = each.read_bytes() if each.is_file() else b""
+        lines = _text(raw).splitlines() if re.search(rb"(?i)include|input", raw) else []
+        others = (each.parent / _name(named) for named in map(names.match, lines) if named is not None)
+        found += [other for other in others if other not in found]
+    return found
+
+
+def _text(raw: bytes) -> str:
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace")
+
+
+def _name(named: re.Match[str]) -> str:
+    return named["file"].strip(" '\"")
+
+
 def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) -> Lines:
     """Lines of a deck and of the files that its lines name, each with where it stands."""
-    raw = path.read_bytes()
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("cp1252", errors="replace")
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(_text(path.read_bytes()).splitlines(), 1):
         where = f"{path.name}, line {number}" if outer else f"line {number}"
         named = names.match(line)
         if named is None:
@@ -340,7 +367,7 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
             continue
         if not named["keyword"].upper().endswith("INCLUDE"):
             yield where, line.replace(named["option"], "")
-        other = path.parent / named["file"].strip(" '\"")
+        other = path.parent / _name(named)
         if not other.is_file() or other.resolve() in {each.resolve() for each in (*outer, path)}:
             why = "which includes it" if other.is_file() else "which is not a file"
             raise MeshError(f"{where}: it includes {named['file'].strip()!r}, {why}")

@@ -417,6 +417,19 @@ def test_spin_that_follows_a_hit_along_the_other_axis_is_no_violation() -> None:
     assert abs(books.residual) < 1e-12 * books.initial
 
 
+def test_a_ball_on_a_slope_pulls_the_structure_beyond_where_it_rests() -> None:
+    """Its potential energy on the tilting floor feeds the vibration: energies T + V above that of the release."""
+    damper = ParticleDamper(
+        4.0987, (19130.5, 57388.9), 0.18893, 6.1195e-4, (3.6522e-3, 8.5087e-3), 44058.6, 0.9, 0.0, 0.0, 0.001,
+        floor_tilt=(0.15896, 0.15896),
+    )  # fmt: skip
+    angle = np.linspace(0.0, 2 * math.pi, 60)
+    release = 1.7e-4 * np.column_stack([np.cos(angle), np.sin(angle)])
+    run = ringdowns(damper, release, 25)
+    through = run.structure + run.rolling + run.impact
+    assert np.abs(run.residual).max() < 1e-12 * through.max()
+
+
 def test_rounding_of_a_ball_whose_energy_exceeds_that_of_the_structure_is_no_violation() -> None:
     """At small amplitudes the ball's energy in its hollow is thousands of times the vibration's."""
     gap, radius, floor = (1.927e-4, 1.054e-4), 0.07681, 0.2504

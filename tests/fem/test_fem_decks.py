@@ -5,6 +5,7 @@ import pytest
 from fem_cases import box
 
 from fem import MeshError
+from fem.meshes.read import files_of
 from fem.meshes.volume import read_volume
 
 DECK = box("hexahedron20", (2, 1, 1), (0.2, 0.04, 0.02))
@@ -78,6 +79,8 @@ def test_decks_are_read_with_their_root(case, tmp_path):
     (tmp_path / "outer.inc").write_text("*INCLUDE,INPUT=mesh.inc\n")
     path.write_text("\n".join(READ[case]) + "\n", encoding="utf-8")
     mesh = read_volume(path)
+    inside = {"mesh from a file": "mesh", "nodes from a file": "nodes", "files in files": "outer mesh"}.get(case, "")
+    assert [each.name for each in files_of(path)] == ["blade.inp", *(f"{name}.inc" for name in inside.split())]
     assert [(kind, len(nodes)) for kind, nodes in mesh.cells] == [("hexahedron20", 2)]
     offset = 0.5 if "moved" in case else 0.0
     np.testing.assert_allclose(np.sort(mesh.points[:, 0]), np.sort(DECK.points[:, 0]) + offset, atol=1e-12)

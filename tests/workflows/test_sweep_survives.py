@@ -16,6 +16,7 @@ import zarr
 from tests.workflows.conftest import MESHES, QUIET, changed, on_mesh, python, write
 from workflows.errors import BadInput
 from workflows.io import folder
+from workflows.scene.load import load
 from workflows.studies.sweep import evaluate, executor, store, study
 from workflows.studies.sweep.executor import Workers
 
@@ -328,6 +329,17 @@ def test_a_study_of_other_files_is_another(tmp_path, paper, varied):
     assert studies[0] == studies[1]
     differ = {name for name, each in studies[0].items() if studies[2][name] != each}
     assert differ == {"files_sha256", "study"}
+
+
+def test_plates_of_the_same_name_are_not_taken_for_each_other(tmp_path, paper):
+    """Studies of one process, as a worker of a cluster has them: the same scene beside a mesh that is rewritten."""
+    hertz = []
+    for mesh in ("plate_coarse", "plate_medium", "plate_coarse"):
+        shutil.copy(MESHES / f"{mesh}.msh", tmp_path / "p.msh")
+        scene = load(write(changed(on_mesh(paper, "p.msh"), rotor__speeds=["3000 rpm"]), tmp_path / "scene.toml"))
+        hertz.append(evaluate.PLATES.state(scene).points[0].modes[0].frequency_hz)
+    assert hertz[0] == hertz[2]
+    assert hertz[0] != hertz[1]
 
 
 def test_other_code_is_refused(asked, out, monkeypatch):

@@ -88,7 +88,8 @@ class PlateCache:
         """
         if source.scene.plate is None:
             return StructureSolver(source, Stages(visible=False)).at()
-        solver, solutions = self._plate(Request(plate_key(source.scene), source))
+        key = f"{plate_key(source.scene)} {source.mesh} {source.files_sha256}"
+        solver, solutions = self._plate(Request(key, source))
         effects = {name: solver.choice.effects[name] for name in OF_THE_PLATE}
         effects |= selection.resolve(source.scene, source.name, solver.choice.form, names=OF_THE_DAMPER)
         with self._lock:

@@ -76,8 +76,11 @@ class Study:
 
     def _varied_files(self) -> list[Path]:
         """Files of the structures that are tried in its place."""
+        from fem.meshes.read import files_of
+
         axes = [axis for axis in self.plan.axes if axis.key.path in FILES]
-        return [self.source.folder / str(value) for axis in axes for value in axis.values]
+        named = [self.source.folder / str(value) for axis in axes for value in axis.values]
+        return [each for path in named for each in files_of(path)]
 
     def regions(self) -> list[store.Region]:
         """Its points, region by region."""
