@@ -283,9 +283,11 @@ def test_blades_of_calculix_within_both_uncertainties(name):
 @pytest.mark.parametrize("twist", [0.0, 0.04])
 def test_the_tip_turns_about_the_radius_through_its_middle(twist: float, turn: float) -> None:
     """A wide blade that bends and twists, turned about the axis: two of its corners are equally far out."""
-    x, y, z = (each.ravel() for each in np.meshgrid(np.linspace(0.1, 0.3, 41), [-0.05, 0.0, 0.05], [-0.002, 0.002]))
+    x, y, z = (
+        each.ravel() for each in np.meshgrid(np.linspace(0.1, 0.3, 81), np.linspace(-0.05, 0.05, 21), [-0.002, 0.002])
+    )
     angle, bent = twist * (x - 0.1) / 0.2, 0.03 * ((x - 0.1) / 0.2) ** 2
-    moved = np.stack([x, y * np.cos(angle) - z * np.sin(angle) + bent, y * np.sin(angle) + z * np.cos(angle)], axis=1)
+    moved = np.stack([x, y * np.cos(angle) - z * np.sin(angle), y * np.sin(angle) + z * np.cos(angle) + bent], axis=1)
     spin = Rotation.from_euler("z", turn, degrees=True)
     points = spin.apply(np.stack([x, y, z], axis=1))
     model = ModalModel(points, (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
