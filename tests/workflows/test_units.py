@@ -107,7 +107,7 @@ def test_what_is_compared_reads_otherwise():
     assert float(more) > float(less)
     mode = SimpleNamespace(number=1, whole=1.004e-3)
     of = {"parts": {"mesh": mode.whole}, "target": 1e-3, "met": False, "off": [], "keys": {}, "least": None}
-    (said,) = templates.said("remarks/sentence", first=mode, last=mode, **of)
+    (said,) = templates.said("remarks/sentence", unknown=False, first=mode, last=mode, left=None, **of)
     assert said.startswith("Mode 1 is accurate to 0.1004 % (")
 
 
