@@ -51,11 +51,13 @@ class SceneFile:
     @property
     def files(self) -> tuple[Path, ...]:
         """What its structure comes from: that file and what it includes, or files of known modes."""
-        from fem.meshes.read import files_of
-
         if self.scene.known is not None:
             return tuple(self.folder / name for name in self.scene.known.files.values())
-        return () if self.mesh is None else tuple(files_of(self.mesh))
+        if self.mesh is None:
+            return ()
+        from fem.meshes.read import files_of
+
+        return tuple(files_of(self.mesh))
 
     @cached_property
     def files_sha256(self) -> str | None:
