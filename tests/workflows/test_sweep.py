@@ -214,6 +214,9 @@ def test_whole_numbers_follow_the_law_of_their_range(values, median, deviation):
 def test_a_floor_flat_along_one_axis_alone_is_refused():
     with pytest.raises(BadInput, match=r"a floor is flat along both axes: vary damper.floor_radius"):
         axis("damper.floor_radius[1]=flat,20 mm")
+    hollow = axis("damper.floor_radius[1]=20 mm")
+    with pytest.raises(BadInput, match=r"damper.floor_radius\[1\]: the floor is flat along the other axis: give"):
+        hollow.key.put({"damper": {"radius": 1e-3}}, hollow.values[0])
 
 
 def test_points_are_what_runs_give(document, here):

@@ -147,6 +147,9 @@ class Key:
             place[self.field] = [value]
         elif self.element is not None:
             before = place.get(self.field)
+            if before is None and self.field == "floor_radius":
+                instead = f"give the scene its radius there, or vary {self.path}"
+                raise BadInput(f"the floor is flat along the other axis: {instead}", key=self.name)
             pair = list(before) if isinstance(before, list | tuple) else [0.0 if before is None else before] * 2
             pair[self.element] = value
             place[self.field] = pair
