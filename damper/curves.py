@@ -34,9 +34,11 @@ The damping rises there from nothing, by a power of the amplitude: its mean over
 _SMALL = 1e-15
 """Damping ratio below which a ball takes nothing: rounding of the energies compared gives less than 1e-16."""
 
-_ROUNDED, _TINY = 1e-6, 1e-11
-"""Share of the peak up to which a negative ratio is what rounding leaves of a ball's energy next to the structure's; up
-to how much such a ratio shows that there is no more than rounding in a lesser peak."""
+TINY = 1e-11
+"""Rounding of damping ratios, absolute: a peak below a negative ratio of less is none."""
+
+_ROUNDED = 1e-6
+"""Share of the peak up to which a negative ratio is what rounding leaves of a ball's energy next to the structure's."""
 
 _STEP = 1e-6
 """Relative width of the step from one motion to another."""
@@ -294,8 +296,8 @@ def as_read(curve: DampingCurve) -> DampingCurve:
     """
     ratio = curve.damping_ratio
     noise = max(_SMALL, -ratio.min(initial=0.0))
-    if curve.peak < min(noise, _TINY):
-        return nothing(curve.cutoff) if noise < _TINY else curve
+    if curve.peak < min(noise, TINY):
+        return nothing(curve.cutoff) if noise < TINY else curve
     none = (abs(ratio) < _SMALL) | ((ratio < 0) & (ratio > -_ROUNDED * curve.peak))
     curve = at_peak(replace(curve, damping_ratio=np.where(none, 0.0, ratio)))
     place, best, lacks = np.log(curve.amplitude) / _WIDTH, int(np.argmax(curve.damping_ratio)), 0.0

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from damper.curves import BINS
+from damper.curves import BINS, TINY
 from damper.equations import structures_by
 from damper.model import alike, half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
@@ -124,8 +124,8 @@ BOOKS, ROUNDING = 1e-6, 1e-9
 ASIDE = 1e-5
 """Share of a curve's peak that its samples may lose beside the window of a ratio, as next to the cut-off."""
 
-EXACT, TINY = 1e-9, 1e-11
-"""Rounding of figures, relative; and of damping ratios, absolute."""
+EXACT = 1e-9
+"""Rounding of figures, relative."""
 
 NOT_REACHED = -1.0
 """Stands for the losses of a cycle that a sweep did not reach."""

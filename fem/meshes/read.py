@@ -331,18 +331,21 @@ def _plain(path: Path) -> Iterator[Path]:
 
 
 def files_of(path: Path) -> list[Path]:
-    """A mesh file, and those that it names with parts of its mesh, there or not."""
+    """A mesh file, and those that there are of the files that it names with parts of its mesh."""
     suffix, found = path.suffix.lower(), [path]
     if suffix != ".inp" and suffix not in NASTRAN:
         with contextlib.suppress(ElementTree.ParseError):  # which is said where it is read
             found += _named_files(path) if path.is_file() else []
         return found
-    names = _DATA if suffix == ".inp" else _INCLUDE
+    names, seen = _DATA if suffix == ".inp" else _INCLUDE, {path.resolve()}
     for each in found:  # which grows on the way
         raw = each.read_bytes() if each.is_file() else b""
         lines = _text(raw).splitlines() if re.search(rb"(?i)include|input", raw) else []
-        others = (each.parent / _name(named) for named in map(names.match, lines) if named is not None)
-        found += [other for other in others if other not in found]
+        for named in filter(None, map(names.match, lines)):
+            other = each.parent / _name(named)
+            if other.is_file() and other.resolve() not in seen:
+                seen.add(other.resolve())
+                found.append(other)
     return found
 
 

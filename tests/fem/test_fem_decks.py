@@ -90,6 +90,14 @@ def test_decks_are_read_with_their_root(case, tmp_path):
     np.testing.assert_array_equal(mesh.sets["NROOT"], root)
 
 
+def test_decks_that_include_each_other_are_followed_once(tmp_path):
+    """However the names are spelt; what is not there is no file."""
+    (tmp_path / "deck").mkdir()
+    for name, other in (("a.inp", "../deck/b.inp"), ("b.inp", "../deck/a.inp")):
+        (tmp_path / "deck" / name).write_text(f"*INCLUDE, INPUT={other}\n*INCLUDE, INPUT=none.inc\n*NODE\n")
+    assert [each.name for each in files_of(tmp_path / "deck" / "a.inp")] == ["a.inp", "b.inp"]
+
+
 REFUSED = {
     "empty": ("", "no cells with a volume"),
     "no mesh": ("these are\nwords\n", "no cells with a volume"),

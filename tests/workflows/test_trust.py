@@ -11,7 +11,6 @@ import workflows
 from tests.workflows.conftest import MESHES, changed, quads
 from workflows.effects.definition import Effect
 from workflows.report import page, remarks, text
-from workflows.solve.results import ErrorParts
 from workflows.studies import comparison
 
 
@@ -76,9 +75,13 @@ def test_the_effects_that_are_named_have_no_part_when_on(paper):
     assert remarks.met(workflows.run(changed(scene, effects={"coriolis": True, "large_deflection": True})))
 
 
-def _with_basis(results, error):
+ALONE = {"layers": 0.0, "basis": 0.0, "large_deflection": None, "coriolis": None}
+"""Parts of an error of which mesh and theory are the only ones."""
+
+
+def _with_parts(results, **parts):
     (point,) = results.speeds
-    modes = tuple(replace(mode, error_parts=replace(mode.error_parts, basis=error)) for mode in point.modes)
+    modes = tuple(replace(mode, error_parts=replace(mode.error_parts, **parts)) for mode in point.modes)
     return replace(results, speeds=(replace(point, modes=modes),))
 
 
@@ -86,7 +89,7 @@ def test_where_nothing_would_do_it_says_what_is_left(paper):
     """What rounding leaves in a reduced basis, no key takes away."""
     found = workflows.run(_plate(paper, plate__theory="mindlin", accuracy__frequency=4e-3))
     for error, least in ((6.2e-3, "0.62"), (0.95, "95"), (5.1, "510")):
-        said = remarks.sentence(_with_basis(found, error))
+        said = remarks.sentence(_with_parts(found, basis=error))
         assert said.endswith(f"0.4 % was requested; no setting achieves less than about {least} %.")
 
 
@@ -94,17 +97,14 @@ def test_a_finer_mesh_reduces_what_others_leave_room_for(paper):
     """Cavities are not known when the mesh is chosen."""
     scene = _plate(paper, plate__theory="mindlin", accuracy__frequency=4e-3)
     found = workflows.run(scene)
-    (point,) = found.speeds
-    parts = ErrorParts(mesh=2e-3, layers=0.0, basis=0.0, theory=1e-3, large_deflection=None, coriolis=None)
     for cavities, ends in (
         (2e-3, "0.4 % was requested; [accuracy] frequency = 0.0013 would reduce the part of the mesh."),
         (3.5e-3, '0.4 % was requested; [plate] theory = "solid" would reduce the part of the theory.'),
         (4.5e-3, "0.4 % was requested; no setting achieves less than about 0.45 %."),
     ):
-        modes = tuple(replace(mode, error_parts=replace(parts, cavity_mass=cavities)) for mode in point.modes)
-        cut = found.effects | {"cavity_mass": Effect(True, "")}
-        said = remarks.sentence(replace(found, speeds=(replace(point, modes=modes),), effects=cut))
-        assert said.endswith(ends)
+        cut = replace(found, effects=found.effects | {"cavity_mass": Effect(True, "")})
+        parts = ALONE | {"mesh": 2e-3, "theory": 1e-3, "cavity_mass": cavities}
+        assert remarks.sentence(_with_parts(cut, **parts)).endswith(ends)
     finer = workflows.run(changed(scene, accuracy__frequency=1.3e-3))
     assert all(a.parts.mesh < b.parts.mesh for a, b in zip(remarks.worst(finer), remarks.worst(found), strict=True))
 
@@ -114,14 +114,11 @@ def test_a_finer_mesh_is_no_remedy_for_what_it_leaves(paper):
     scene = _plate(paper, accuracy__frequency=1e-3)
     scene["plate"] = {"mesh": str(MESHES / "plate_coarse.msh"), "thickness": "10 mm", "theory": "mindlin"}
     found = workflows.run(scene)
-    (point,) = found.speeds
-    parts = ErrorParts(mesh=2e-3, layers=0.0, basis=0.0, theory=1e-4, large_deflection=None, coriolis=None)
     for theory, ends in (
         (1e-4, "0.1 % was requested; a finer mesh would reduce the error."),
         (1.6e-3, "0.1 % was requested; about 0.16 % remains with any mesh."),
     ):
-        modes = tuple(replace(mode, error_parts=replace(parts, theory=theory)) for mode in point.modes)
-        assert remarks.sentence(replace(found, speeds=(replace(point, modes=modes),))).endswith(ends)
+        assert remarks.sentence(_with_parts(found, **ALONE | {"mesh": 2e-3, "theory": theory})).endswith(ends)
 
 
 CORNER = (35.93663, 249.7615, 489.6319, 979.4331)
