@@ -548,13 +548,13 @@ class SolvedBlade:
         """Largest strain over the root's section in a mode, numbered from 0, by bending and pull [m^-1 per kg^1/2 m].
 
         By what the moving masses, and the load on them, ask of the clamp, and by Navier's linear stress: that needs no
-        mesh which resolves how rotation draws the bending of thin blades into a layer at the root. As where the clamp
-        holds the width, (1 - nu²) times the stress over E. None where the root has no section.
+        mesh which resolves how rotation draws the bending of thin blades into a layer at the root. It is the stress
+        over E, as of plates, whatever width the clamp holds. None where the root has no section.
         """
         return self._strained(modes, number)
 
     def _root_strain(self, modes: ModesAtSpeed, number: int) -> float | None:
-        blade, masses, material = self.operators.blade, self.operators.masses[:, None], self.operators.blade.material
+        blade, masses = self.operators.blade, self.operators.masses[:, None]
         if blade.bending is None:
             return None
         shape, still = modes.shapes[number], 0.0 if modes.static is None else modes.static
@@ -566,7 +566,7 @@ class SolvedBlade:
         bent = np.linalg.pinv(second, rcond=1e-9) @ np.cross(normal, moment.sum(axis=0))
         pulled = swing.sum(axis=0) @ normal / np.linalg.norm(blade.section)
         stress = pulled + (at - perpendicular(middle, normal)) @ bent
-        return float(np.abs(stress).max() * (1.0 - material.poissons_ratio**2) / material.youngs_modulus)
+        return float(np.abs(stress).max() / blade.material.youngs_modulus)
 
     def at(self, omega: float) -> ModesAtSpeed:
         """The blade's modes at a speed [rad/s].

@@ -6,16 +6,29 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
-from fem_cases import DATA, beam, box, rpm
+from fem_cases import DATA, FLAT, beam, box, rpm
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
-from fem import Divergence, Effects, Material, MeshError, equilibrium, linalg
+from fem import (
+    Divergence,
+    Effects,
+    Material,
+    MeshError,
+    Plate,
+    Rotor,
+    assemble,
+    campbell,
+    equilibrium,
+    linalg,
+    rectangle,
+)
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
 from fem.modal_model import ModalModel, ModesAtSpeed, deflection, largest_strain, place, pull
 from fem.modes import solve_real
 from fem.reduction.known_modes import cavity_shifts, floor, reduced_modes
+from fem.reduction.single_mode import Reduction
 from fem.solid.assembly import assemble_solid, pattern
 from fem.solid.blade import Blade, root_at
 from fem.solid.mesh_error import mesh_errors
@@ -756,6 +769,23 @@ def test_what_a_mode_asks_of_the_clamp_strains_the_root(speed, kind, turn, deep)
     assert solved.root_strain(modes, 0) / lift == pytest.approx(strain[0], rel=0.03)
     if speed and kind == "tetra10":
         assert largest_strain(solved.model, modes, 0) / lift < 0.85 * strain[0]
+
+
+@pytest.mark.parametrize("speed", [0.0, rpm(6000)])
+@pytest.mark.parametrize("width", [0.02, 0.16])
+def test_a_blade_is_strained_as_the_plate_that_it_is(width, speed):
+    """Where the clamp holds the width, strain is (1 - nu²) of the stress over E, which counts."""
+    sides, hub = (0.2, width, 0.006), 0.3
+    mesh = box("hexahedron20", (16, 6, 1), sides)
+    mesh.points[:] -= [0.0, 0.5 * width, 0.5 * sides[2]]
+    clamped = np.flatnonzero(mesh.points[:, 0] < 1e-9)
+    blade = Blade(mesh, STEEL, clamped, AXIS, np.array([-hub, 0.0, 0.0]))
+    solved = SolvedBlade(assemble_solid(blade), np.array([speed]), 2, 1e-3)
+    modes = solved.at(speed)
+    tip = int(np.argmin(np.abs(mesh.points - [sides[0], 0.0, 0.5 * sides[2]]).sum(axis=1)))
+    plate = assemble(Plate(rectangle(*sides[:2], 24, 6), sides[2], STEEL), Rotor(hub), FLAT, "mindlin")
+    bends, _ = Reduction(plate, campbell(plate, [speed], 4), (sides[0], 0.0)).bending(0)
+    assert solved.root_strain(modes, 0) / abs(modes.shapes[0, tip, 2]) == pytest.approx(bends, rel=0.03)
 
 
 def test_a_tang_held_on_both_sides_has_no_section():
