@@ -40,7 +40,7 @@ from damper.curves import (
 )
 from damper.equations import structures_by
 from damper.model import Mode, rim_threshold, whole
-from damper.motion import COUPLED, flights, kinds, prepare
+from damper.motion import flights, prepare
 from damper.state import Tables
 
 if TYPE_CHECKING:
@@ -331,13 +331,11 @@ def undamped(damper: ParticleDamper) -> ParticleDamper:
         mass, (along, across), (tilt, tilt_across) = damper.modal_mass, damper.stiffness, damper.floor_tilt
         modes = Mode(mass, along, (1.0, 0.0), (tilt, 0.0)), Mode(mass, across, (0.0, 1.0), (0.0, tilt_across))
         damper = replace(damper, modes=modes, floor_tilt=(0.0, 0.0))
-    if modes is not None and (aside or kinds(damper, damper.parameters)[0] == COUPLED):
+    if modes is not None:
         own = (damper.damping_ratio if mode.damping_ratio is None else mode.damping_ratio for mode in modes)
         kept = [max(each, _OTHERS) for each in own]
         kept[damper.leading(0)] = 0.0
         modes = tuple(replace(mode, damping_ratio=each) for mode, each in zip(modes, kept, strict=True))
-    elif modes is not None:
-        modes = tuple(replace(mode, damping_ratio=None) for mode in modes)
     return replace(damper, damping_ratio=0.0, modes=modes, break_away=0.0)
 
 

@@ -160,7 +160,7 @@ def grown(
     lowest = _lowest(above, known, climbs, rolling)
     points = [lowest[k] for k in sorted(lowest)]
     if grazes.size:
-        points = _with_rise(lowest, above, meets, float(grazes[0, 0] - grazes[0, 1]) / (2 * math.pi))
+        points = _with_rise(lowest, above, meets, grazes[0])
     amplitude, ratio = (np.array([getattr(each, name) for each in points]) for name in ("amplitude", "ratio"))
     best = int(np.argmax(ratio))
     curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, from_above=above), best)
@@ -219,15 +219,16 @@ def _lowest(above: DampingCurve, known: _Bins, climbs: list[_Bins], rolling: _Bi
     return points
 
 
-def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, rolled: float) -> list[_Point]:
+def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, grazes: Floats) -> list[_Point]:
     """All points, with those of the step at which a ball that rolls about the middle meets the walls, if it parts two.
 
     Args:
         lowest: points by the numbers of their bins.
         above: figures of the way down.
         meets: amplitude at which it does [m].
-        rolled: its damping ratio there.
+        grazes: a sample of it there.
     """
+    rolled = float(grazes[0] - grazes[1]) / (2 * math.pi)
 
     def parts(k: int) -> bool:
         return k in lowest and lowest[k].lacks is not None
@@ -244,6 +245,8 @@ def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, rol
         lowest = lowest | {last: lowest[last]._replace(usual=0.0, spread=spread)}
     step = [_Point((1 - _STEP) * meets, foot, spread=spread), _Point(meets, max(begun, foot), spread=spread)]
     below = [lowest[k] for k in sorted(lowest) if lowest[k].amplitude < step[0].amplitude]
+    heavy = math.exp(0.5 * float(grazes[0] + grazes[1]))  # whose loss in a cycle takes it down to there: still rolls
+    below = [each._replace(ratio=min(each.ratio, foot)) if each.amplitude > heavy else each for each in below]
     return [*below, *step, *(lowest[k] for k in sorted(lowest) if k >= first and lowest[k].amplitude > meets)]
 
 
@@ -474,21 +477,19 @@ class Tally(NamedTuple):
         cycles: spent in each bin by each sweep, shape (sweeps, bins).
         lost: sums of their damping ratios, the same.
         place: and of where they were, in bins, the same.
-        counts: whether a bin is above the cut-off, shape (bins,).
     """
 
     cycles: Floats
     lost: Floats
     place: Floats
-    counts: npt.NDArray[np.bool_]
 
 
 def tally(samples: Floats, cutoff: float) -> Tally:
     """Add up samples by sweeps and bins.
 
-    A cycle that crosses bins counts in each by its share, so that nothing is left out or counted twice however steep
-    the decay; what a cycle that begins above the cut-off would lose in bins wholly below it does not count, since
-    there the load holds the ball.
+    A cycle that crosses bins counts in each by its share, over an octave from where it began: a heavy ball
+    may take, and give back, nearly all energy in a cycle. Not below the cut-off, where the load holds the ball, nor
+    below where sweeps were led to.
     """
     numbers, sweep = np.unique(samples[:, 2], return_inverse=True)
     before, after = samples[:, 0], samples[:, 1]
@@ -497,29 +498,28 @@ def tally(samples: Floats, cutoff: float) -> Tally:
         before, after, sweep = before[moving], after[moving], sweep[moving]
     if not before.size:
         none = np.zeros((len(numbers), 0))
-        return Tally(none, none, none, np.zeros(0, bool))
-    low, high = np.minimum(before, after) / _WIDTH, np.maximum(before, after) / _WIDTH
+        return Tally(none, none, none)
+    ratio = (before - after) / (2 * math.pi)
+    end = np.clip(after, np.maximum(before - math.log(2), before.min()), before + math.log(2))
+    low, high = np.minimum(before, end) / _WIDTH, np.maximum(before, end) / _WIDTH
     first = np.floor(low).astype(int)
     crossed = np.floor(high).astype(int) - first + 1  # bins that each cycle is in
     cycle = np.repeat(np.arange(len(low)), crossed)
     at = np.arange(len(cycle)) + np.repeat(first - np.cumsum(crossed) + crossed, crossed)
-    low, high, ratio = low[cycle], high[cycle], ((before - after) / (2 * math.pi))[cycle]
+    low, high, ratio = low[cycle], high[cycle], ratio[cycle]
     begin, end = np.maximum(low, at), np.minimum(high, at + 1)
     share = np.ones(len(cycle))
     np.divide(end - begin, high - low, out=share, where=high > low)
     origin, bins = int(first.min()), int(at.max() - first.min()) + 1
     which, size = sweep[cycle] * bins + at - origin, len(numbers) * bins
     weights = share, share * ratio, share * 0.5 * (begin + end)
-    sums = [np.bincount(which, each, size).reshape(-1, bins).astype(float) for each in weights]
-    floor = math.log(cutoff) / _WIDTH if cutoff > 0 else -math.inf
-    counts = origin + np.arange(1, bins + 1) > floor
-    return Tally(sums[0], sums[1], sums[2], counts)
+    return Tally(*(np.bincount(which, each, size).reshape(-1, bins).astype(float) for each in weights))
 
 
 def _points(found: Tally, sweeps: slice | npt.NDArray[Any] = _ALL) -> tuple[Floats, Floats]:
     """Amplitude [m] and mean damping ratio in bins, shape (n,): what sweeps lost in one over their cycles in it."""
     cycles, lost, place = (each[sweeps].sum(axis=0) for each in found[:3])
-    met = (cycles > _LEAST_STAY) & found.counts
+    met = cycles > _LEAST_STAY
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
 
 

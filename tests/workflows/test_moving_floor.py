@@ -396,7 +396,7 @@ def test_growing_vibration_feeds_the_other_modes():
 
 
 def test_falling_vibration_feeds_the_other_modes():
-    """As ring-downs in all modes have it: a ball that hits keeps in step with two modes, and not with a third."""
+    """As ring-downs in all modes have it, 0.1 % damping in each other: a third mode takes a quarter from the peak."""
     few = {"rotor__speeds": ["1500 rpm"], "rotor__modes": 4, "plate__theory": "kirchhoff", "accuracy__frequency": 0.01}
     system, _ = built(changed(BLADE, **few))
     assert len(system.modes) == 3
@@ -412,4 +412,4 @@ def test_falling_vibration_feeds_the_other_modes():
         ratios.append(math.log(peaks[first] / peaks[last]) / turns)
     assert np.mean(ratios) == pytest.approx(found.from_above.peak, rel=0.4)
     two = replace(system, modes=tuple(system.modes[system.leading(axis)] for axis in range(2)))
-    assert damping_curve(two).from_above.peak > 2 * found.from_above.peak
+    assert damping_curve(two).from_above.peak > 1.2 * found.from_above.peak
