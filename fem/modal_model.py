@@ -138,12 +138,28 @@ class ModalModel:
         """Rotations (s, k, k) of each speed's modes among themselves to be as like those of the middle one as they can.
 
         Through modes turned so, and their small stiffness, polynomials go past crossings and veerings. Source: Amsallem
-        and Farhat, SIAM J. Sci. Comput. 33 (2011) 2169; the nodes' displacements stand for the mass.
+        and Farhat, SIAM J. Sci. Comput. 33 (2011) 2169; the nodes' displacements stand for the mass. Where the load
+        bends the structure it turns these, and a low mode would get stiffness of high ones, which the load hardly mixes
+        with it: there modes are as like as their frequencies are, too.
         """
         from scipy.linalg import polar
 
-        middle = self._flat[len(self.speeds) // 2]
-        return np.array([polar(middle @ each.T)[0] for each in self._flat])
+        half = len(self.speeds) // 2
+        middle, count = self._flat[half], len(self._flat[half])
+        like = [middle @ each.T for each in self._flat]
+        if self._bent > _BENT:
+            ratios = [np.divide.outer(self.speeds[half].squares[:count], each.squares[:count]) for each in self.speeds]
+            like = [each * np.sqrt(np.minimum(r, 1 / r)) for each, r in zip(like, ratios, strict=True)]
+        return np.array([polar(each)[0] for each in like])
+
+    @cached_property
+    def _bent(self) -> float:
+        """Largest displacement across the load, by it, over the structure's size; 0 where none is known."""
+        along = self.load(self.points)
+        along /= np.maximum(np.linalg.norm(along, axis=1), _STILL * self.size)[:, None]
+        static = [modes.static for modes in self.speeds if modes.static is not None]
+        across = [each - (each * along).sum(axis=1)[:, None] * along for each in static]
+        return max((float(np.linalg.norm(each, axis=1).max()) for each in across), default=0.0) / self.size
 
     @cached_property
     def _flat(self) -> list[Array]:
@@ -248,6 +264,9 @@ class ModalModel:
         """Which mode of the lowest speed each of those at a speed continues, (k,)."""
         return np.arange(len(vectors)) if len(self.speeds) == 1 else self._steps.of(omega, vectors)
 
+
+_BENT = 1e-3
+"""Displacement across the load, over the structure's size, from which on the load bends it."""
 
 TRACKED = 201
 """Speeds by which modes are followed through crossings."""

@@ -25,7 +25,7 @@ from fem import (
 )
 from fem.meshes.cells import cell
 from fem.meshes.volume import FIRST_ORDER, SECOND_ORDER, VolumeMesh, read_volume
-from fem.modal_model import ModalModel, ModesAtSpeed, deflection, largest_strain, place, pull
+from fem.modal_model import ModalModel, ModesAtSpeed, chosen, deflection, largest_strain, place, pull
 from fem.modes import solve_real
 from fem.reduction.known_modes import cavity_shifts, floor, reduced_modes
 from fem.reduction.single_mode import Reduction
@@ -769,6 +769,20 @@ def test_what_a_mode_asks_of_the_clamp_strains_the_root(speed, kind, turn, deep)
     assert solved.root_strain(modes, 0) / lift == pytest.approx(strain[0], rel=0.03)
     if speed and kind == "tetra10":
         assert largest_strain(solved.model, modes, 0) / lift < 0.85 * strain[0]
+
+
+@pytest.mark.parametrize("name", ["P1_fan", "P6_thin"])
+def test_modes_between_two_speeds_of_a_blade_that_the_load_bends(name):
+    """Any number of modes will do; of eight the first had 7 % and 18 % too much halfway in the speed."""
+    operators, top = blade(name, (8, 4, 1)), rpm(max(speeds_of(name)))
+    solved = SolvedBlade(operators, np.array([0.0, 0.5 * top, top]), 20, 1e-3)
+    rest, exact, fast = (solved.at(omega) for omega in (0.0, 0.5 * top, top))
+    mesh = operators.blade.mesh
+    for count in (6, 8, 12, 20):
+        speeds = tuple(chosen(modes, np.arange(count)) for modes in (rest, fast))
+        found = ModalModel(mesh.points, speeds, operators.blade.axis, operators.blade.origin).at(0.5 * top)
+        assert found.frequencies_hz[0] == pytest.approx(exact.frequencies_hz[0], rel=0.025)
+        assert found.frequencies_hz[:4] == pytest.approx(exact.frequencies_hz[:4], rel=0.04)
 
 
 @pytest.mark.parametrize("speed", [0.0, rpm(6000)])

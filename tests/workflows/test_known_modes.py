@@ -14,7 +14,7 @@ import spindamp as package
 from tests.workflows.conftest import BALL, QUIET, changed, refused, table_of, write
 from workflows import pipeline
 from workflows.report import mode_viewer, remarks
-from workflows.scene.load import load
+from workflows.scene.load import as_scene_file, load
 from workflows.solve.results import ErrorParts
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -201,6 +201,9 @@ def test_speeds_between_files_are_said(files, monkeypatch):
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))
     assert any("the error of this is unknown" in note for note in between.notes)
     assert not any("static displacement" in note for note in between.notes)
+    orders = {"excitation": {"orders": [4], "force": "1 N"}, "rotor__speeds": ["0 rpm", "10000 rpm"]}
+    met = pipeline.structure(as_scene_file(changed(SCENE, structure__modes=BOTH, **orders)), QUIET, shapes=False)
+    assert any("the error of this is unknown" in remark for remark in met.source.remarks), "orders meet modes between"
     at_rest = package.run(changed(SCENE, damper=None, release=None))
     assert any("does not state the speed" in note for note in at_rest.notes)
 

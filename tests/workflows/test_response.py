@@ -184,6 +184,11 @@ def test_what_the_table_leaves_open_is_open_in_json(known):
     """A ratio that answers nothing, an error that two files of modes do not tell; and what is held loosely is rough."""
     unknown = with_passage(known, crossing=replace(known.passages[0].crossing, basis=math.nan))
     assert [each["basis_error"] for each in report.document(unknown)["crossings"]] == [None] * 3
+    unknown = with_passage(known, crossing=replace(known.passages[0].crossing, error=math.nan))
+    assert report.sentences(unknown)[-1].startswith(
+        "Between the speeds of the files the accuracy of the modes is unknown"
+    )
+    assert report.sentences(known) == report.sentences(unknown)[:-1]
     entries = report.document(with_passage(known, {"reason": "outside_speeds"}))["crossings"]
     assert {(each["ratio"], each["shortcut"] and each["shortcut"]["difference"]) for each in entries} <= {(None, None)}
     assert all(each["ratio"] is not None for each in report.document(known)["crossings"])

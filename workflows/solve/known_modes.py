@@ -574,7 +574,7 @@ def _interpolation_remarks(source: SceneFile, model: ModalModel, seat: Seat | No
     """What is said of speeds between those of the files."""
     known = model.omegas
     between = [omega for omega in source.scene.rotor.speeds if np.abs(known - omega).min() > 1e-9 * known.max()]
-    if not between:
+    if not between and (source.scene.excitation is None or known.size != 2):  # orders meet modes between the speeds
         return []
     remark = f"Between the {known.size} speeds of the files the modes are interpolated in the square of the speed"
     if known.size < 3:

@@ -158,6 +158,8 @@ def sentences(result: Response) -> list[str]:
             at_end = any(study.is_scene_end(float(passage.omega[k]), speeds) for k in largest)
             where = "the scene's speeds" if at_end else "the speeds followed"
             answer.append(f"{place(passage.crossing)}, at the end of {where}: the peak may lie outside them.")
+    if any(math.isnan(passage.crossing.error or 0.0) for passage in result.passages):
+        answer += templates.said("remarks/sentence", unknown=True, target=result.results.scene.accuracy.frequency)
     return answer
 
 
