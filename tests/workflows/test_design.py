@@ -459,7 +459,7 @@ def test_the_end_of_a_range_limits_only_where_going_on_is_better(slow, shaken, b
     assert [each.gain for each in limits(better, objectives.BEYOND + 1)] == [None]
     several = replace(optimum, evaluations=200)
     for each, active in ((several, True), (replace(several, search_value=9e-4), False)):
-        said = "No limit is active: beyond the ends of the ranges nothing is gained"
+        said = "No limit is active by itself: beyond any one end of the ranges, the rest as it is, nothing is gained"
         assert (said in sentences_of(space, each)) is active
     (close,) = limits(better, share=0.99)
     assert close.said == "ball diameter 3.98 mm is close to the greatest allowed, 4 mm"
@@ -500,7 +500,7 @@ def test_the_end_of_a_list_limits_only_where_going_on_is_better(slow, free, limi
         which = "allowed" if len(free[name]) == 2 else "of the list"
         assert limit.said == f"{space.summary(optimum.shares)} is the {'greatest' if end else 'least'} {which}"
         assert (limit.name, limit.gain) == (name, pytest.approx(0.2))
-        said = f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %"
+        said = f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %, the rest as it is"
         assert said in sentences_of(space, optimum, better)
 
 
@@ -544,13 +544,13 @@ def test_one_design_is_not_said_to_be_the_best_of_several(slow):
     assert "No limit is active" not in said
     for free, ends in (
         ({"clearance": ["1 mm"]}, "."),
-        ({"clearance": ["1 mm", "2 mm", "3 mm"]}, ": beyond the ends of the lists nothing is gained."),
-        ({"clearance": ["1 mm", "2 mm"]}, ": beyond the ends of the ranges nothing is gained."),
+        ({"clearance": ["1 mm", "2 mm", "3 mm"]}, ": beyond any one end of the lists, the rest as it is, nothing is gained."),
+        ({"clearance": ["1 mm", "2 mm"]}, ": beyond any one end of the ranges, the rest as it is, nothing is gained."),
     ):
         space = space_of(slow, ball_material=["steel", "lead", "alumina"], ball_diameter=None, **free)
         said = sentences_of(space, replace(optimum, evaluations=3))
         assert "Best of 3 designs evaluated" in said
-        assert f"No limit is active{ends}" in said
+        assert f"No limit is active by itself{ends}" in said
 
 
 def test_what_a_range_of_amplitudes_without_a_verdict_would_give_is_not_said(slow):
