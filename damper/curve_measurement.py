@@ -621,7 +621,7 @@ def _ramped(
     least: float = 0.0,
     alike: ParticleDamper | None = None,
 ) -> Floats:
-    """Energies of sweeps, shape (n, cycles, 4) [J]; see `damper.engine.Ramp`.
+    """Energies of sweeps, shape (n, cycles, 5) [J]; see `damper.engine.Ramp`.
 
     `least`: as an amplitude [m]; `alike`: a damper in another cavity, whose equations of motion are the same and known.
     """
@@ -632,7 +632,7 @@ def _ramped(
     start = np.zeros((count, 5, 2))
     start[:, 0, 0], start[:, 2, 0], start[:, 3, 0], start[:, 2, 1] = amplitude, place, velocity, aside
     p = prepare(np.repeat(damper.parameters, count), start, cycles, cycles)
-    energy = np.full((count, cycles, 4), np.nan)
+    energy = np.full((count, cycles, 5), np.nan)
     energy[..., 3] = laws.NOT_REACHED
     below = 0.5 * damper.stiffness[0] * least**2
     ramp, status = engine.Ramp(factor, each_cycles, float(below), energy), np.full(count, engine.BEGINS)

@@ -260,16 +260,16 @@ class Ramp(NamedTuple):
 
     After m of its `cycles`, shape (n,), a structure is given `factor**m`, shape (n,), of the energy that it began with,
     whatever the ball took, in the modes that are not damped; the ball's motion in its cavity stays as it is.
-    `energies`, shape (n, most cycles, 4) [J], are that of the structure, as far as it is led, the ball counted as
-    stuck, before each cycle, and what the ball's losses in it leave of that; that of structure and ball before it, and
-    those losses by the books. A row stays as it is from where it falls below `least` or there are as many events as
-    may be.
+    `energies`, shape (n, most cycles, 5) [J], are that of the structure, as far as it is led, the ball counted as
+    stuck, before each cycle, and what is left of that by what the ball takes in it; that of structure and ball before
+    it, the ball's losses by the books, and what it fed to modes that are damped and is lost there: none while it rests.
+    A row stays as it is from where it falls below `least` or there are as many events as may be.
     """
 
     factor: Floats = np.zeros(0)
     cycles: Integers = np.zeros(0, np.int64)
     least: float = 0.0
-    energies: Floats = np.zeros((0, 0, 4))
+    energies: Floats = np.zeros((0, 0, 5))
 
 
 @kernel
@@ -302,9 +302,10 @@ def run_block(
             status[k] = _run(it, flow, tables, most)
             if status[k] != DONE:
                 break
-            own = it.books.structure  # of other modes, which hits feed: not the ball's
-            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it) - own)
-            energies[n, 2], energies[n, 3] = before, lost(it.books) - own
+            own, begun = it.books.structure, n * it.cycle.period
+            fed = own if it.clock.last_motion > begun else 0.0
+            energies[n, 0], energies[n, 1] = swing, swing - (before - stored(it) - own + fed)
+            energies[n, 2], energies[n, 3], energies[n, 4] = before, lost(it.books) - own, fed
 
 
 @part

@@ -372,14 +372,14 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
 
     Args:
         damper: what was swept.
-        energies: see `damper.engine.Ramp`; the last is `NOT_REACHED` for a cycle that was not reached.
+        energies: see `damper.engine.Ramp`; the losses are `NOT_REACHED` for a cycle that was not reached.
         excursion: see `Extremes`.
 
     Raises:
         LawViolation: an energy is impossible, or a ball left its cavity.
     """
     reached = energies[..., 3] != NOT_REACHED
-    swing, left, before, lost = (np.where(reached, each, 0.0) for each in np.moveaxis(energies, 2, 0))
+    swing, left, before, lost, fed = (np.where(reached, each, 0.0) for each in np.moveaxis(energies, 2, 0))
     present = swing + abs(before)
 
     def where(index: tuple[int, ...]) -> str:
@@ -392,7 +392,7 @@ def check_sweeps(damper: ParticleDamper, energies: Floats, excursion: Floats) ->
     require(_INSIDE, "excursion beyond the wall [m]", outside, EXACT * (bounds.gap + amplitude), where)
     if damper.formulation == "printed":
         return
-    taken, rounding = swing - left, ROUNDING * (present + bounds.depth)
+    taken, rounding = swing - left - fed, ROUNDING * (present + bounds.depth)
     require(_CLOSED, "unexplained energy [J]", abs(taken - lost), BOOKS * abs(lost) + rounding, where)
     speed = np.where(reached, bounds.speed(before), 0.0).sum(axis=1)
     most = bounds.work(speed, 2 * math.pi / damper.stuck_frequency) + 2 * bounds.bowl + rounding.sum(axis=1)

@@ -664,6 +664,9 @@ def test_a_thin_plate_bends_little_before_it_is_strained():
     assert limits.endured(found) == pytest.approx(0.125)
     beyond = remarks.phrase("phrases/beyond", found, by_deflection=limits.deflection_governs(found))
     assert beyond.startswith("bend the plate by over 25 % of its length")
+    necked = ruler.scene.plate.model_copy(update={"mesh": "necked.msh"})
+    shapes = (ruler.scene, ruler.scene.model_copy(update={"plate": necked}))
+    assert [limits.strained(each) for each in shapes] == ["root", "plate"]
     assert remarks.beyond_means(found, [0.0]) == f"{BEYOND} Beyond small deflections"
     assert remarks.phrase("phrases/bounds", found, by_deflection=True) == "small deflections"
     assert remarks.phrase("phrases/bounds", found, by_deflection=False) == "what the plate endures"

@@ -573,6 +573,15 @@ def test_a_release_does_not_change_with_an_effect(tilting, tilted):
 
 
 @pytest.mark.usefixtures("hasty")
+def test_a_dent_changes_the_amplitude_up_to_which_a_ball_rests(tilting):
+    """And nothing else of a ball that once moves."""
+    level = workflows.run(tilting).speeds[0]
+    dented = replace(level, damping_curve=replace(level.damping_curve, cutoff=1.5 * level.damping_curve.cutoff))
+    found = changes((dented,), (level,), own_has_it=True, judged={})
+    assert {name: change for name, change in found.changes.items() if change} == {"rest_amplitude": pytest.approx(0.5)}
+
+
+@pytest.mark.usefixtures("hasty")
 def test_damping_is_compared_where_the_ball_moves(paper):
     """At 10000 rpm the plate endures nothing that moves it; without stiffening the tilt takes most of the drive."""
     source = load.as_scene_file(changed(paper, rotor__speeds=["5000 rpm", "10000 rpm"], accuracy__frequency=0.05))

@@ -500,7 +500,8 @@ def test_the_end_of_a_list_limits_only_where_going_on_is_better(slow, free, limi
         which = "allowed" if len(free[name]) == 2 else "of the list"
         assert limit.said == f"{space.summary(optimum.shares)} is the {'greatest' if end else 'least'} {which}"
         assert (limit.name, limit.gain) == (name, pytest.approx(0.2))
-        said = f"{'the next number' if name == 'count' else '5 % further'} would change the damping by +20.0 %, the rest as it is"
+        further = "the next number" if name == "count" else "5 % further"
+        said = f"{further} would change the damping by +20.0 %, the rest as it is"
         assert said in sentences_of(space, optimum, better)
 
 
@@ -542,10 +543,11 @@ def test_one_design_is_not_said_to_be_the_best_of_several(slow):
     said = sentences_of(single, optimum)
     assert "The only design allowed: ball material steel, clearance 1 mm" in said
     assert "No limit is active" not in said
+    beyond = ": beyond any one end of the {}, the rest as it is, nothing is gained."
     for free, ends in (
         ({"clearance": ["1 mm"]}, "."),
-        ({"clearance": ["1 mm", "2 mm", "3 mm"]}, ": beyond any one end of the lists, the rest as it is, nothing is gained."),
-        ({"clearance": ["1 mm", "2 mm"]}, ": beyond any one end of the ranges, the rest as it is, nothing is gained."),
+        ({"clearance": ["1 mm", "2 mm", "3 mm"]}, beyond.format("lists")),
+        ({"clearance": ["1 mm", "2 mm"]}, beyond.format("ranges")),
     ):
         space = space_of(slow, ball_material=["steel", "lead", "alumina"], ball_diameter=None, **free)
         said = sentences_of(space, replace(optimum, evaluations=3))

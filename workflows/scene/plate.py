@@ -197,7 +197,7 @@ class Plate(Table):
     theory: Literal["auto", "kirchhoff", "mindlin", "solid"] = "auto"
     """plate theory; auto: the cheapest that meets [accuracy]"""
     tip_mass: Annotated[q.Mass, q.NotNegative] = 0.0
-    """point mass at the damper's place"""
+    """point mass at the damper's place; without [damper] in the middle of the tip, or at tip_mass_at"""
     tip_mass_at: q.LengthPair | None = None
     """place (x, y) of the tip mass where there is no [damper]; default: the middle of the tip"""
 

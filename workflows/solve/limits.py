@@ -312,9 +312,9 @@ def least_amplitude(point: SpeedPoint) -> float:
 
 
 def strained(scene: Scene) -> str:
-    """What is strained most, in a word: a plate of constant thickness at its root, others anywhere."""
+    """What is strained most, in a word: a rectangle of constant thickness at its root, others anywhere."""
     if scene.plate is not None:
-        return "root" if isinstance(scene.plate.thickness, float) else "plate"
+        return "root" if isinstance(scene.plate.thickness, float) and scene.plate.mesh is None else "plate"
     return "blade" if scene.blade is not None else "structure"
 
 

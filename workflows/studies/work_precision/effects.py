@@ -121,6 +121,7 @@ def _values(own: SpeedPoint, other: SpeedPoint) -> dict[str, tuple[float | None,
     if own.damper is not None and other.damper is not None:
         for name in ("cutoff_g", "peak_sdc", "impacts"):
             values[name] = getattr(own.damper, name), getattr(other.damper, name)
+        values["rest_amplitude"] = _rest(own.damping_curve), _rest(other.damping_curve)
         values["ball_damping_ratio"] = _peak(own.damping_curve), _peak(other.damping_curve)
         if (own.level is None) != (other.level is None):
             falling = [
@@ -136,6 +137,11 @@ _FALLING = "falling_damping_ratio"
 
 def _peak(figures: Figures | None) -> float | None:
     return None if figures is None or not figures.peak > 0 else figures.peak
+
+
+def _rest(figures: Figures | None) -> float | None:
+    """Amplitude up to which a ball stays at rest [m]."""
+    return figures.cutoff if figures is not None and figures.cutoff < math.inf else None
 
 
 def _partners(own: tuple[Mode, ...], other: tuple[Mode, ...]) -> list[Mode | None]:
