@@ -382,6 +382,8 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     _, number, cycles = np.unique(below[:, 2], return_inverse=True, return_counts=True)
     before, after = (np.bincount(number, below[:, k]) / cycles for k in (0, 1))
     place, ratio = np.exp(0.5 * (before + after)), (before - after) / (2 * math.pi)
+    rises = np.diff(np.maximum.accumulate(place), prepend=0.0) > 0  # a heavy ball's loss may grow faster than it
+    place, ratio = place[rises], ratio[rises]
     shown = curve.at(place[-1])
     if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
         return curve

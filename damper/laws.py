@@ -448,7 +448,8 @@ def check_readings(curve: DampingCurve, samples: Floats) -> None:
     least, most = (each.reduceat(np.append(lost, lost[-1]), near)[::2] for each in (np.minimum, np.maximum))
     law, aside = "a mean lies between the extremes", TINY + ASIDE * curve.peak
     require(law, "damping ratio", ratio, most + EXACT * abs(most) + aside)
-    rests = (ratio == 0) & (curve.amplitude < curve.descending.amplitude[0])  # nothing lasts there: see `curves.grown`
+    lasts = curve.descending.amplitude.min(initial=math.inf)
+    rests = (ratio == 0) & (curve.amplitude < lasts)  # see `curves.grown`
     require(law, "negative damping ratio", -ratio, np.where(rests, 0.0, -least + EXACT * abs(least) + aside))
 
 
