@@ -245,8 +245,8 @@ def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, gra
         lowest = lowest | {last: lowest[last]._replace(usual=0.0, spread=spread)}
     step = [_Point((1 - _STEP) * meets, foot, spread=spread), _Point(meets, max(begun, foot), spread=spread)]
     below = [lowest[k] for k in sorted(lowest) if lowest[k].amplitude < step[0].amplitude]
-    heavy = math.exp(0.5 * float(grazes[0] + grazes[1]))  # whose loss in a cycle takes it down to there: still rolls
-    below = [each._replace(ratio=min(each.ratio, foot)) if each.amplitude > heavy else each for each in below]
+    seen = math.exp(0.5 * float(grazes[0] + grazes[1]))  # as a heavy ball loses much in a cycle; it rolls on from there
+    below = [each._replace(ratio=min(each.ratio, foot)) if each.amplitude > seen else each for each in below]
     return [*below, *step, *(lowest[k] for k in sorted(lowest) if k >= first and lowest[k].amplitude > meets)]
 
 
@@ -382,7 +382,7 @@ def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
     _, number, cycles = np.unique(below[:, 2], return_inverse=True, return_counts=True)
     before, after = (np.bincount(number, below[:, k]) / cycles for k in (0, 1))
     place, ratio = np.exp(0.5 * (before + after)), (before - after) / (2 * math.pi)
-    rises = np.diff(np.maximum.accumulate(place), prepend=0.0) > 0  # a heavy ball's loss may grow faster than it
+    rises = np.diff(np.maximum.accumulate(place), prepend=0.0) > 0  # a heavy ball's loss may outgrow its amplitude
     place, ratio = place[rises], ratio[rises]
     shown = curve.at(place[-1])
     if curve.amplitude[0] > last or abs(ratio[-1] - shown) > _PARTED * shown:
@@ -489,9 +489,9 @@ class Tally(NamedTuple):
 def tally(samples: Floats, cutoff: float) -> Tally:
     """Add up samples by sweeps and bins.
 
-    A cycle that crosses bins counts in each by its share, over an octave from where it began: a heavy ball
-    may take, and give back, nearly all energy in a cycle. Not below the cut-off, where the load holds the ball, nor
-    below where sweeps were led to.
+    A cycle that crosses bins counts in each by its share, over an octave from where it began at most: a heavy ball may
+    take, and give back, nearly all energy in a cycle. It does not count below the cut-off, where the load holds the
+    ball, nor below the amplitudes that sweeps were led to.
     """
     numbers, sweep = np.unique(samples[:, 2], return_inverse=True)
     before, after = samples[:, 0], samples[:, 1]

@@ -16,6 +16,7 @@ import pytest
 import workflows
 from damper import ringdown
 from damper.state import HIT
+from fem.modal_model import largest_strain
 from fem.rotor import from_rpm
 from meshes import make
 from tests.workflows.conftest import QUIET, table_of
@@ -128,6 +129,9 @@ def test_modes_of_a_blade_are_written_at_every_speed_and_read_between_them(folde
     for one, other in zip(own.points[::2], known.points[::2], strict=True):
         assert [mode.frequency_hz for mode in one.modes] == pytest.approx([mode.frequency_hz for mode in other.modes])
         assert one.reduced.f1_hz == pytest.approx(other.reduced.f1_hz, rel=1e-3)
+        (modes,) = (each for each in model.speeds if each.omega == one.omega)
+        strain = other.root_strain / math.sqrt(other.reduced.M2)  # M2 is 1 over the square of the shape at the cavity
+        assert strain == pytest.approx(largest_strain(model, modes, 0), rel=2e-4)
         assert other.root_strain <= (1 + 1e-4) * one.root_strain, "of the blade, the section at the root counts too"
         assert other.root_strain == pytest.approx(one.root_strain, rel=0.05)
     strays = [remark for remark in known.source.remarks if remark.startswith("The straight line from the root")]
