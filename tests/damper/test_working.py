@@ -969,7 +969,7 @@ SLOPES = {
 
 @pytest.mark.parametrize("name", SLOPES)
 def test_a_heavy_ball_on_a_slope_ends_no_run(name: str) -> None:
-    """Its loss may outgrow its amplitude next to the cut-off; and it may do nothing that lasts as the vibration falls."""
+    """Its loss may outgrow its amplitude next to the cut-off, and it may do nothing that lasts on the way down."""
     (mass, stiffness, ball, load), (cavity, e, *rubs), *modes = SLOPES[name]
     damper = ParticleDamper(mass, (stiffness,) * 2, ball, 2e-3, cavity, load, e, *rubs, 3e-3)
     damper = replace(damper, modes=tuple(Mode(1.0, *mode) for mode in modes))
