@@ -136,7 +136,7 @@ def at_peak(curve: DampingCurve) -> DampingCurve:
 
 
 def grown(
-    down: Down, up: Floats, rolls: Floats, meets: float, grazes: Floats
+    down: Down, up: Floats, rolls: Floats, meets: float, grazes: Floats, held: float = 0.0
 ) -> tuple[DampingCurve, tuple[int, int] | None]:
     """What every vibration that grows slowly is given at least, and the bins between which that is another motion's.
 
@@ -150,6 +150,7 @@ def grown(
         rolls: samples of a ball that rolls about the middle.
         meets: amplitude from which on it meets the walls; inf where there is none [m].
         grazes: a sample of it there; none where there is none.
+        held: amplitude up to which its dent holds the ball, below which no figure is read whose error counts [m].
     """
     above, climbing = down.curve, tally(up, down.curve.cutoff)
     every = [_binned(*_points(climbing, slice(k, k + 1))) for k in range(len(climbing.cycles))]
@@ -162,14 +163,16 @@ def grown(
     if grazes.size:
         points = _with_rise(lowest, above, meets, grazes[0])
     amplitude, ratio = (np.array([getattr(each, name) for each in points]) for name in ("amplitude", "ratio"))
-    best = int(np.argmax(ratio))
-    curve = at_bin(DampingCurve(amplitude, ratio, above.cutoff, from_above=above), best)
-    usual = at_peak(replace(curve, damping_ratio=np.array([max(each.ratio, each.usual) for each in points])))
+    whole = at_peak(DampingCurve(amplitude, ratio, above.cutoff, from_above=above))
+    curve = from_dent(whole, held)
+    usual = from_dent(replace(whole, damping_ratio=np.array([max(each.ratio, each.usual) for each in points])), held)
     more = usual.peak / curve.peak - 1 if curve.peak > 0 else 0.0
-    curve = with_error(with_error(curve, *moved(curve, usual)), max(more, points[best].spread))
+    spread = points[int(np.argmax(curve.damping_ratio))].spread
+    curve = with_error(with_error(curve, *moved(curve, usual)), max(more, spread))
     alone = [place for k, (place, _) in known.items() if k not in rolling]
+    curve = _with_error_of_descent(curve, down, [*alone, meets], held)
     parted = {k: each.lacks for k, each in lowest.items() if each.lacks is not None}
-    return _with_error_of_descent(curve, down, [*alone, meets]), _largest(parted)
+    return replace(whole, error=curve.error, half_error=curve.half_error), _largest(parted)
 
 
 class _Point(NamedTuple):
@@ -250,16 +253,21 @@ def _with_rise(lowest: dict[int, _Point], above: DampingCurve, meets: float, gra
     return [*below, *step, *(lowest[k] for k in sorted(lowest) if k >= first and lowest[k].amplitude > meets)]
 
 
-def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float]) -> DampingCurve:
+def _with_error_of_descent(curve: DampingCurve, down: Down, alone: list[float], held: float) -> DampingCurve:
     """A curve of the way up, with the errors of what it has of the way down `alone`, at these amplitudes [m]."""
     shown, best = np.isin(curve.amplitude, alone), int(np.argmax(curve.damping_ratio))
     before = down.before.at(curve.amplitude)
-    faster = at_peak(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio)))
-    curve = with_error(with_error(curve, BINNED), *moved(faster, curve))
+    faster = from_dent(replace(curve, damping_ratio=np.where(shown, before, curve.damping_ratio)), held)
+    curve, found = with_error(with_error(curve, BINNED), *moved(faster, curve)), tally(down.samples, curve.cutoff)
+    doubt = np.where(shown, np.interp(curve.amplitude, _points(found)[0], 2 * _scatter(found)), 0.0)
+    doubt[best] *= -1
+    for way in (-1, 1):
+        other = at_bin(replace(curve, damping_ratio=(1 + way * doubt) * curve.damping_ratio), best)
+        curve = with_error(curve, *moved(other, curve))
     if not shown[best]:
         return curve
     there = int(np.argmin(abs(down.curve.amplitude - curve.peak_amplitude)))
-    return with_error(curve, spread(tally(down.samples, curve.cutoff), at_bin(down.curve, there)))
+    return with_error(curve, spread(found, at_bin(down.curve, there)))
 
 
 class Down(NamedTuple):
@@ -278,11 +286,12 @@ class Moved(NamedTuple):
 
 
 def moved(before: DampingCurve, after: DampingCurve) -> Moved:
-    """By how much the figures of two curves differ."""
+    """By how much the figures of two curves differ: ends by all at most, where both curves have both peaks."""
     if after.peak == 0:
         return Moved(1.0, 1.0)
-    ends = np.abs(np.array(before.half) / np.array(after.half) - 1)
-    return Moved(abs(before.peak / after.peak - 1), float(ends.max()))
+    ends = float(np.abs(np.array(before.half) / np.array(after.half) - 1).max())
+    both = all(one.at(other.peak_amplitude) > one.peak / 2 for one, other in ((before, after), (after, before)))
+    return Moved(abs(before.peak / after.peak - 1), min(ends, 1.0) if both else ends)
 
 
 def with_error(curve: DampingCurve, error: float, of_half: float = 0.0) -> DampingCurve:
@@ -317,7 +326,9 @@ def differs(curve: DampingCurve, found: Tally, amplitude: float) -> bool:
     return any(ratio < (1 - _PARTED) * known[k][1] for k, (a, ratio) in seen.items() if k in known and a > amplitude)
 
 
-def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Floats, meets: float) -> DampingCurve:
+def folded(
+    curve: DampingCurve, region: tuple[int, int], down: Floats, up: Floats, meets: float, held: float = 0.0
+) -> DampingCurve:
     """The same with its folds; on the way down a ball bounces no further than to where a sweep falls off.
 
     Not one that falls off far above most of the others: a fold is where the median does.
@@ -328,6 +339,7 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
         down: samples of slow sweeps down through these.
         up: samples of the sweeps up from rest.
         meets: amplitude from which on a ball that rolls about the middle meets the walls; inf where there is none [m].
+        held: see :func:`grown`.
     """
     above = curve.descending
     leaves, joins = (
@@ -340,11 +352,11 @@ def folded(curve: DampingCurve, region: tuple[int, int], down: Floats, up: Float
     ratio = np.where(fallen, np.minimum(above.damping_ratio, curve.at(above.amplitude)), above.damping_ratio)
     above = at_peak(replace(above, damping_ratio=ratio))
     last = meets if abs(math.log(meets) / _WIDTH - region[1]) < _NEAR else max(joins)
-    curve = curve if last == meets else with_error(curve, *_chance(curve, region, joins))
+    curve = curve if last == meets else with_error(curve, *_chance(curve, region, joins, held))
     return replace(curve, from_above=above, folds=(min(stops, last), last), jump=(min(joins), max(joins)))
 
 
-def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) -> Moved:
+def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float], held: float) -> Moved:
     """By how much the figures change if the last of the sweeps up begins to bounce later, as that of others may.
 
     Escapes at a rate are spread exponentially from the first on, with the scale s that is their mean. Of six others the
@@ -354,6 +366,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
         curve: figures of the way up.
         region: first and last of the bins in which they differ from those of the way down.
         joins: where the sweeps up begin to bounce [m].
+        held: see :func:`grown`.
     """
     place = np.log(joins)
     later = place.max() + 1.3 * (place - place.min()).sum() / max(len(place) - 1, 1)
@@ -365,7 +378,7 @@ def _chance(curve: DampingCurve, region: tuple[int, int], joins: list[float]) ->
     last = before[-1] if before.size else inside[0]  # where all roll
     after = inside[inside > last]
     ratio[after] = np.minimum(ratio[after], ratio[last] * amplitude[last] / amplitude[after])  # goes on rolling
-    return moved(curve, at_peak(replace(curve, damping_ratio=ratio)))
+    return moved(from_dent(curve, held), from_dent(replace(curve, damping_ratio=ratio), held))
 
 
 def resolved(curve: DampingCurve, rolls: Floats) -> DampingCurve:
@@ -404,6 +417,12 @@ def from_amplitude(curve: DampingCurve, least: float) -> DampingCurve:
     if counts.all() or not counts.any():
         return curve
     return at_peak(replace(curve, amplitude=curve.amplitude[counts], damping_ratio=curve.damping_ratio[counts]))
+
+
+def from_dent(curve: DampingCurve, amplitude: float) -> DampingCurve:
+    """The same of a ball that takes nothing up to an amplitude [m], if it takes something beyond."""
+    ratio = np.where(curve.amplitude < amplitude, 0.0, curve.damping_ratio)
+    return at_peak(replace(curve, damping_ratio=ratio)) if ratio.any() else at_peak(curve)
 
 
 def held_until(curve: DampingCurve, amplitude: float) -> DampingCurve:
@@ -523,6 +542,15 @@ def _points(found: Tally, sweeps: slice | npt.NDArray[Any] = _ALL) -> tuple[Floa
     cycles, lost, place = (each[sweeps].sum(axis=0) for each in found[:3])
     met = cycles > _LEAST_STAY
     return np.exp(place[met] / cycles[met] * _WIDTH), lost[met] / cycles[met]
+
+
+def _scatter(found: Tally) -> Floats:
+    """Standard errors of the mean damping ratios in bins, relative, shape (n,): of a ratio of sums over sweeps."""
+    met = found.cycles.sum(axis=0) > _LEAST_STAY
+    cycles, lost, count = found.cycles[:, met], found.lost[:, met], len(found.cycles)
+    mean = lost.sum(axis=0) / cycles.sum(axis=0)
+    off = np.linalg.norm(lost - mean * cycles, axis=0) * math.sqrt(count / max(count - 1, 1)) / cycles.sum(axis=0)
+    return np.asarray(np.divide(off, abs(mean), out=np.zeros_like(off), where=abs(mean) > _SMALL))
 
 
 def _half(amplitude: Floats, ratio: Floats, best: int, step: int) -> float:
