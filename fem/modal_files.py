@@ -12,16 +12,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from fem.linalg import Array, Ints
 from fem.meshes.cells import KINDS, cell
 from fem.modal_model import SAME_SPEED, ModalModel, ModesAtSpeed, chosen
 from fem.rotor import from_rpm, in_rpm
-
-if TYPE_CHECKING:
-    from fem.linalg import Array, Ints
 
 
 class ModesFileError(ValueError):

@@ -10,19 +10,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise, product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fem.linalg import perpendicular, symmetric
-from fem.meshes.cells import cell, faces_of
+from fem.linalg import Array, Ints, perpendicular, symmetric
+from fem.meshes.cells import Cell, cell, faces_of
 from fem.meshes.planform import position
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array, Ints
-    from fem.meshes.cells import Cell
 
 
 class OffTheStructure(ValueError):

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.meshes.planform import check_mesh, locate
-from fem.meshes.thickness import spread
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.meshes.thickness import Profile
+from fem.meshes.thickness import Profile, spread
 
 
 def _positive(name: str, value: float, unit: str) -> None:

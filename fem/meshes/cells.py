@@ -6,17 +6,14 @@ one of its nodes and 0 at the others.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from fem.linalg import Array, Ints
+from fem.linalg import Array, Ints
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,16 +9,13 @@ Pitkaranta, Numer. Math. 33 (1979) 447; Arnold and Falk, SIAM J. Math. Anal. 27 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from fem.linalg import Array
 from fem.meshes.planform import check_sides, lengths, root_facets, twice_areas
-
-if TYPE_CHECKING:
-    from fem.linalg import Array
-    from fem.meshes.thickness import Nodal
-
+from fem.meshes.thickness import Nodal
 
 GRADING = 2
 """Power of the distance from an edge with which cells shrink."""

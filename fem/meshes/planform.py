@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array, Ints
-
+from fem.linalg import Array, Ints
 
 MERGED = 1e-9
 """Distance relative to the plate's size within which points are one."""

@@ -20,19 +20,16 @@ import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from fem.linalg import Array, Ints
 from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_areas
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from fem.linalg import Array, Ints
-
-    Lines = Iterator[tuple[str, str]]
+Lines = Iterator[tuple[str, str]]
 
 TRIANGLES = ("triangle", "triangle6", "triangle7")
 QUADS = ("quad", "quad8", "quad9")

@@ -8,15 +8,12 @@ of their slope; a solid has them as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from fem.linalg import Array, Ints
 from fem.meshes.planform import TOLERANCE, locate, outside, position, twice_areas
-
-if TYPE_CHECKING:
-    from fem.linalg import Array, Ints
-
 
 LATTICE = 9
 """Points along a cell's side at which a thickness is looked at for its least and greatest."""

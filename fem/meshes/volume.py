@@ -7,19 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem.linalg import Array, Ints
 from fem.meshes.cells import cell, faces_of
 from fem.meshes.planform import MeshError, connected, position
 from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array, Ints
-
 
 FIRST_ORDER = ("hexahedron", "tetra", "wedge")
 SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")

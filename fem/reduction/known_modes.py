@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.linalg import LEAST_ACROSS, Array, axes_beside, symmetric
+from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
 from fem.modes import Divergence
+from fem.plate import Material
 from fem.reduction.modal import ModesAtPlace
 from fem.reduction.single_mode import FlapMode, Reduced, check_mass, reduced
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull
-    from fem.plate import Material
 
 
 class NoMotion(ValueError):

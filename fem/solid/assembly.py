@@ -16,29 +16,24 @@ made in the natural order: at 60 000 unknowns in half of the time that the gener
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import bsr_array, csc_array
 
 from fem import linalg
-from fem.linalg import Nearby, symmetric
+from fem.linalg import Array, Factor, Ints, Nearby, Solver, symmetric
 from fem.meshes.cells import cell
+from fem.modes import Modes
 from fem.rotor import Effects, across, turning
+from fem.solid.blade import Blade
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-    from scipy.sparse import csc_array
-
-    from fem.linalg import Array, Factor, Ints, Solver
-    from fem.modes import Modes
-    from fem.solid.blade import Blade
-
-    Rule = tuple[Array, Array]
+Rule = tuple[Array, Array]
 
 
 AT_ONCE = 2_000_000
@@ -145,9 +140,7 @@ class Pattern:
 
     def matrix(self, blocks: Array) -> csc_array:
         """The matrix of blocks of 3 x 3, (9, nblock)."""
-        from scipy.sparse import csc_array as sparse
-
-        return sparse((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
+        return csc_array((blocks.ravel()[self.source], self.indices, self.indptr), shape=(3 * self.free,) * 2)
 
 
 def pattern(tables: list[Ints], free: NDArray[np.bool_]) -> Pattern:
@@ -157,8 +150,6 @@ def pattern(tables: list[Ints], free: NDArray[np.bool_]) -> Pattern:
         tables: nodes of the cells of each kind, (ncell, nnode).
         free: which nodes are not clamped, (nnode,).
     """
-    from scipy.sparse import bsr_array
-
     number = np.where(free, np.cumsum(free) - 1, -1)
     n = int(free.sum())
     keys = _distinct([_pairs(number[nodes], n) for nodes in tables])

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fem.linalg import perpendicular
+from fem.linalg import Array, Ints, perpendicular
 from fem.meshes.planform import MeshError
+from fem.meshes.volume import VolumeMesh
+from fem.plate import Material
 from fem.rotor import across
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem.linalg import Array, Ints
-    from fem.meshes.volume import VolumeMesh
-    from fem.plate import Material
 
 ON_THE_FACE = 1e-4
 """Distance from the root's radius, relative to the mesh's extent, within which a node belongs to the root."""

@@ -21,18 +21,12 @@ does not come below where the other may come: a high mode that is hardly known s
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.linalg import symmetric
+from fem.linalg import Array, symmetric
 from fem.meshes.cells import cell
-from fem.solid.assembly import AT_ONCE, mapped, rule
-
-if TYPE_CHECKING:
-    from fem.linalg import Array
-    from fem.solid.assembly import Cells, SolidOperators
-
+from fem.solid.assembly import AT_ONCE, Cells, SolidOperators, mapped, rule
 
 SIMPLICES = frozenset({"tetra10", "wedge15"})
 """Cells of which the stress at the points of integration tells the error."""

@@ -19,24 +19,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import polar
+from scipy.sparse import csc_array
 
-from fem.linalg import lowest_modes, orthonormal, perpendicular
+from fem.linalg import Array, Ints, Solver, lowest_modes, orthonormal, perpendicular
 from fem.modal_model import ModalModel, ModesAtSpeed, Place, Pull, Tracks, lagrange
 from fem.modes import Divergence, solve_real
 from fem.rotor import across
+from fem.solid.assembly import SolidOperators
 from fem.solid.mesh_error import mesh_errors
 from fem.statics import NoEquilibrium, check_rest, check_speed, equilibrium, settle, tangent, unbalanced
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
-
-    from fem.linalg import Array, Ints, Solver
-    from fem.solid.assembly import SolidOperators
-
 
 SPARE = 2
 """Modes solved beyond those asked for, so that one that comes down with speed is known before."""
