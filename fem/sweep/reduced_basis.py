@@ -133,22 +133,6 @@ def _uncoupled(operators: Operators) -> list[NDArray[np.bool_]]:
     return [part == number for number in range(count)]
 
 
-def enrich(
-    operators: Operators, stiffness: csc_array, modes: Modes, basis: ReducedBasis, more: list[Array]
-) -> ReducedBasis:
-    """A basis with more vectors.
-
-    Args:
-        operators: of the plate.
-        stiffness: K_r, shape (n, n) [N/m].
-        modes: with which the basis began.
-        basis: to which vectors are added.
-        more: the vectors (n, k) of each group.
-    """
-    blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
-    return _with_blocks(operators, stiffness, modes, blocks, basis)
-
-
 def _with_blocks(
     operators: Operators,
     stiffness: csc_array,
@@ -661,7 +645,8 @@ def grow(question: Question, omega: Array, spare: int) -> tuple[ReducedBasis, Re
             more = representatives(basis, trial, count + 1, finest)
         if not more or sum(each.shape[1] for each in more) + basis.size > known + LARGEST:
             break
-        basis = enrich(operators, stiffness, modes, basis, more)
+        blocks = [orthonormal(each, stiffness, basis.vectors, basis.images[0])[:2] for each in more]
+        basis = _with_blocks(operators, stiffness, modes, blocks, basis)
     gapless = np.isinf(trial.bounds).any(axis=1) & (trial.floor > NEAR)
     return basis, solve(basis, omega, count), bool(gapless.any())
 
