@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -149,25 +148,16 @@ def _reject_root(mesh: Any) -> None:
 _STRAIGHT_ROOT = "the root must be one straight, unbroken edge with x constant"
 
 
-_ASLANT = np.array([1.0, (math.sqrt(5.0) - 1.0) / 2.0])
-"""A line on which points of a grid stay apart; those that coincide do there too, so that neighbours on it suffice."""
-
-
 def _reject_seams(mesh: Any) -> None:
     """Raise `MeshError` where cells meet at points that coincide but are not one: there the plate would be cracked."""
+    from scipy.spatial import cKDTree
+
     points = mesh.p[:, np.unique(mesh.t)].T
     near = MERGED * np.ptp(points, axis=0).min()
-    order = np.argsort(points @ _ASLANT, kind="stable")
-    along = points[order] @ _ASLANT
-    beyond = np.searchsorted(along, along + 2.0 * near, "right") - np.arange(1, len(along) + 1)
-    first = np.repeat(np.arange(len(along)), beyond)
-    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(beyond) - beyond, beyond)
-    pairs = np.sort([order[first], order[second]], axis=0)
-    pairs = pairs[:, (np.abs(points[pairs[0]] - points[pairs[1]]) <= near).all(axis=1)]
-    if pairs.size:
+    first, second = cKDTree(points).query_pairs(near, p=np.inf, output_type="ndarray").T
+    if first.size:
         raise MeshError(
-            f"{np.unique(pairs[1]).size} points coincide with others, the first one at "
-            f"{position(points[pairs[0].min()])}: "
+            f"{np.unique(second).size} points coincide with others, the first one at {position(points[first.min()])}: "
             "merge them, or leave a gap where the plate is slit"
         )
 
