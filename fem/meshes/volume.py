@@ -74,11 +74,6 @@ class VolumeMesh:
         """Largest extent in m."""
         return float(np.ptp(self.points, axis=0).max())
 
-    @property
-    def count(self) -> int:
-        """Number of cells."""
-        return sum(len(cells) for _, cells in self.cells)
-
     def boundary(self) -> list[Ints]:
         """Nodes around the faces of the boundary (nface, nnode), mid-side nodes between corners."""
         return [faces[times == 1] for faces, times in self._faces]
