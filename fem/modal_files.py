@@ -1,7 +1,5 @@
 """Files of modes: CalculiX's .frd in ASCII, and the neutral file that this package reads and writes, .npz or .json."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import json

@@ -12,8 +12,6 @@ cost the soft ones no digits. Sources: Meirovitch, AIAA J. 12 (1974) 1337; David
 Structural damping, given as a ratio for each mode of the plate, is added in the space of these modes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple

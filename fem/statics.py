@@ -8,8 +8,6 @@ under the stress that the step before led to, to first order (Magisano, Leonetti
 Mech. Engrg 313 (2017) 986). `linearise` gives the stiffness that modes at a speed vibrate with, of either deflection.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

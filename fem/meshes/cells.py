@@ -4,8 +4,6 @@ The order of nodes is that of meshio and VTK. The shape functions are the polyno
 one of its nodes and 0 at the others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """Planforms: the rectangle, the checks of a mid-surface mesh, and where a point lies in it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

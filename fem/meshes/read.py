@@ -11,8 +11,6 @@ take: included files are put in their place, sets of nodes that name others get 
 of their family. What would generate or move nodes is refused: readers pass over it and are left with another mesh.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import math

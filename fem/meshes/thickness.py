@@ -5,8 +5,6 @@ it is integrated over the planform. Plate theories take the faces as if they wer
 of their slope; a solid has them as they are.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 

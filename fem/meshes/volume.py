@@ -1,7 +1,5 @@
 """Volume meshes of solid blades: nodes, cells of first or second order, named sets of nodes; read from files."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A structure known by its modes, reduced to what a damper on it feels: its floor's motion and slope, M2, K2, f1."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

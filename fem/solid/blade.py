@@ -1,7 +1,5 @@
 """The solid blade: a volume mesh, its material, the nodes that are held, and the spin axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -18,8 +18,6 @@ lower ends. Where modes come so near to each other on the way, they mix, and eac
 does not come below where the other may come: a high mode that is hardly known says nothing of the first.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

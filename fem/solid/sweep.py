@@ -15,8 +15,6 @@ about where it is largest. It does not fall evenly, and may be small by chance: 
 again as the largest of the last three errors is within the tolerance.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 

@@ -7,8 +7,6 @@ stays plane feels the same forces and moments: k / h on displacements at each of
 then lacks to c, which may be negative, on the mean rotation (12 / h³) integral of z u.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
