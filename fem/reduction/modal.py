@@ -20,7 +20,6 @@ from fem.meshes import thickness
 from fem.modes import Divergence
 from fem.statics import linearise
 from fem.sweep.campbell import Campbell, without_coriolis
-from fem.sweep.reduced_basis import Swept
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,17 +64,19 @@ def modes_at(operators: Operators, diagram: Campbell, at: tuple[float, float], m
     place = operators.at_place(at)
     rows = vstack([place.floor, csc_array(load_rows(operators, place.axes[:2]))]).tocsc()
     stiffness, motions = [], []
-    large = operators.effects.large_deflection
-    pull = None if large else place.ball[0]
     for part in diagram.parts:
         balls, masses = masses[: part.omega.size], masses[part.omega.size :]
         vectors = part.vectors[:, :, :count]
-        stiffness_there = (
-            _about_a_state(operators, part, at, float(balls[0]), part.basis @ vectors[0])
-            if pull is None
-            else _about_rest(part, part.basis.T @ (pull @ part.basis), balls, vectors)
-        )
-        values, turned = np.linalg.eigh(stiffness_there)
+        if operators.effects.large_deflection:  # of one speed, about the bent state of the plate with the ball
+            shapes = part.basis @ vectors[0]
+            heavy = with_point_mass(operators, at, float(balls[0]))
+            loaded = (shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None]
+        else:
+            pull = part.basis.T @ (place.ball[0] @ part.basis)  # of 1 kg
+            weight = (part.omega**2 * balls)[:, None, None]
+            loaded = part.rates[:, :count, None] ** 2 * np.eye(count)
+            loaded = loaded + weight * (vectors.transpose(0, 2, 1) @ pull @ vectors)
+        values, turned = np.linalg.eigh(loaded)
         if values.min() <= 0.0:
             worst = int(values[:, 0].argmin())
             raise Divergence(float(part.omega[worst]), float(values[worst, 0]))
@@ -105,16 +106,3 @@ def drawn_rows(operators: Operators) -> Array:
         load = uniform_load(operators.model, operators.plate.material.density, np.eye(3)[axis])
         drawn.append(sum((rows[axis::3].sum(axis=0) for rows in pulls), load))
     return np.array(drawn)
-
-
-def _about_rest(part: Swept, pull: Array, balls: Array, vectors: Array) -> Array:
-    """Stiffness (k, count, count) of modes whose prestress is linear; pull: of 1 kg, in the part's basis (r, r)."""
-    own = part.rates[:, : vectors.shape[2], None] ** 2 * np.eye(vectors.shape[2])
-    weight = (part.omega**2 * balls)[:, None, None]
-    return np.asarray(own + weight * (vectors.transpose(0, 2, 1) @ pull @ vectors))
-
-
-def _about_a_state(operators: Operators, part: Swept, at: tuple[float, float], ball: float, shapes: Array) -> Array:
-    """The same (1, count, count) about the bent state of the plate with the ball."""
-    heavy = with_point_mass(operators, at, ball)
-    return np.asarray((shapes.T @ (linearise(heavy, float(part.omega[0]), part.state)[0] @ shapes))[None])
