@@ -105,11 +105,21 @@ def drift(operators: Operators, eigenvalues: Array, shapes: NDArray[Any], omega:
     if kind(operators.model.theory) is Kind.KIRCHHOFF:
         across = 0.0
     pull = _pull(place, omega)
-    force = np.abs(_pressing(place, eigenvalues, shapes, omega, pull)) ** 2
+    motion, by_x, by_y = (rows @ shapes for rows in place.rows)
+    # the pull stays as it is, and where the plate turns, the stress that it makes there carries a part of it sideways
+    force = np.abs(_inertia(place, eigenvalues, motion, omega) - pull[0] * by_x - pull[1] * by_y) ** 2
     work = (force[0] + force[1]) * along + force[2] * across
-    outwards = np.linalg.norm(pull[:2]) * along
-    moved = outwards * np.abs(_carried_outwards(place, eigenvalues, shapes, omega, pull))
-    return np.asarray(0.5 * (work + moved) / eigenvalues)
+    size = np.linalg.norm(pull)
+    if size > 0.0 and operators.pulled is not None:
+        # where the mass gives way to its pull it moves with another part of the plate, stretches what is between, and
+        # pulls more: by so much do squared frequencies rise per metre
+        further = pull[0] / size * by_x + pull[1] / size * by_y
+        stiffer = omega**2 * quadratic_forms(operators.pulled, shapes)
+        radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(place.at))
+        less = 2.0 * np.real((motion.conj() * _inertia(place, eigenvalues, further, omega)).sum(axis=0))
+        rise = stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - less
+        work = work + np.linalg.norm(pull[:2]) * along * np.abs(rise)
+    return np.asarray(0.5 * work / eigenvalues)
 
 
 def _growth(plate: Plate, place: tuple[float, float]) -> tuple[float, float]:
@@ -139,34 +149,6 @@ def _inertia(place: AtPlace, eigenvalues: Array, motion: NDArray[Any], omega: fl
     if operators.effects.spin_softening:
         force = force + omega**2 * operators.rotor.projector @ motion
     return np.asarray(operators.plate.tip_mass * force)
-
-
-def _pressing(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: float, pull: Array) -> NDArray[Any]:
-    """The force (3, count) of the point mass on the plate in modes (n, count) at a speed in rad/s.
-
-    It is m w² times its displacement, and m Omega² times that part of it which is perpendicular to the axis. What it
-    pulls with outwards (3,) stays as it is, and where the plate turns, the stress that it makes there carries a part of
-    it sideways, as a string's does.
-    """
-    motion, along, across = (rows @ shapes for rows in place.rows)
-    return np.asarray(_inertia(place, eigenvalues, motion, omega) - pull[0] * along - pull[1] * across)
-
-
-def _carried_outwards(place: AtPlace, eigenvalues: Array, shapes: NDArray[Any], omega: float, pull: Array) -> Array:
-    """By how much (count,) squared frequencies rise, per metre that the point mass gives way to its own pull (3,).
-
-    It moves with another part of the plate, stretches what is between, and pulls more.
-    """
-    operators = place.operators
-    size = np.linalg.norm(pull)
-    if size == 0.0 or operators.pulled is None:
-        return np.zeros(eigenvalues.size)
-    motion, along, across = (rows @ shapes for rows in place.rows)
-    further = pull[0] / size * along + pull[1] / size * across
-    stiffer = omega**2 * quadratic_forms(operators.pulled, shapes)
-    radius = np.linalg.norm(operators.rotor.projector @ operators.from_axis(place.at))
-    moved = 2.0 * np.real((motion.conj() * _inertia(place, eigenvalues, further, omega)).sum(axis=0))
-    return np.asarray(stiffer / radius + size * (np.abs(further) ** 2).sum(axis=0) - moved)
 
 
 def _is_inside(plate: Plate, place: tuple[float, float]) -> bool:
