@@ -33,7 +33,9 @@ BOTH = {"0 rpm": "rest.frd", "10000 rpm": "fast.frd"}
 
 
 @pytest.fixture
-def files(tmp_path):
+def files(tmp_path, monkeypatch):
+    """CalculiX's modes of a plate at rest and at speed, in the current folder."""
+    monkeypatch.chdir(tmp_path)
     for name, file in (("rest", "plate_paper_0"), ("fast", "plate_paper_10000")):
         (tmp_path / f"{name}.frd").write_bytes(gzip.decompress((DATA / f"{file}.frd.gz").read_bytes()))
     return tmp_path
@@ -82,9 +84,8 @@ def test_how_far_a_cavity_sticks_out_is_said_of_each_damper_on_the_same_modes(fi
 
 
 @pytest.mark.usefixtures("quickly")
-def test_a_plate_by_its_modes_is_the_plate(files, plate, monkeypatch):
+def test_a_plate_by_its_modes_is_the_plate(files, plate):
     """From CalculiX's modes, whose mesh is 0.17 % too stiff, and from our own in a neutral file; against our plate."""
-    monkeypatch.chdir(files)
     whole = package.run(plate)
     own = figures(whole)
     speeds = plate["rotor"]["speeds"]
@@ -115,10 +116,9 @@ def test_check_tells_where_the_cavity_lies(spindamp, files):
 
 
 @pytest.mark.usefixtures("no_workers", "quickly")
-def test_orders_forces_and_sweeps_take_known_modes(files, monkeypatch):
+def test_orders_forces_and_sweeps_take_known_modes(files):
     """Engine order 4 meets the first mode where this mesh solved at each speed has it; a base shakes it with CalculiX's
     participation."""
-    monkeypatch.chdir(files)
     scene = changed(SCENE, structure__modes=BOTH, rotor__speeds=["2900 rpm", "3500 rpm"], rotor__modes=4)
     base = changed(scene, excitation={"orders": [4], "base": "1 g"})
     (crossing,) = package.run(base).reductions
@@ -135,9 +135,8 @@ def test_orders_forces_and_sweeps_take_known_modes(files, monkeypatch):
     assert np.isfinite(swept["best_damping_ratio"].values).all()
 
 
-def test_its_surface_moves_in_pages(files, monkeypatch):
+def test_its_surface_moves_in_pages(files):
     """In three dimensions, with fewer points where it has many, also from a folder; a cloud has marks at its nodes."""
-    monkeypatch.chdir(files)
     results = package.run(changed(SCENE, damper=None, release=None))
     package.save(results, "out")
     surface = package.load_results("out").surface
@@ -196,8 +195,7 @@ def test_a_load_that_would_tear_known_modes_is_remarked(spindamp, files):
     assert said[0].endswith("Verdicts do not include the root stress of known modes.")
 
 
-def test_speeds_between_files_are_said(files, monkeypatch):
-    monkeypatch.chdir(files)
+def test_speeds_between_files_are_said(files):
     between = package.run(changed(SCENE, structure__modes=BOTH, rotor__speeds=["5000 rpm"], damper=None, release=None))
     assert any("the error of this is unknown" in note for note in between.notes)
     assert not any("static displacement" in note for note in between.notes)
