@@ -757,15 +757,19 @@ def crossed(shaken, here):
 
 
 def at_the_crossing(scene, share=0.0):
-    """A design of one free key at the first crossing, and its space."""
+    """A design, its free keys at the same share, at the only crossing, and its space."""
     space = spaces.design_space(as_scene_file(scene))
     (each,) = placed_of(space, [share] * len(space.axes))
-    met = space.goal.crossings[0]
-    return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends), space
+    (met,) = space.goal.crossings
+    return crossed_by(each, met, space), space
 
 
 def placed_of(space, shares):
     return list(evaluate.damper_cases(space.solved_as, space.plan(np.array([shares]))))
+
+
+def crossed_by(each, met, space):
+    return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
 
 
 def test_one_of_amplitudes_and_excitation(shaken):
@@ -1009,12 +1013,10 @@ def test_a_resonance_is_that_of_the_plate_with_the_designs_own_cavities(count, s
     Its height is that of the plate solved where the order meets its own frequency: F / (2 zeta K) without a ball, where
     nothing pulls, and F / (c omega) with the balls at rest.
     """
-    space = spaces.design_space(as_scene_file(changed(DRIVEN, damper__count=count)))
-    (met,), shares = space.goal.crossings, np.full(2, share)
-    (each,) = placed_of(space, shares)
-    found = objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
+    found, space = at_the_crossing(changed(DRIVEN, damper__count=count), share)
     lines = objectives.linear(found)
-    scene = study.winner(replace(space, source=space.solved_as), Optimum(shares, Evaluation(1.0, 1.0), 1))
+    best = Optimum(np.full(2, share), Evaluation(1.0, 1.0), 1)
+    scene = study.winner(replace(space, source=space.solved_as), best)
     solver = StructureSolver(scene, QUIET)
     ((crossing, bare, resting),) = excitation.solved_crossings(
         solver, excitation.over_speed_range(solver).points, scene.scene.excitation
@@ -1039,10 +1041,8 @@ def test_the_greatest_of_all_crossings(shaken):
         space = space_of(changed(scene, damper__rolling_friction=friction))
         placed = placed_of(space, [0.0, share])
         found = space.goal.worth(placed, quick=True)
-        here = [
-            objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
-            for each, met in zip(placed, sorted(space.goal.crossings, key=lambda met: met.omega), strict=True)
-        ]
+        by_speed = sorted(space.goal.crossings, key=lambda met: met.omega)
+        here = [crossed_by(each, met, space) for each, met in zip(placed, by_speed, strict=True)]
         every = [objectives._reached(each, objectives.linear(each), quick=True) for each in here]
         assert len(every) == 2
         assert found.value == max(every)
