@@ -71,11 +71,6 @@ class PaperRun:
         """The ring-downs of each formulation at the seven speeds."""
         return [[point.damper for point in self.points[f] if point.damper is not None] for f in FORMULATIONS]
 
-    @property
-    def gravity(self) -> float:
-        """The paper's g [m/s^2]."""
-        return self.scene.rotor.gravity
-
     def system(self, formulation: str, *, mass_ratio: float | None = None, **changes: Any) -> damper.ParticleDamper:
         """The damper that the run simulates at 10000 rpm, changed.
 
@@ -88,10 +83,10 @@ class PaperRun:
 
     def curve(self, label: str, system: damper.ParticleDamper, release: tuple[float, float] = RELEASE) -> CapacityCurve:
         """Ring a damper down to rest, cycle by cycle."""
-        cycles = damper.capacity(damper.ringdown(system, release, max_cycles=20_000))
-        cutoff = None if cycles.cutoff is None else cycles.cutoff / self.gravity
+        cycles, gravity = damper.capacity(damper.ringdown(system, release, max_cycles=20_000)), self.scene.rotor.gravity
+        cutoff = None if cycles.cutoff is None else cycles.cutoff / gravity
         ball = cycles.sdc - cycles.intrinsic_sdc
-        return CapacityCurve(label, cycles.amplitude / self.gravity, cycles.sdc, ball, cutoff)
+        return CapacityCurve(label, cycles.amplitude / gravity, cycles.sdc, ball, cutoff)
 
 
 def study(stages: Stages) -> PaperRun:
