@@ -106,14 +106,14 @@ def report(results: Results) -> dict[str, str]:
         if figure is not None:
             if name == "path" and (path := path_shown(results)) is not None:
                 description += f" at {amount(path[1].rpm)} rpm, seen from above"
-            named = values[name](results, figure) if name in values else ()
+            named = values[name](results) if name in values else ()
             page[name] = plots.svg(figure, name, description, named, frames=name == "path")
     return page
 
 
-def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
+def _frequencies(results: Results) -> Iterator[Value]:
     """Frequencies with their errors, which lead to the mode; then crossings with engine orders."""
-    (axes,), surface_speeds = figure.axes, () if results.surface is None else results.surface.at
+    surface_speeds = () if results.surface is None else results.surface.at
     for branch in branches(results):
         for at, number in branch.places:
             mode, rpm = results.speeds[at].modes[number], results.speeds[at].rpm
@@ -121,18 +121,18 @@ def _frequencies(results: Results, figure: Figure) -> Iterator[Value]:
             here = "" if mode.family == branch.family else f" ({mode.family} here)"
             title = f"{branch.label}{here}, mode {number + 1}: {rpm:.6g} rpm, {mode.frequency_hz:.6g} Hz{error}"
             leads = (surface_speeds.index(at), number) if at in surface_speeds else None
-            yield Value(axes, rpm, mode.frequency_hz, title, leads)
+            yield Value(rpm, mode.frequency_hz, title, leads)
     for meeting in crossings(results):
         title = f"{meeting.order}× meets {meeting.label}: {meeting.rpm:.6g} rpm, {meeting.frequency_hz:.6g} Hz"
-        yield Value(axes, meeting.rpm, meeting.frequency_hz, title)
+        yield Value(meeting.rpm, meeting.frequency_hz, title)
 
 
-def _damping_ratios(results: Results, figure: Figure) -> Iterator[Value]:
+def _damping_ratios(results: Results) -> Iterator[Value]:
     """The damping ratio by the ball over the amplitude at each load."""
     for line in files.damping_ratio(results):
         for x, y in zip(1e3 * line.x, 100 * line.y, strict=True):
             if y > 0:
-                yield Value(figure.axes[0], x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
+                yield Value(x, y, f"{line.label}: {x:.6g} mm, {y:.6g} %")
 
 
 def campbell(results: Results, target: Target = PAGE) -> Figure | None:

@@ -16,7 +16,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -64,16 +63,14 @@ _REACH = 5.0
 
 @dataclass(frozen=True)
 class Value:
-    """A value in a figure that says itself under the pointer.
+    """A value in the first axes of a figure that says itself under the pointer.
 
     Attributes:
-        axes: in which it is drawn.
         x, y: its place, in the units of the axes.
         title: what it says.
         mode: the speed kept and the mode, both from 0, that it leads to in the viewer; None: it leads nowhere.
     """
 
-    axes: Axes
     x: float
     y: float
     title: str
@@ -279,15 +276,13 @@ def _plasma(part: tuple[float, float], count: int) -> list[str]:
 
 def _titles(figure: Figure, values: Iterable[Value]) -> str:
     """A group of shapes that are not painted, each with a title that a browser shows under the pointer."""
-    height, shapes, taken = 72.0 * figure.get_figheight(), [], set()
-    for axes, group in groupby(values, key=lambda value: value.axes):
-        drawn, box = list(group), axes.bbox
-        places = axes.transData.transform([(value.x, value.y) for value in drawn]).tolist()
-        for value, (x, y) in zip(drawn, places, strict=True):
-            place = round(x / _APART), round(y / _APART)
-            inside = box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1
-            if not inside or place in taken:
-                continue
+    height, shapes, taken = 72.0 * figure.get_figheight(), list[str](), set()
+    for value in values:
+        axes = figure.axes[0]
+        (x, y), box = axes.transData.transform((value.x, value.y)).tolist(), axes.bbox
+        place = round(x / _APART), round(y / _APART)
+        inside = box.x0 - 1 <= x <= box.x1 + 1 and box.y0 - 1 <= y <= box.y1 + 1
+        if inside and place not in taken:
             taken.add(place)
             shape = f'<circle cx="{x:.1f}" cy="{height - y:.1f}" r="{_REACH:g}"/>'
             tag = "g" if value.mode is None else f'a href="#plate" data-mode="{value.mode[0]},{value.mode[1]}"'

@@ -391,7 +391,7 @@ def draw(switches: EffectStudy) -> str:
             reason = _unseen(row, least)
             left.annotate(textwrap.fill(reason, _LONGEST, max_lines=2, placeholder=" …"), (0.0, place), **_NOTE)
             if len(reason) > _LONGEST:
-                whole.append(plots.Value(left, 1.1 * least, place, reason))
+                whole.append(plots.Value(1.1 * least, place, reason))
         if row.within_noise:
             right.annotate("within noise", (0.0, place), **_NOTE)
         elif row.time_share is not None:
