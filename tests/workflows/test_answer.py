@@ -791,7 +791,7 @@ def test_rows_beyond_what_the_plate_endures_are_marked_alike(finished):
     assert BEYOND_MEANS in " ".join(printed.split())
     assert LEVEL_MEANS in " ".join(printed.split()), "the scene keeps the floor level; the damping ratios do not"
     assert LEVEL_MEANS not in " ".join(summary.text(results(friction="0.3"), None).split())
-    assert BEYOND_MEANS in summary.brief_html(found), "in a notebook"
+    assert BEYOND_MEANS in found._repr_html_(), "in a notebook"
     page = (finished / "report.html").read_text(encoding="utf-8")
     assert page.count(f"{BEYOND}</td>") == 5
     assert BEYOND_MEANS in page

@@ -135,10 +135,26 @@ class Shown(Results):
     """Results that show themselves in brief."""
 
     def __repr__(self) -> str:
-        return brief(self)
+        """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
+        answer = verdict.answer(self)
+        accuracy = remarks.sentence(self)
+        more = () if self.reductions else answer.sentences[:1]  # a crossing's next sentences are on single levels
+        lines = [_head(self), " ".join((f"{answer.verdict}.", *more)), *([] if accuracy is None else [accuracy])]
+        return plain("\n".join(lines))
 
     def _repr_html_(self) -> str:
-        return brief_html(self)
+        """The same with a table; everything that comes from a scene is escaped."""
+        answer, accuracy = verdict.answer(self), remarks.sentence(self)
+        heads, *lines = rows(self)
+        return from_template(
+            "notebook.html.j2",
+            head=_head(self),
+            answer=answer,
+            sentences=(*answer.sentences, *answer.besides([accuracy or ""])),
+            heads=heads,
+            lines=lines,
+            legend=remarks.legend(self),
+        )
 
     @property
     def plot(self) -> Plots:
@@ -151,30 +167,6 @@ class Shown(Results):
 def shown(results: Results) -> Shown:
     """The same results, which show themselves."""
     return copy_fields(Shown, results)
-
-
-def brief(results: Results) -> str:
-    """Title, speeds, what was found, and how far the frequencies can be trusted, a line each."""
-    answer = verdict.answer(results)
-    accuracy = remarks.sentence(results)
-    more = () if results.reductions else answer.sentences[:1]  # a crossing's next sentences are on single levels
-    lines = [_head(results), " ".join((f"{answer.verdict}.", *more)), *([] if accuracy is None else [accuracy])]
-    return plain("\n".join(lines))
-
-
-def brief_html(results: Results) -> str:
-    """The same with a table; everything that comes from a scene is escaped."""
-    answer, accuracy = verdict.answer(results), remarks.sentence(results)
-    heads, *lines = rows(results)
-    return from_template(
-        "notebook.html.j2",
-        head=_head(results),
-        answer=answer,
-        sentences=(*answer.sentences, *answer.besides([accuracy or ""])),
-        heads=heads,
-        lines=lines,
-        legend=remarks.legend(results),
-    )
 
 
 def _head(results: Results) -> str:
