@@ -155,8 +155,8 @@ def sweeps(study: PaperRun) -> dict[str, Family]:
     }
 
 
-Value = float | int | str | list[float] | None
-"""A number, several, words, or nothing where a formulation has no say."""
+Value = float | int | list[float] | None
+"""A number, several, or nothing where a formulation has no say."""
 
 _CYCLES = 20
 

@@ -114,8 +114,6 @@ def value(number: Value) -> str:
     """A claim's value in words."""
     if number is None:
         return "–"
-    if isinstance(number, str):
-        return number
     if isinstance(number, list):
         return ", ".join(value(item) for item in number)
     size = abs(number)
