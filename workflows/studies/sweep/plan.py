@@ -132,7 +132,7 @@ class Key:
         return f"{self.table}.{present[-1]}" if present else None
 
     def put(self, data: Data, value: Value) -> None:
-        """Set it in a scene's plain data; what it takes the place of goes."""
+        """Set it, which is not the speeds, in a scene's plain data; what it takes the place of goes."""
         place = data
         for name in self.path.split(".")[:-1]:
             place = place.setdefault(name, {})
@@ -143,8 +143,6 @@ class Key:
                 place["cavity"][side] = 2 * place["radius"] + float(value)
         elif value == math.inf:
             place.pop(self.field, None)
-        elif self.field == "speeds":
-            place[self.field] = [value]
         elif self.element is not None:
             before = place.get(self.field)
             if before is None and self.field == "floor_radius":
