@@ -176,21 +176,19 @@ def open_folder(path: Path, plan: Plan, most: int, identity: dict[str, str]) -> 
         target.mkdir(parents=True, exist_ok=True)
     lock = FileLock(target / LOCK, timeout=0)
     try:
-        lock.acquire()
+        held = lock.acquire()
     except Timeout:
         problem = "another sweep is writing into it: wait until it ends, or use another folder"
         raise BadInput(problem, key="--out", value=str(path)) from None
     except (OSError, NotImplementedError) as error:
         raise BadInput(f"cannot be locked: {error}", key="--out", value=str(path)) from error
-    try:
+    with held:
         _check_same(target, path, identity)
         with writing(path):
             _lay_out(target, plan, _chunk_shape(plan, most), identity)
         with zarr.config.set({"array.write_empty_chunks": True}):
             arrays = dict(zarr.open_group(target / DATA, mode="r+", use_consolidated=False).arrays())
             yield Folder(target, path, {name: arrays[name] for name in ROW.names or ()})
-    finally:
-        lock.release()
 
 
 def check_target(path: Path) -> Path:
