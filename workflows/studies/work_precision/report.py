@@ -35,7 +35,7 @@ _SMALLEST = 1e-16
 
 
 @plots.style()
-def study_plot(study: ConvergenceStudy, name: str, target: float | None) -> str:
+def study_plot(study: ConvergenceStudy, name: str, target: float) -> str:
     """Time against error, both on log axes, a line for each method; the accuracy asked for dashed."""
     figure, (axes,) = plots.canvas(3.4)
     _work_precision(axes, study, target)
@@ -44,7 +44,7 @@ def study_plot(study: ConvergenceStudy, name: str, target: float | None) -> str:
 
 
 @plots.style()
-def overview(studies: list[ConvergenceStudy], target: float | None) -> str:
+def overview(studies: list[ConvergenceStudy], target: float) -> str:
     """Some studies side by side."""
     figure, panels = plots.canvas(4.0, len(studies))
     for axes, study in zip(panels, studies, strict=True):
@@ -54,7 +54,7 @@ def overview(studies: list[ConvergenceStudy], target: float | None) -> str:
     return plots.svg(figure, "overview", "Time against error")
 
 
-def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -> None:
+def _work_precision(axes: Axes, study: ConvergenceStudy, target: float) -> None:
     methods = list(dict.fromkeys(row.method for row in study.rows))
     for number, method in enumerate(methods):
         rows = [row for row in study.rows if row.method == method and row.time_s is not None and row.error is not None]
@@ -64,8 +64,7 @@ def _work_precision(axes: Axes, study: ConvergenceStudy, target: float | None) -
             colour, marker = (each[number % len(each)] for each in (plots.CATEGORIES, plots.MARKERS))
             style = "-" if number < len(plots.CATEGORIES) else (0, (3, 2))
             axes.plot(errors, times, color=colour, marker=marker, ls=style, lw=1.0, label=method)
-    if target is not None:
-        axes.axvline(target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
+    axes.axvline(target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
     axes.set(xscale="log", yscale="log", xlabel="relative error", ylabel="time, s")
     axes.invert_xaxis()
 
