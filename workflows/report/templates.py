@@ -150,7 +150,7 @@ def rounded(value: float, *, up: bool = False) -> str:
 
 _FILTERS = (
     *(formatting.fixed, formatting.amount, formatting.significant, formatting.percent, formatting.prose),
-    *(formatting.share, formatting.whole, formatting.span, formatting.turning, formatting.upwards),
+    *(formatting.share, formatting.whole, formatting.span, formatting.turning),
     *(formatting.apart, formatting.beside, formatting.interval, formatting.listed),
     *(at_load, at_speed, stretch, capital, millimetres, mm, in_mm, in_percent, rounded),
 )
