@@ -392,11 +392,6 @@ def test_a_sweep_warns_of_speeds_without_a_unit(spindamp):
 A, B = 7.0, 0.1
 
 
-def ishigami(x):
-    """Ishigami and Homma 1990: sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 on angles from -π to π."""
-    return np.sin(x[0]) + A * np.sin(x[1]) ** 2 + B * x[2] ** 4 * np.sin(x[0])
-
-
 def known_indices():
     """First order and total, by hand."""
     one = 0.5 * (1 + B * math.pi**4 / 5) ** 2
@@ -412,15 +407,16 @@ def angles():
     return [axes.Axis(key, (), axes.Spread(-math.pi, math.pi)) for key in keys]
 
 
-def ishigami_at(base):
-    """On Saltelli's design of so many base points."""
+def ishigami(base):
+    """Ishigami and Homma 1990: sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 on Saltelli's design of so many base points."""
     plan = sensitivity.plan(angles(), (1.0,), base, seed=3)
     columns = plan.columns(0, plan.size)
-    return ishigami(np.array([columns[axis.name] for axis in angles()]))
+    x = np.array([columns[axis.name] for axis in angles()])
+    return np.sin(x[0]) + A * np.sin(x[1]) ** 2 + B * x[2] ** 4 * np.sin(x[0])
 
 
 def test_indices_of_ishigami():
-    values = ishigami_at(4096)
+    values = ishigami(4096)
     found = sensitivity.indices(values, 3, seed=3)
     first, total = known_indices()
     assert np.allclose(first, [0.3139, 0.4424, 0.0], atol=1e-4)
@@ -432,7 +428,7 @@ def test_indices_of_ishigami():
 
 
 def test_points_without_answer_take_their_base_point_along():
-    values = ishigami_at(512)
+    values = ishigami(512)
     values[::37] = np.nan
     found = sensitivity.indices(values, 3, seed=3)
     assert np.all(np.abs(found["ST"] - known_indices()[1]) <= 2 * found["ST_conf"])

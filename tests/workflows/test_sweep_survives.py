@@ -18,7 +18,7 @@ from workflows.errors import BadInput
 from workflows.io import folder
 from workflows.scene.load import load
 from workflows.studies.sweep import evaluate, executor, store, study
-from workflows.studies.sweep.executor import Workers
+from workflows.studies.sweep.executor import external
 
 VARY = {"damper.friction": [0.1, 0.2, 0.4], "damper.restitution": [0.3, 0.6]}
 
@@ -55,11 +55,6 @@ class Here(Executor):
         return future
 
 
-@contextmanager
-def workers_of(executor, size=2):
-    yield Workers(lambda _: executor, lambda: size)
-
-
 def finished(out):
     """Points that are done."""
     with xr.open_zarr(out / store.DATA) as data:
@@ -83,7 +78,7 @@ def asked():
 
 
 def complete(asked, out, executor=None, size=2):
-    study.complete(asked, out, workers_of(executor or Here(), size), QUIET)
+    study.complete(asked, out, external(executor or Here(), size), QUIET)
     return contents(out)
 
 
