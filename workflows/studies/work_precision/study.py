@@ -243,11 +243,6 @@ class Problem:
     count: int
     mindlin: str = "mindlin"
 
-    @property
-    def is_rectangle(self) -> bool:
-        """Whether the program makes the meshes; else they are a file's, and finer ones of it."""
-        return isinstance(self.form, fem.Rectangle)
-
     def solve(self, method: Method, size: int) -> tuple[int, Floats]:
         """Unknowns, and frequencies (count,) in Hz, on a mesh of the planform's ladder."""
         if method.cells != "even":
@@ -264,7 +259,7 @@ class Problem:
 
     def sizes(self, finest: int) -> list[int]:
         """The meshes on which a method is tried: of a file's mesh, itself and one finer."""
-        every = self.form.sizes if self.is_rectangle else self.form.sizes[:2]
+        every = self.form.sizes if isinstance(self.form, fem.Rectangle) else self.form.sizes[:2]
         return [size for size in every if size <= finest]
 
     def unknowns(self, method: Method, size: int) -> int:
@@ -284,7 +279,7 @@ class Problem:
 
 def limits(problem: Problem, step: Step) -> dict[str, tuple[Floats, float]]:
     """The limit of each theory, extrapolated from the two finest meshes, and how far it can be trusted, relatively."""
-    best, rectangle = {}, problem.is_rectangle
+    best, rectangle = {}, isinstance(problem.form, fem.Rectangle)
     for method in LIMITS:
         step.advance(f"limit of {method.theory}")
         finest = method.finest if rectangle else 4 if method.theory == "mindlin" else 2
