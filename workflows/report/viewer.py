@@ -103,11 +103,6 @@ class ViewData:
         drawn, of = whole(self.view.points), whole(self.view.of)
         return f"drawn with {drawn} of {of} points, all corners of the boundary kept" if self.view.thinned else ""
 
-    @property
-    def carrier(self) -> str:
-        """What it is, in a word."""
-        return "plate" if self.surface.frame is None else "structure"
-
 
 def of_plate(
     scene: Scene, surface: Surface, speeds: tuple[SpeedPoint, ...], known: tuple[tuple[str, str], ...]
@@ -272,7 +267,8 @@ def page(view_data: ViewData) -> str:
     with plots.style():
         figure = figures.mesh_of(view_data.surface, view_data.mark, view_data.root)
         still = plots.svg(figure, "mesh", figures.SHOWN["mesh"])
-    return from_template("view.html.j2", view_data=view_data, view=view_data.view, still=still)
+    carrier = "plate" if view_data.surface.frame is None else "structure"
+    return from_template("view.html.j2", view_data=view_data, view=view_data.view, still=still, carrier=carrier)
 
 
 def write(view_data: ViewData, path: Path) -> Path:
