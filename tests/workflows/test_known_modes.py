@@ -140,7 +140,7 @@ def test_its_surface_moves_in_pages(files):
     results = package.run(changed(SCENE, damper=None, release=None))
     package.save(results, "out")
     surface = package.load_results("out").surface
-    seen = mode_viewer.of_surface(surface, results.speeds, room=mode_viewer.Room(points=200))
+    seen = mode_viewer.of_surface(surface, results.speeds, most=200)
     data = json.loads(seen.data)
     assert data["span"] == pytest.approx([0.2, 0.08, 0.01], rel=1e-6)
     assert data["axes"] == {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1], "spin axis": [0, 0, 1]}

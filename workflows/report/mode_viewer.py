@@ -10,7 +10,7 @@ import base64
 import json
 import os
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ from workflows.scene import plate_mesh
 from workflows.scene.scene import Scene
 from workflows.solve.results import Floats, Results, SpeedPoint, Surface, middle_speed
 
-POINTS = 1200
-"""Points of a surface in a page that has more to show."""
+POINTS, _BYTES = 1200, 110_000
+"""Points of a surface in a page that has more to show, and bytes of its shapes' vectors before they are text."""
 
 _FEWEST = 300
 """Points down to which a surface is thinned to make room for its shapes."""
@@ -36,17 +36,6 @@ _FOLD = 30.0
 
 ERROR = 1e-3
 """Largest departure of a packed displacement, in parts of the shape's largest."""
-
-
-@dataclass(frozen=True)
-class Room:
-    """What a page has room for: points of a surface, and bytes of its shapes' vectors before they are text."""
-
-    points: int = POINTS
-    bytes: int = 110_000
-
-
-IN_A_REPORT = Room()
 
 
 @dataclass(frozen=True)
@@ -98,7 +87,8 @@ def of_surface(
     mark: tuple[float, ...] | None = None,
     thickness: float | None = None,
     first: tuple[int, int] = (0, 0),
-    room: Room = IN_A_REPORT,
+    most: int = POINTS,
+    size: int = _BYTES,
 ) -> View:
     """The viewer of a surface.
 
@@ -108,16 +98,17 @@ def of_surface(
         mark: where the damper is, (x, y) on a plate, (x, y, z) in space as it is drawn [m], if there is one.
         thickness: of the whole plate [m]; None where `surface` has it or it is not known.
         first: which of the speeds is shown first, or the one kept next to it, and which of its modes, both from 0.
-        room: what the page has room for.
+        most: points that the page has room for.
+        size: bytes of vectors that it has room for.
     """
     surface = surface.finer or surface
-    drawn = thinned(surface, room.points)
+    drawn = thinned(surface, most)
     shapes, behind = _shapes(surface, drawn.kept)
     few = [_few(np.concatenate([shapes, behind])[:, :, k]) for k in range(3)] if len(shapes) else []
     rank = sum(len(along) for along, _ in few)
-    fit = max(_FEWEST, room.bytes // (2 * max(rank, 1))) if few else room.points
-    if fit < len(drawn.kept) and fit < room.points:
-        return of_surface(surface, speeds, mark, thickness, first, replace(room, points=fit))
+    fit = max(_FEWEST, size // (2 * max(rank, 1))) if few else most
+    if fit < len(drawn.kept) and fit < most:
+        return of_surface(surface, speeds, mark, thickness, first, fit, size)
     data = _plate(surface, drawn, thickness) | {"damper": None if mark is None else list(map(float, mark))}
     data |= {"speeds": [], "behind": bool(len(behind)), "shapes": [], "first": [0, 0]}
     if few:

@@ -28,8 +28,8 @@ _SHARP, _BLUNT = 20.0, 150.0
 """Angles [degrees] within which a cell is of a good shape."""
 
 
-_ROOM = mode_viewer.Room(12_000, 600_000)
-"""What a page of its own has room for."""
+_ROOM = 12_000, 600_000
+"""What a page of its own has room for: points, and bytes of vectors."""
 
 
 def facts(text: str, values: dict[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -95,7 +95,7 @@ class ViewData:
     @cached_property
     def view(self) -> mode_viewer.View:
         """The viewer's data, within the room that a page of its own has."""
-        return mode_viewer.of_surface(self.surface, self.speeds, self.mark, self.thickness, self.first, _ROOM)
+        return mode_viewer.of_surface(self.surface, self.speeds, self.mark, self.thickness, self.first, *_ROOM)
 
     @property
     def thinned(self) -> str:
