@@ -26,6 +26,7 @@ from workflows.scene.materials import OSMIUM
 from workflows.scene.paper import SDC_RANGE, TABLE_II
 from workflows.scene.scene import Scene
 from workflows.solve.damper import particle_damper, simulate
+from workflows.solve.limits import energy_loss
 from workflows.solve.results import Damping, Figures, Floats, SpeedPoint
 
 FORMULATIONS = ("printed", "consistent")
@@ -260,7 +261,7 @@ def _cutoffs(study: PaperRun, loads: list[float]) -> Iterator[Claim]:
 
 def _in_a_cycle(figures: Figures | None) -> float:
     """Share of a cycle's energy that the largest damping ratio takes."""
-    return 0.0 if figures is None else -math.expm1(-4 * math.pi * figures.peak)
+    return 0.0 if figures is None else energy_loss(figures.peak)
 
 
 def _near_a_tenth(ratio: float) -> bool:
