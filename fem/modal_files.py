@@ -106,6 +106,8 @@ def _checked(raw: Raw) -> Raw:
         for what, values in (("shapes", modes.shapes), ("static displacements", modes.static)):
             if values is not None and not np.isfinite(values).all():
                 raise ModesFileError(f"{what} hold values that are not numbers")
+            if values is not None and np.abs(values).max() > _LARGEST:
+                raise ModesFileError(f"{what} hold values of up to {np.abs(values).max():g}: expected lengths")
         if modes.static is not None and np.abs(modes.static).max() > np.ptp(model.points, axis=0).max():
             raise ModesFileError(
                 f"a static displacement of {np.abs(modes.static).max():g} is larger than the structure,"
@@ -120,6 +122,9 @@ def _checked(raw: Raw) -> Raw:
 
 _HIGHEST = 1e9
 """Frequency [Hz] beyond which no structure vibrates."""
+
+_LARGEST = 1e100
+"""Displacement beyond which squares may overflow."""
 
 _LOOSE = 1e-4
 """Part of the highest frequency below which a mode is a rigid body's, which rounding holds."""

@@ -714,7 +714,7 @@ OUTER, TIP = 0.25, 0.02
 """Parts of the radial extent, from the outermost node inwards: whose nodes say where the tip is, and are the tip's."""
 
 
-def deflection(model: ModalModel, static: Array) -> tuple[float, float]:
+def deflection(model: ModalModel, static: Array) -> tuple[float, float | None]:
     """What a static displacement does to a structure.
 
     Args:
@@ -723,18 +723,22 @@ def deflection(model: ModalModel, static: Array) -> tuple[float, float]:
 
     Returns:
         The largest displacement [m], and the angle [rad] by which the tip turns about the direction from the axis to
-        its middle, right-handed: that of the rotation in the plane across it which fits its nodes best.
+        its middle, right-handed: that of the rotation in the plane across it which fits its nodes best; None where
+        the structure surrounds the axis.
     """
-    arms = model.load(model.points)
+    arms, largest = model.load(model.points), float(np.linalg.norm(static, axis=1).max())
     radii = np.linalg.norm(arms, axis=1)
     outwards = arms[radii >= radii.max() - OUTER * np.ptp(radii)].mean(axis=0)
-    outwards = outwards / np.linalg.norm(outwards)
+    reach = np.linalg.norm(outwards)
+    if reach <= ON_ONE_SIDE * radii.mean():
+        return largest, None
+    outwards = outwards / reach
     along = arms @ outwards
     tip = along >= along.max() - TIP * np.ptp(along)
     across = np.eye(3) - np.outer(outwards, outwards)
     before, after = ((each - each.mean(axis=0)) @ across for each in (model.points[tip], (model.points + static)[tip]))
     turned = np.arctan2(np.cross(before, after).sum(axis=0) @ outwards, (before * after).sum())
-    return float(np.linalg.norm(static, axis=1).max()), float(turned)
+    return largest, float(turned)
 
 
 def held(shapes: Array) -> NDArray[np.bool_]:

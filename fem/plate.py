@@ -77,7 +77,7 @@ class Plate:
         material: what it is made of.
         tip_mass: a point mass in kg.
         tip_at: its place (x, y) in m on the mid-surface.
-        root: springs of an elastic root; None is the clamp.
+        elastic_root: springs of the root; None is the clamp.
 
     Raises:
         ValueError: for a non-positive thickness anywhere, a negative mass, a mass without a place or a place off the

@@ -138,12 +138,11 @@ class Campbell:
 
     def shapes(self, number: int) -> NDArray[Any]:
         """Mass-normalised shapes (n, count) at the speed of an index; complex with Coriolis forces."""
-        for part in self.parts:
-            if number < part.rates.shape[0]:
-                shapes: NDArray[Any] = part.basis @ part.vectors[number][:, : self.frequencies_hz.shape[1]]
-                return shapes
-            number -= part.rates.shape[0]
-        raise IndexError(f"there are only {self.omega.size} speeds")
+        places = [(part, k) for part in self.parts for k in range(part.rates.shape[0])]
+        if not -len(places) <= number < len(places):
+            raise IndexError(f"there are only {len(places)} speeds")
+        part, k = places[number]
+        return np.asarray(part.basis @ part.vectors[k][:, : self.frequencies_hz.shape[1]])
 
     @property
     def bases(self) -> tuple[ReducedBasis, ...]:

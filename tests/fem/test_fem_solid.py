@@ -308,6 +308,14 @@ def test_the_tip_turns_about_the_radius_through_its_middle(twist: float, turn: f
     assert turned == pytest.approx(0.99 * twist, rel=0.02, abs=1e-9)  # of the outermost nodes, within 2 %
 
 
+@pytest.mark.parametrize("sectors", [3, 4, 8])
+def test_what_surrounds_the_axis_has_no_tip_that_turns(sectors: int) -> None:
+    angle = 2 * np.pi * np.arange(sectors) / sectors
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    model = ModalModel(np.concatenate([0.1 * ring, 0.2 * ring]), (), np.array([0.0, 0.0, 1.0]), np.zeros(3))
+    assert deflection(model, 0.01 * model.points) == (pytest.approx(0.002), None)
+
+
 def test_calculix_stops_short_of_the_equilibrium():
     """Where its corrections fall below 1 %, without spin softening in the tangent: there to the digits it prints.
 

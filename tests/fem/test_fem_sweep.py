@@ -170,6 +170,11 @@ def test_what_no_basis_answers_is_solved_by_itself(monkeypatch, halvings):
     assert (np.abs(found.frequencies_hz / direct - 1.0) <= found.bounds + 1e-10).all()
     assert len(found.parts) > 1
     assert found.shapes(10).shape == (operators.mass.shape[0], 6)
+    assert np.array_equal(found.shapes(-1), found.shapes(10))
+    assert not np.array_equal(found.shapes(-1), found.shapes(0))
+    for number in (11, -12):
+        with pytest.raises(IndexError, match="there are only 11 speeds"):
+            found.shapes(number)
 
 
 def test_follow_crossing_and_veering():

@@ -772,6 +772,25 @@ def crossed_by(each, met, space):
     return objectives.crossing_objective(each.scene, each.state.effects, each.point, met, *space.goal.ends)
 
 
+@pytest.mark.parametrize("goal", ["amplitude", "damping"])
+def test_a_design_rests_on_balls_that_do_not_slip(shaken, goal):
+    """Rolling takes 2/7 of the drive over the load from friction, and 5/7 of the rolling resistance."""
+    scene = changed(shaken, damper__friction=1e-3)
+    if goal == "damping":
+        scene = changed(scene, excitation=None, design__amplitude=["1 mm", "2 mm"])
+    space = space_of(scene)
+    (found,) = spaces.evaluate_designs(space, np.full((1, len(space.axes)), 0.5), quick=True)
+    placed = placed_of(space, [0.5] * len(space.axes))[0]
+    amplitude = found.value if goal == "amplitude" else 2e-3
+    load, radius = placed.point.load_g * placed.scene.rotor.gravity, placed.scene.damper.radius
+    needed = (2 * (2 * math.pi * placed.point.reduced.f1_hz) ** 2 * amplitude / load + 5 * 5e-5 / radius) / 7
+    assert found.friction_needed == pytest.approx(needed, rel=1e-6)
+    best = Optimum(np.full(len(space.axes), 0.5), found, 1)
+    assert f"friction coefficient of {needed:.2g}, and the scene has 0.001" in report.verdict(space, best)
+    better = Optimum(best.shares, replace(found, friction_needed=math.nan), 1)
+    assert "friction" not in report.verdict(space, better)
+
+
 def test_one_of_amplitudes_and_excitation(shaken):
     both = changed(shaken, design__amplitude=["1 mm", "2 mm"])
     assert space_of(both).goal.objective.startswith("least damping ratio")

@@ -297,6 +297,7 @@ SPOILT_FRD = [
     ("no first mode", sub(r"^ -4  DISP ", " -4  DISQ "), "mode 1 is missing"),
     ("a rigid body", lambda t: rigid(t), "it is a rigid-body mode"),
     ("nothing moves", lambda t: times(t, 0.0), "nothing moves in mode 1"),
+    ("far away", sub(VALUE, r"\g<1>1.00000E+300"), "shapes hold values of up to 1e+300"),
 ]
 
 STATIC = "    1PSTEP                         1           1           1\n"

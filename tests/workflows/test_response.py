@@ -100,6 +100,22 @@ def test_a_known_structure(known):
     assert passage.least_force == pytest.approx(least * passage.crossing.omega**2 / per_newton, rel=2e-2)
 
 
+def test_a_response_rests_on_balls_that_do_not_slip(known):
+    """Rolling takes 2/7 of the drive over the load from friction, and 5/7 of the rolling resistance, 0.01."""
+    (passage,) = known.passages
+    slippery = with_scene(known, damper={"friction": 1e-3})
+    found = report.confirmed(slippery, passage)
+    (row,) = (row for row in study.rows(known) if row.force == found.level)
+    load = passage.at.load_g * known.results.scene.rotor.gravity
+    needed = (2 * (2 * math.pi * 200) ** 2 * row.greatest / load + 5 * 0.01) / 7
+    assert found.friction_needed == pytest.approx(needed, rel=1e-3)
+    proviso = (
+        f", provided that the ball rolls without slip, which .*coefficient of {needed:.2g}, and the scene has 0.001"
+    )
+    assert re.search(proviso, report.sentences(slippery)[0].replace("balls roll", "ball rolls"))
+    assert "provided" not in " ".join(report.sentences(known))
+
+
 def test_the_short_way_stands_beside(known):
     for row in study.rows(known):
         assert abs(row.difference) < 0.02

@@ -96,6 +96,12 @@ def test_a_count_that_a_sample_ignores_is_remarked(spindamp, options):
     assert (done.status, said in " ".join(done.err.split())) == (0, True)
 
 
+def test_counts_may_be_of_numpy(here):
+    how = {"quick": True, "executor": here, "seed": np.int64(3)}
+    found = spindamp.sweep("structure", {"damper.friction": "0.1:0.2"}, sample=np.int64(2), **how)
+    assert found.equals(spindamp.sweep("structure", {"damper.friction": "0.1:0.2"}, sample=2, **how))
+
+
 @pytest.mark.parametrize("seed", [-1, 1.5, "a", True])
 def test_seeds_are_whole_numbers(seed):
     for search in (partial(spindamp.design, "design"), partial(spindamp.sweep, "structure", "damper.friction=0.1,0.2")):
@@ -461,10 +467,10 @@ def test_what_is_uncertain_has_a_verdict(here):
 
 
 def test_the_text_has_a_line_for_each_statement():
-    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3}
+    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3, "friction_needed": None}
     reasons = [{"points": 1, "reason": "too wide"}, {"points": 1, "reason": "too heavy"}]
     result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
-    result |= {"without_verdict": 1, "without_answer": 2}
+    result |= {"without_verdict": 1, "without_answer": 2, "without_friction": 0}
     spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
     best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
     known = {"result": result, "best": {"a": "1 mm"}, "error": 0.01}
@@ -480,6 +486,25 @@ def test_the_text_has_a_line_for_each_statement():
         "1 × too wide",
         "1 × too heavy",
     ]
+
+
+def test_a_point_that_rests_on_more_friction_than_it_has_says_so(here):
+    """Of points alike the best is one whose friction is enough."""
+    scene = changed(shipped_scene("structure"), release__cycles=2)
+    found = spindamp.sweep(scene, {"damper.friction": [1e-9, 0.01, 0.9]}, quick=True, executor=here)
+    least, _, enough = (found.isel({"damper.friction": k}) for k in range(3))
+    assert (least.best_damping_ratio == enough.best_damping_ratio).all()
+    assert (least.friction_needed > 0.01).all()
+    assert np.isnan(enough.friction_needed).all()
+    assert report.document(found)["best"]["keys"]["damper.friction"] == 0.9
+    count = 2 * found.sizes["rotor.speeds"]
+    assert f"{count} points rest on balls that roll without slip" in report.text(found)
+    assert "provided" not in report.text(found)
+    alone = found.isel({"damper.friction": [0]})
+    needed = report.document(alone)["best"]["values"]["friction_needed"]
+    says = f"which requires a friction coefficient of {needed:.2g} there, more than the point has"
+    assert says in report.text(alone)
+    assert "rests on balls that roll without slip" in report.render(alone)
 
 
 def test_few_points_with_a_verdict(here):

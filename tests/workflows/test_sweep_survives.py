@@ -5,9 +5,10 @@ import os
 import shutil
 import time
 import warnings
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 import xarray as xr
@@ -220,6 +221,15 @@ def test_workers_that_die_cost_their_tasks_alone(asked, undisturbed, tmp_path):
     executor = Here(dies={1, 3})
     assert complete(asked, tmp_path / "out", executor) == undisturbed
     assert executor.count == BLOCKS + 2
+
+
+def test_all_workers_of_an_executor_are_used():
+    """Four tasks wait for each other: with fewer at a time none would end."""
+    together = Barrier(4, timeout=20)
+    with ThreadPoolExecutor(4) as pool, executor.workers_of(executor=pool) as workers:
+        assert sorted(executor.results(workers, lambda _: together.wait() >= 0, range(8))) == [
+            (k, True) for k in range(8)
+        ]
 
 
 def test_workers_that_always_die_end_the_study(asked, tmp_path):

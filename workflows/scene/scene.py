@@ -567,7 +567,8 @@ class Scene(Table):
         for table in ("plate", "structure") if "blade" in present else ():
             if table in present:
                 raise fault(table, "expected a [blade] or this: leave one out")
-        if {"plate", "structure"} <= present and set(data["structure"]) == {"floor_tilt"}:
+        given = data.get("structure")
+        if "plate" in present and isinstance(given, Mapping) and set(given) == {"floor_tilt"}:
             raise fault("structure.floor_tilt", "on a plate the floor's tilt follows from the bending: leave this out")
         for table in ("plate", "material") if "structure" in present else ():
             if table in present:

@@ -354,8 +354,10 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
     with solver.stages("damper"):
         balance = _Balance.of(system, bare, met, excitation)
         known, amplitude = _over_levels(balance, limit, excitation.levels)
-    if math.isfinite(amplitude) and limits.slides(results, at, amplitude):
-        return replace(none, reason=Reason.SLIP)
+    if math.isfinite(amplitude):
+        if limits.slides(results, at, amplitude):
+            return replace(none, reason=Reason.SLIP)
+        known["friction_needed"] = limits.friction_needed(results, at, amplitude)
     return replace(none, **known, loose=not is_well_held(system))
 
 

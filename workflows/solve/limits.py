@@ -249,6 +249,12 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> fl
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 
 
+def friction_needed(results: Results, point: SpeedPoint, amplitude: float) -> float:
+    """The same where it is more than the friction of the scene; nan where that is enough."""
+    needed = friction_demand(results, point, amplitude)
+    return needed if needed > present(results.scene.damper).friction else math.nan
+
+
 def slides(results: Results, point: SpeedPoint, amplitude: float) -> bool:
     """Whether rolling needs more friction than any dry floor has; any at all where the scene has none."""
     most = DRY if present(results.scene.damper).friction > 0 else 0.0

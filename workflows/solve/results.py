@@ -377,6 +377,8 @@ class VibrationReduction:
     """the same in words, where they say more"""
     driven_from: Annotated[Unknown, quantity("1")] = math.nan
     """level from which the simulated forces move the ball; null: none"""
+    friction_needed: Annotated[Unknown, quantity("1")] = math.nan
+    """friction coefficient that rolling without slip requires at `level`; null: that of the scene is enough"""
 
     @property
     def omega(self) -> float:

@@ -27,7 +27,7 @@ class Passage:
     """Steady states through a crossing: s speeds, f forces, from each start.
 
     Attributes:
-        crossing: where; axis: along which of the damper's axes the amplitude is.
+        crossing: where; at: the structure there; axis: along which of the damper's axes the amplitude is.
         omega: (s,) [rad/s]; forces: (f,).
         states: of the damper, in arrays of shape (s, f), or (s, f, starts).
         reduction: the same by free vibration, as a run estimates it, at the levels followed.
@@ -37,6 +37,7 @@ class Passage:
     """
 
     crossing: Crossing
+    at: SpeedPoint
     axis: int
     omega: Floats
     forces: tuple[float, ...]
@@ -498,7 +499,8 @@ def _followed(
     if leads:
         own = damper.damping_curve(system, least=limits.least_amplitude(met.at))
         figures = replace(own, cutoff=share * own.cutoff)
-    return Passage(crossing, axis, omega, forcing.levels, states, reduction, share * driven_from, driven_from, figures)
+    moves = share * driven_from, driven_from
+    return Passage(crossing, at, axis, omega, forcing.levels, states, reduction, *moves, figures)
 
 
 def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> tuple[Floats, damper.Forced]:

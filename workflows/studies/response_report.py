@@ -19,7 +19,7 @@ from workflows.report import figures, plots, remarks, templates, verdict
 from workflows.report.templates import capital, in_percent
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
-from workflows.solve.limits import AIR
+from workflows.solve.limits import AIR, friction_needed
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies import response as study
 from workflows.studies.response import Passage, Response, Row, best_level, is_beyond, peak, rows, shows
@@ -210,6 +210,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         range=around,
         moves_from=passage.least_force,
         driven_from=passage.driven_from,
+        friction_needed=friction_needed(result.results, passage.at, best.amplitude),
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=bool(rough),
         reason=Reason.NONE,

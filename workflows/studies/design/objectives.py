@@ -79,6 +79,8 @@ class Evaluation:
         used: shares of the limits.
         endured: amplitude that the plate endures [m]; inf where it is not known.
         sticks_out: how far a cavity does, out of a structure in space [m].
+        friction_needed: friction coefficient that rolling without slip requires, at the largest amplitude that the goal
+            is about; nan where the scene's is enough.
         falling: the least damping ratio where the vibration falls and a ball keeps bouncing; nan for other goals.
         greatest: what the value came to at most from other starts; nan where it does not scatter.
         why: why it is worth nothing; None where it is worth something.
@@ -100,6 +102,7 @@ class Evaluation:
     dent: float = 0.0
     endured: float = math.inf
     sticks_out: float = 0.0
+    friction_needed: float = math.nan
     falling: float = math.nan
     greatest: float = math.nan
     driven_from: float = math.nan

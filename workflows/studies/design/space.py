@@ -314,7 +314,14 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
-    return evaluation and replace(evaluation, endured=limits.endured(fastest.results), **known)
+    if evaluation is None:
+        return None
+    endured = limits.endured(fastest.results)
+    there, amplitude = min(cases, key=lambda each: abs(each.point.omega - evaluation.speed)), evaluation.value
+    if isinstance(space.goal, LeastDamping):
+        there, amplitude = cases[0], min(space.goal.high, endured)
+    known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude)
+    return replace(evaluation, endured=endured, **known)
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:

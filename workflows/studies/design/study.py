@@ -208,7 +208,7 @@ def design(
         BadInput: the scene is wrong, has no [design], or no design satisfies its limits.
         NoAnswer: the plate has none.
     """
-    plan.check_seed(seed)
+    seed = plan.check_seed(seed)
     source = as_scene_file(scene)
     resources.check(source)
     clock = stages or Stages()
@@ -303,7 +303,7 @@ class Scorer:
 
 def evaluate_on_workers(workers: Workers, space: Space, shares: Floats, quick: bool) -> list[Evaluation]:
     """Score designs, part by part on all workers."""
-    size = min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART)
+    size = int(min(max(len(shares) // (2 * max(workers.count(), 1)), 1), _PART))
     parts = [(begin, begin + size) for begin in range(0, len(shares), size)]
     work = partial(part, space, np.asarray(shares), quick, executor.digest())
     scores = dict(executor.results(workers, work, parts))

@@ -129,6 +129,7 @@ QUANTITIES = (
     Quantity("grade", "1", "beside what the air gives: 0 no, 1 hardly, 2 modestly, 3 yes; -1 no verdict", "i1"),
     Quantity("best_damping_ratio", "1", "largest damping ratio that the structure endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
+    Quantity("friction_needed", "1", "friction coefficient that rolling requires there, if more than the scene has"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
 """Columns in the order of files; the first are those that a run's data set has too, by the same names."""
@@ -237,6 +238,8 @@ def _measure(row: Any, each: DamperCase, known: Known, how: dict[str, int]) -> N
     for name, value in (("best_damping_ratio", verdict.damping_ratio), ("best_amplitude", verdict.amplitude)):
         if value is not None:
             row[name] = value
+    if verdict.amplitude is not None:
+        row["friction_needed"] = limits.friction_needed(each.results, point, verdict.amplitude)
 
 
 def _ring_down(rows: Rows, cases: list[DamperCase]) -> None:

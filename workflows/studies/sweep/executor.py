@@ -5,6 +5,7 @@ worker it is. A worker that dies costs the tasks it had, which are handed out ag
 """
 
 import hashlib
+import math
 import os
 import signal
 import tempfile
@@ -18,6 +19,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
+
+import numpy as np
 
 from damper import Harmonic, backbone, damping_curve, forced, ringdowns
 from damper.self_check import RINGDOWNS
@@ -53,11 +56,11 @@ class Workers:
 
     Attributes:
         executor: gives an executor for so many tasks that works, a new one where the workers of the last have died.
-        count: how many work now.
+        count: how many work now; inf: not known.
     """
 
     executor: Callable[[int], Executor]
-    count: Callable[[], int]
+    count: Callable[[], float]
 
 
 def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task]) -> Iterator[tuple[Task, T]]:
@@ -70,7 +73,7 @@ def results(workers: Workers, compute: Callable[[Task], T], tasks: Iterable[Task
     total = len(waiting)
     try:
         while waiting or pending:
-            most = _AHEAD * max(workers.count(), 1)
+            most = min(_AHEAD * max(workers.count(), 1), total)
             while waiting and len(pending) < most:
                 try:
                     future = workers.executor(total).submit(compute, waiting[0])
@@ -98,15 +101,15 @@ def workers_of(
     workers: int | None = None, dask: str | None = None, executor: Executor | None = None
 ) -> AbstractContextManager[Workers]:
     """Who computes: an executor that is given, a Dask cluster, or processes of this machine."""
-    if executor is not None:
-        return external(executor)
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int | np.integer) or workers < 1):
         raise BadInput("expected a whole number of processes from 1 on", key="--workers", value=workers)
+    if executor is not None:
+        return external(executor, math.inf if workers is None else workers)
     return local(workers) if dask is None else cluster(dask)
 
 
 @contextmanager
-def external(executor: Executor, workers: int = 1) -> Iterator[Workers]:
+def external(executor: Executor, workers: float = math.inf) -> Iterator[Workers]:
     """Workers of an executor that is somebody else's, and stays open."""
     yield Workers(lambda _: executor, lambda: workers)
 

@@ -530,18 +530,20 @@ def grid(axes: Sequence[Axis], speeds: Sequence[float]) -> Plan:
 
 def sample(axes: Sequence[Axis], speeds: Sequence[float], count: int, seed: int) -> Plan:
     """So many points over all axes, by a scrambled Sobol' sequence."""
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise BadInput("expected a whole number of points from 1 on", key="--sample", value=count)
+    count = int(count)
     ordered = in_order(axes, speeds)
     require_possible(float(count) * speeds_of_a_point(ordered), "--sample", count)
     free = len(ordered) if _samples_speeds(ordered) else len(ordered) - 1
     return at_shares(ordered, sobol(free, 1 << (count - 1).bit_length(), seed)[:count], {"seed": seed})
 
 
-def check_seed(seed: object) -> None:
-    """Raise BadInput unless a seed is a whole number from 0 on."""
+def check_seed(seed: object) -> int:
+    """A seed as a number; raise BadInput unless it is a whole one from 0 on."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise BadInput("expected a whole number from 0 on", key="--seed", value=seed)
+    return int(seed)
 
 
 def sobol(dimensions: int, count: int, seed: int) -> Floats:

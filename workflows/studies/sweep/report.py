@@ -207,9 +207,9 @@ def _varies(data: xr.Dataset, quantity: str, along: tuple[str, ...]) -> bool:
 
 
 def _best(data: xr.Dataset) -> dict[str, int]:
-    """Where the damper does most, as a place along every dimension."""
-    table = data[HEADLINE]
-    place = np.unravel_index(int(np.nanargmax(table.values)), table.shape)
+    """Where the damper does most, as a place along every dimension; of points alike one whose friction is enough."""
+    table, enough = data[HEADLINE], ~(data["friction_needed"].values > 0)
+    place = np.unravel_index(int(np.nanargmax(table.values * np.where(enough, 1 + 1e-9, 1.0))), table.shape)
     return {str(name): int(k) for name, k in zip(table.dims, place, strict=True)}
 
 
@@ -343,6 +343,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "points": int(flat.size),
         "without_answer": sum(reasons.values()),
         "without_verdict": int(((data["grade"] == evaluate.UNGRADED) & (data["reason"] == "")).sum()),
+        "without_friction": int((data["friction_needed"] > 0).sum()),
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": _point(data, _best(data)) if (flat > 0).any() else None,
     }
@@ -457,6 +458,7 @@ def render(data: xr.Dataset) -> str:
         result=entries,
         best=best,
         headline=" ".join(said("sweep/headline", **known)),
+        friction=" ".join(said("sweep/without_friction", **known)),
         percentiles=_percentiles(data) if "ST" in data and best is not None else [],
         ranges=ranges,
         figures=draw(data),

@@ -74,8 +74,9 @@ def defaults(scene: Scene) -> tuple[Axis, ...]:
 
 def plan(axes: Sequence[Axis], speeds: Sequence[float], base: int, seed: int) -> Plan:
     """Saltelli's design over uncertain axes."""
-    if isinstance(base, bool) or not isinstance(base, int) or base < 8 or base & (base - 1):
+    if isinstance(base, bool) or not isinstance(base, int | np.integer) or base < 8 or base & (base - 1):
         raise BadInput("expected a power of two from 8 on as base points", key="--sample", value=base)
+    base = int(base)
     ordered = in_order(axes, speeds)
     require_possible(float(base) * (len(axes) + 2) * speeds_of_a_point(ordered), "--sample", base)
     from SALib.sample import sobol

@@ -111,7 +111,7 @@ def of_scene(
     if source.scene.damper is None:
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
-    plan.check_seed(seed)
+    seed = plan.check_seed(seed)
     vary = vary if isinstance(vary, Mapping) else [vary] if isinstance(vary, str) else list(vary)
     if count is None and not uncertain:
         plan.check_size(vary, len(source.scene.rotor.speeds))
