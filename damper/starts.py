@@ -16,7 +16,7 @@ import numpy.typing as npt
 from damper.equations import forces_on, structures_by
 from damper.model import break_away_threshold, half_gap, number, resting_place
 from damper.motion import flights, kinds, prepare
-from damper.state import BATCHES, DRIVEN, MARGIN, TRACE, zeros
+from damper.state import BATCHES, DRIVEN, GOES_ON, MARGIN, TRACE, zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,12 +46,19 @@ class Start(StrEnum):
 
     ``UP``: at rest, in its dent if it has one, as when the force is raised slowly; where it can stay there, it does.
     ``DOWN``: with the amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the
-    number of the point.
+    number of the point. ``RESONANT``: with the amplitude that the structure alone has at its resonance, in the phase of
+    that, and the ball in motion: a ball may keep up large motions off the resonance, most of all in a hollow floor.
     """
 
     UP = "up"
     DOWN = "down"
     RANDOM = "random"
+    RESONANT = "resonant"
+
+
+def usual_starts(damper: ParticleDamper) -> tuple[Start, ...]:
+    """The starts by which steady states are found: on a flat floor no other state was found from resonance."""
+    return tuple(Start) if damper.floor_radius is not None else (Start.UP, Start.DOWN, Start.RANDOM)
 
 
 @dataclass(frozen=True)
@@ -104,7 +111,9 @@ def motions_of(
     weights = _weights(damper, rows, probe)
     runs = zeros(len(rows), DRIVEN)
     runs["run"] = f.runs
-    runs["envelope"], begun = _traces(f.systems, answer, rows, weights[order], longest)
+    resonant = np.zeros(answer.z.shape, complex)
+    resonant[:, :-2] = at_resonance(structures_by(damper, rows), harmonics)
+    runs["envelope"], begun = _traces(f.systems, answer, resonant[:, order], rows, weights[order], longest)
     runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * begun.cavity.max(axis=1)
     parts = {
         "runs": runs,
@@ -134,10 +143,14 @@ def together(groups: Sequence[Motions]) -> Motions:
 
 
 class _Answers(NamedTuple):
-    """What starts are measured by: the linear answers, capped, of the coordinates (n, N) and the cavity (n, 2) [m]."""
+    """What starts are measured by: the linear answers, capped, of the coordinates (n, N) and the cavity (n, 2) [m].
+
+    `resonant`: answers of the coordinates (n, N) at the resonance of the mode that moves most without the ball.
+    """
 
     z: Complex
     cavity: Floats
+    resonant: Complex
 
 
 def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
@@ -153,7 +166,9 @@ def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | 
     return np.concatenate([weights, [0.0, 0.0]])
 
 
-def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, longest: int) -> tuple[Records, _Answers]:
+def _traces(
+    all_of: Systems, answer: Locked, resonant: Complex, rows: Parameters, probe: Floats, longest: int
+) -> tuple[Records, _Answers]:
     """Records of the motions to come, and what they begin with."""
     systems, (n, size) = all_of.constants, answer.z.shape
     nu, spring = systems["frequency"], np.einsum("nii->ni", systems["spring"][:, :size, :size]).copy()
@@ -174,7 +189,7 @@ def _traces(all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, lo
     traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
     traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
     traces["patience"] = _patience(forgets(all_of), traces["period"], longest)
-    return traces, _Answers(z, cavity)
+    return traces, _Answers(z, cavity, resonant)
 
 
 def _patience(rate: float, period: Floats, longest: int) -> Floats:
@@ -196,6 +211,9 @@ def _begin(start: Start, here: slice, m: Motions, begun: _Answers, rest: Floats,
         runs["envelope"]["verdict"] = (m.moves_from[here] >= 1) & (systems["damped"] > 0)
     elif start is Start.DOWN:
         z, w = begun.z, frequency * begun.cavity
+    elif start is Start.RESONANT:
+        z = begun.resonant
+        w = -frequency * (systems["mode_shape"][:, :, :size] @ z.imag[..., None])[..., 0]
     else:
         draws = np.array([np.random.default_rng([first + k, 1]).uniform(-1, 1, 6) for k in range(n)])
         z = begun.z * (0.5 + 0.5 * draws[:, :1]) * np.exp(1j * math.pi * draws[:, 1:2])
@@ -204,6 +222,17 @@ def _begin(start: Start, here: slice, m: Motions, begun: _Answers, rest: Floats,
     np.put_along_axis(motions["z"], systems["place"], s, axis=1)
     np.put_along_axis(motions["rate"], systems["place"], w, axis=1)
     runs["run"]["axes"]["spin"] = w
+
+
+def go_on(m: Motions, states: Floats) -> None:
+    """Put motions into the states (n, 2, N) in which others have ended, their balls rolling."""
+    run = m.runs["run"]
+    motion, place, gap = run["motion"], run["system"]["place"], run["axes"]["half_gap"]
+    motion["z"], motion["rate"] = states[:, 0], states[:, 1]
+    inside = np.clip(np.take_along_axis(motion["z"], place, axis=1), -gap, gap)
+    np.put_along_axis(motion["z"], place, inside, axis=1)
+    run["axes"]["spin"] = np.take_along_axis(motion["rate"], place, axis=1)
+    m.runs["envelope"]["verdict"] = GOES_ON
 
 
 class Locked(NamedTuple):
@@ -248,6 +277,16 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
     return np.asarray(
         forces_on(structures, harmonics) * turn / (structures.spring - structures.mass * nu**2 + 1j * nu * damping)
     )
+
+
+def at_resonance(structures: Structures, harmonics: Sequence[Harmonic]) -> Complex:
+    """The same at the resonance of the mode that moves most, alone, shape (n, k); capped where it is hardly damped."""
+    most = np.abs(without_ball(structures, harmonics)).argmax(axis=1)[:, None]
+    turn = np.exp(1j * np.array([harmonic.phase for harmonic in harmonics]))[:, None]
+    omega = np.sqrt(structures.spring / structures.mass)
+    damping = np.maximum(structures.dashpot, structures.spring / (_HIGHEST * omega))
+    answers = forces_on(structures, harmonics) * turn / (1j * omega * damping)
+    return np.asarray(np.where(np.arange(answers.shape[1]) == most, answers, 0.0))
 
 
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:

@@ -16,7 +16,7 @@ from damper import laws, self_check
 from damper.batch import further, in_blocks, workers
 from damper.equations import at_once
 from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
-from damper.starts import Complex, Motions, Start, motions_of, together
+from damper.starts import Complex, Motions, Start, go_on, motions_of, together, usual_starts
 from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, Tables
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ class Forced:
         linear: complex amplitude with the ball at rest in the middle of its cavity, shape (n,) [m].
         without: complex amplitude without the ball, shape (n,) [m].
         moves_from: by how much the force may grow until the ball cannot stay at rest, shape (n,) [-].
+        state: at the end, from which another call may go on, shape (n, starts, 2, N).
     """
 
     starts: tuple[Start, ...]
@@ -76,6 +77,7 @@ class Forced:
     linear: Complex
     without: Complex
     moves_from: Floats
+    state: Floats
 
     @property
     def residual(self) -> Floats:
@@ -113,6 +115,7 @@ def summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
             "power_error": figure(0.0, np.where(repeated, 0.0, error[:, 1])),
             "divergence": divergence,
             "cycles": traces["cycles"].copy(),
+            "state": np.stack([m.runs["run"]["motion"][each] for each in ("z", "rate")], axis=1),
         }
 
 
@@ -137,11 +140,12 @@ _BLOCK = 4
 def forced(
     damper: ParticleDamper | Sequence[ParticleDamper],
     harmonics: Sequence[Harmonic],
-    starts: Sequence[Start] = tuple(Start),
+    starts: Sequence[Start] | None = None,
     *,
     probe: Sequence[float] | int = 0,
     accuracy: float = 1e-2,
     max_cycles: int = 100_000,
+    states: Floats | None = None,
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Forced:
@@ -152,11 +156,12 @@ def forced(
     Args:
         damper: what is driven; one for each harmonic, or one for all.
         harmonics: what drives it, n of them.
-        starts: where motions begin.
+        starts: where motions begin; None: `UP`, `DOWN` and `RANDOM`, and of hollow floors `RESONANT`.
         probe: displacement whose amplitude is followed: the cavity's along x (0) or y (1), or weights of the modes
             (without modes: of x and of y).
         accuracy: to which the mean amplitude of a motion that does not repeat itself must be known, relative.
-        max_cycles: cap on the cycles of each run.
+        max_cycles: cap on the cycles of each run, from 64 on.
+        states: in which motions begin instead, shape (n, 2, N): those of `Forced.state` of dampers alike.
         threads: how many to use; None: one for each core.
         progress: called now and then with the number of motions done.
 
@@ -172,7 +177,9 @@ def forced(
         raise ValueError(f"dampers must be as many as harmonics, at least one; got {len(dampers)} and {len(harmonics)}")
     if not 0 < number("accuracy", accuracy) < 1:
         raise ValueError(f"accuracy must be between 0 and 1, got {accuracy:g}")
-    columns = tuple(Start(start) for start in starts)
+    columns = usual_starts(dampers[0]) if starts is None else tuple(Start(start) for start in starts)
+    if states is not None and (states.shape[:2] != (len(dampers), 2) or len(columns) != 1):
+        raise ValueError(f"states must be two rows for each harmonic, from one start, got shape {states.shape}")
     if not columns:
         raise ValueError("starts must be at least one")
     most, cores = whole("max_cycles", max_cycles), workers(threads)
@@ -182,11 +189,14 @@ def forced(
     def part(begin: int) -> dict[str, npt.NDArray[Any]]:
         here = slice(begin, begin + size)
         m = _begun(dampers[here], harmonics[here], columns, probe, begin, most)
+        if states is not None:
+            go_on(m, states[here])
         return _followed(m, accuracy, most, cores, further(progress, begin * len(columns)))
 
     parts = [part(begin) for begin in range(0, len(dampers), size)]
     self_check.once("forced", forced)
-    figures = {name: np.concatenate([each[name] for each in parts]).reshape(-1, len(columns)) for name in parts[0]}
+    figures = {name: np.concatenate([each[name] for each in parts]) for name in parts[0]}
+    figures = {name: each.reshape(-1, len(columns), *each.shape[1:]) for name, each in figures.items()}
     figures |= {name: figures[name][:, 0] for name in ("linear", "without", "moves_from")}
     return Forced(columns, **figures)
 

@@ -344,3 +344,44 @@ def test_bad_forces() -> None:
     ):
         with pytest.raises(ValueError, match=message):
             forced(damper, [good], **more)
+
+
+def hollow(rpm: float) -> ParticleDamper:
+    """Twenty steel balls of 4 mm on 0.5 kg at 300 Hz, in hollow floors that are tuned to the third order."""
+    ball, load = 20 * 7850 * 4 / 3 * math.pi * 2e-3**3, 0.25 * (rpm * math.pi / 30) ** 2
+    stiffness = (0.5 + ball) * (2 * math.pi * 300) ** 2
+    floor = (21.84e-3, 21.84e-3)
+    return ParticleDamper(
+        0.5, (stiffness,) * 2, ball, 2e-3, (14e-3,) * 2, load, 0.6, 0.2, 5e-7, 2e-3, floor_radius=floor
+    )
+
+
+def test_a_large_motion_in_a_hollow_floor_is_found_from_resonance() -> None:
+    """Beside that of a tuned pendulum, 8.8 um: a ball that hits both walls keeps up 1.63 mm, by the reference too."""
+    damper, nu = hollow(5900.0), 5900 * math.pi / 10
+    found = forced(damper, [Harmonic(nu, (20.0, 0.0))])
+    assert found.starts == tuple(Start)
+    assert found.mean[0, :3] == pytest.approx(8.845e-6, rel=1e-3)
+    assert found.hits_per_cycle[0, 3] == pytest.approx(2.0)
+    ahead = Harmonic(nu, (20.0, 0.0), phase=math.pi / 2)  # the release is a quarter of a period behind the force
+    run, places = Reference(damper, (2.8e-3, 0.0), 0.0, 128, ahead), list[float]()
+    for cycles in 400 + np.arange(41) / 40:
+        run.cycles = cycles * damper.stuck_frequency / nu
+        run.go_on()
+        places.append(float(run.x[0]))
+    assert found.mean[0, 3] == pytest.approx(0.5 * (max(places) - min(places)), rel=5e-3)
+
+
+def test_motions_go_on_from_those_of_dampers_alike() -> None:
+    """From speed to speed up to where the motion ends; at the same one it stays."""
+    state, means = forced(hollow(5900.0), [Harmonic(590 * math.pi, (20.0, 0.0))]).state[:, 3], []
+    for rpm in (5900.0, 5910.0, 5920.0, 5930.0):
+        harmonic = Harmonic(rpm * math.pi / 10, (20.0, 0.0))
+        found = forced(hollow(rpm), [harmonic], [Start.RESONANT], states=state)
+        state = found.state[:, 0]
+        means.append(float(found.mean[0, 0]))
+    assert means == sorted(means)
+    assert means[0] == pytest.approx(1.6292e-3, rel=1e-3)
+    assert means[-1] > 2.0e-3
+    with pytest.raises(ValueError, match=r"states must be two rows for each harmonic, from one start, got shape \(2"):
+        forced(hollow(rpm), [harmonic], [Start.UP], states=np.zeros((2, 2, 10)))

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import damper
+from damper.starts import usual_starts
 from workflows.errors import during, read_from
 from workflows.io.files import StudyResult
 from workflows.progress import Stages
@@ -97,6 +98,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes [m].
         error: of the mean; with the ball at rest, by how much farther it goes until it is set off [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
+        from_rest: largest mean of the motions that begin with the ball at rest, whatever the speed [m].
         stress_without, stress_with: the largest, of a plate by bending [Pa]; None where it is not known.
         estimate: by free vibration, of a run; None where that does not apply.
     """
@@ -112,6 +114,7 @@ class Row:
     greatest: float
     error: float
     smallest: float
+    from_rest: float
     regime: str
     hits_per_cycle: float
     power_in: float
@@ -172,6 +175,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         **{name: at(name) for name in _OF_A_ROW},
         error=at("error") + (short if regime == damper.Regime.LOCKED else 0.0) * at("mean"),
         smallest=float(states.mean[speed, force].min()),
+        from_rest=float(np.nan_to_num(states.mean[:, force, states.starts.index(damper.Start.UP)]).max()),
         regime=str(regime),
         estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
@@ -271,7 +275,8 @@ def beside_peaks(omega: Floats, amplitude: Floats) -> Floats:
     """A further speed for each force, beside the one at which its amplitude is largest [rad/s].
 
     It lies where a parabola through 1 / A² is least, as about a linear resonance, or where that is known, midway to a
-    neighbour; never beyond the speeds, where another mode may rise.
+    neighbour; where a motion ends beside the largest amplitude, midway to there. Never beyond the speeds, where another
+    mode may rise.
 
     Args:
         omega: ascending (s,) [rad/s].
@@ -287,6 +292,9 @@ def beside_peaks(omega: Floats, amplitude: Floats) -> Floats:
             left, right = ((curve[k] / curve[each]) ** 2 - 1 for each in (k - 1, k + 1))
             curvature = (right / high - left / low) / (high - low)
             tries.insert(0, at + 0.5 * (low - left / (low * curvature)) if curvature > 0 else at)
+            least, most = sorted((curve[k - 1], curve[k + 1]))
+            if least < _FALLS * curve[k] and most > _KEEPS * curve[k]:  # the motion ends on that side
+                tries.insert(0, 0.5 * (at + (below if curve[k - 1] < curve[k + 1] else above)))
         gaps = np.diff(known)
         tries.append(known[np.argmax(gaps)] + 0.5 * gaps.max())
         apart = _APART * (above - below)
@@ -295,14 +303,17 @@ def beside_peaks(omega: Floats, amplitude: Floats) -> Floats:
     return np.setdiff1d(known, omega)
 
 
+_FALLS, _KEEPS = 0.5, 0.8
+"""Amplitudes on either side of the largest, over that, between which the motion ends on one of them."""
+
 _APART = 0.05
 """How far a further speed lies from all others, over the distance of the neighbours of the largest amplitude."""
 
 SPEEDS, FEW_SPEEDS = 40, 12
 """Through a crossing, at first; fewer where each speed of the plate is solved by itself."""
 
-ROUNDS = 4
-"""How often a further speed is evaluated for each force."""
+ROUNDS, _HOLLOW = 4, 2
+"""How often a further speed is evaluated for each force; by how much more often where large motions end abruptly."""
 
 _ACCURACY = 1e-2
 """To which the mean amplitude of motion that does not repeat itself is known."""
@@ -487,10 +498,11 @@ def _followed(
     omega = _speeds(solver, met, system)
     cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
     steady_states = partial(_steady_states, solver, crossing, axis=axis)
-    states = steady_states(cases(omega))
-    for _ in range(ROUNDS):
+    states = _gone_on(solver, omega, steady_states(cases(omega)), cases, axis)
+    for _ in range(ROUNDS if system.floor_radius is None else _HOLLOW * ROUNDS):
         more = beside_peaks(omega, np.nan_to_num(states.mean).max(axis=2))
         omega, states = _merged(omega, states, more, steady_states(cases(more)))
+        states = _gone_on(solver, omega, states, cases, axis)
     if last := _just_at_rest(cases, forcing, omega, states):
         omega, states = _merged(omega, states, np.array(list(last)), steady_states(list(last.values())))
     with solver.stages("damper"):
@@ -503,6 +515,16 @@ def _followed(
     return Passage(crossing, at, axis, omega, forcing.levels, states, reduction, *moves, figures)
 
 
+def _found(
+    dampers: Sequence[damper.ParticleDamper],
+    harmonics: Sequence[damper.Harmonic],
+    starts: Sequence[damper.Start],
+    axis: int,
+    **more: Any,
+) -> damper.Forced:
+    return damper.forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, **more)
+
+
 def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.Forced) -> tuple[Floats, damper.Forced]:
     """Some speeds and others, ascending, and the steady states there."""
     speeds = np.array([*omega, *more])
@@ -513,6 +535,9 @@ def _merged(omega: Floats, states: damper.Forced, more: Floats, others: damper.F
 
 _FIGURES = [field.name for field in fields(damper.Forced) if field.name != "starts"]
 """Fields of steady states that are arrays."""
+
+_OF_STARTS = [name for name in _FIGURES if name not in ("linear", "without", "moves_from")]
+"""Those that differ from start to start."""
 
 
 def _speeds(solver: StructureSolver, met: excitation.Meeting, system: damper.ParticleDamper) -> Floats:
@@ -580,6 +605,48 @@ def _cases(
     return cases
 
 
+def _gone_on(
+    solver: StructureSolver, omega: Floats, states: damper.Forced, cases: Callable[[Floats], list[_Case]], axis: int
+) -> damper.Forced:
+    """The same with motions from resonance that go on from those of a neighbouring speed where these are larger.
+
+    In a hollow floor, where large motions begin from few starts, and are largest next to the speed at which they end.
+    """
+    if damper.Start.RESONANT not in states.starts:
+        return states
+    column, tried = states.starts.index(damper.Start.RESONANT), dict[tuple[int, int, int], float]()
+    while True:
+        means = np.nan_to_num(states.mean)
+        most, best = means.max(axis=2), means.argmax(axis=2)
+        pairs = [
+            (k, j, level)
+            for k, j in ((k, k + way) for k in range(len(omega)) for way in (-1, 1) if 0 <= k + way < len(omega))
+            for level in range(most.shape[1])
+            if most[j, level] > _LARGER * max(most[k, level], tried.get((k, j, level), 0.0))
+        ]
+        if not pairs:
+            return states
+        tried |= {(k, j, level): float(most[j, level]) for k, j, level in pairs}
+        speeds = sorted({k for k, _, _ in pairs})
+        driven = dict(zip(speeds, cases(omega[speeds]), strict=True))
+        begun = np.array([states.state[j, level, best[j, level]] for _, j, level in pairs])
+        systems, harmonics = zip(
+            *((driven[k].system, driven[k].harmonics[level]) for k, _, level in pairs), strict=True
+        )
+        with solver.stages("damper"):
+            found = _found(systems, harmonics, [damper.Start.RESONANT], axis, states=begun)
+        every = {name: getattr(states, name).copy() for name in _OF_STARTS}
+        for n, (k, _, level) in enumerate(pairs):
+            if np.nan_to_num(found.mean[n, 0]) > max(most[k, level], np.nan_to_num(every["mean"][k, level, column])):
+                for name, values in every.items():
+                    values[k, level, column] = getattr(found, name)[n, 0]
+        states = replace(states, **every)
+
+
+_LARGER = 1.02
+"""By which a motion at a neighbouring speed is larger that is tried here."""
+
+
 def _just_at_rest(
     cases: Callable[[Floats], list[_Case]], forcing: Excitation, omega: Floats, states: damper.Forced
 ) -> dict[float, _Case]:
@@ -604,7 +671,7 @@ def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[
 
     Those without the ball are of the structure without its pull.
     """
-    starts = tuple(damper.Start)
+    starts = usual_starts(cases[0].system)
     dampers = [each.system for each in cases for _ in each.harmonics]
     harmonics = [harmonic for each in cases for harmonic in each.harmonics]
     with solver.stages("damper", len(dampers) * len(starts)) as step:
@@ -616,9 +683,7 @@ def _steady_states(solver: StructureSolver, crossing: Crossing, cases: Sequence[
                 step.advance(crossing.place, number - done)
             done = number
 
-        states = damper.forced(
-            dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, progress=progress
-        )
+        states = _found(dampers, harmonics, starts, axis, progress=progress)
     states = replace(states, without=np.array([alone for each in cases for alone in each.alone], complex))
     every: dict[str, Any] = {name: getattr(states, name) for name in _FIGURES}
     return replace(states, **{name: each.reshape(len(cases), -1, *each.shape[1:]) for name, each in every.items()})

@@ -151,6 +151,8 @@ def sentences(result: Response) -> list[str]:
             f" {capital(each)}." for each in remarks.misfit(result.results.scene, result.results.speeds)
         )
     answer += _added(result)
+    larger = [row for row in rows(result) if ratio_cell(result, row) != DASH and row.from_rest < _LESS * row.mean]
+    answer += templates.said("response/from_rest", rows=larger, unit=result.excitation.unit)
     speeds = result.results.scene.rotor.speeds
     for passage in result.passages:
         largest = {peak(passage, force)[0] for force in range(len(passage.forces))} & {0, len(passage.omega) - 1}
@@ -161,6 +163,10 @@ def sentences(result: Response) -> list[str]:
     if any(math.isnan(passage.crossing.error or 0.0) for passage in result.passages):
         answer += templates.said("remarks/sentence", unknown=True, target=result.results.scene.accuracy.frequency)
     return answer
+
+
+_LESS = 0.5
+"""Amplitude from rest over the largest, below which it is worth a sentence."""
 
 
 def _added(result: Response) -> list[str]:
@@ -341,6 +347,7 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "amplitude": {name: getattr(row, name) for name in ("least", "mean", "rms", "greatest")},
         "amplitude_error": row.error,
         "smallest_answer": row.smallest,
+        "amplitude_from_rest": row.from_rest,
         "ratio": ratio,
         **{name: getattr(row, name) for name in ("stress_without", "stress_with", "regime", "hits_per_cycle")},
         "power_in": finite(row.power_in),

@@ -23,7 +23,7 @@ from damper import (
     work_bound,
 )
 from damper.curve_measurement import SWEEPS, settled, undamped
-from damper.starts import Motions, motions_of
+from damper.starts import Motions, motions_of, usual_starts
 from workflows.effects.definition import Effect
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -608,7 +608,7 @@ def _reached(here: CrossedDamper, lines: Linear, *, quick: bool) -> float:
 def followed(here: CrossedDamper, *, quick: bool) -> float:
     """The greatest mean amplitude of the steady states about a crossing [m]."""
     dampers, harmonics = zip(*map(here.at, _speeds(here, quick=quick)), strict=True)
-    starts = (Start.UP, Start.DOWN) if quick else tuple(Start)
+    starts = [each for each in usual_starts(here.system) if each is not Start.RANDOM or not quick]
     how: dict[str, Any] = {"probe": here.axis, "accuracy": _ACCURACY, "threads": 1}
     states = forced(dampers, harmonics, starts, max_cycles=_FEW_CYCLES if quick else _CYCLES, **how)
     means = np.where(np.isnan(states.mean), np.abs(states.linear)[:, None], states.mean)
