@@ -231,23 +231,25 @@ def lateral_pull(rows: Parameters) -> Floats:
     return np.asarray(rows["lateral_acceleration"])
 
 
-def resting_place(rows: Parameters) -> Floats:
+def resting_place(rows: Parameters, *, undented: bool = False) -> Floats:
     """Where a ball lies in its dent, shape (n, 2) [m]: in the middle, or at the wall that the load draws it to.
 
     As the speed rises the load draws it there before it is pressed in; a hollow floor may hold it on the way.
+    `undented`: also one without a dent, which ring-downs let go in the middle.
     """
     beyond, steep = np.abs(lateral_pull(rows)) - rolling_threshold(rows)[:, None], bowl(rows)
     with np.errstate(divide="ignore", invalid="ignore"):
         far = np.where(beyond > 0, np.minimum(half_gap(rows), np.where(steep > 0, beyond / steep, np.inf)), 0.0)
-    return np.asarray(np.where(rows["break_away"][:, None] > 0, np.sign(lateral_pull(rows)) * far, 0.0))
+    lies = undented | (rows["break_away"][:, None] > 0)
+    return np.asarray(np.where(lies, np.sign(lateral_pull(rows)) * far, 0.0))
 
 
-def break_away_threshold(rows: Parameters) -> Floats:
+def break_away_threshold(rows: Parameters, *, undented: bool = False) -> Floats:
     """Drive along x and y above which a ball leaves where it rests at first, its dent, shape (n, 2) [m/s^2].
 
     The load's pull along the floor helps it out of the middle, and holds it at a wall. Below 0 the ball is off at once.
     """
-    place = resting_place(rows)
+    place = resting_place(rows, undented=undented)
     pull = np.abs(lateral_pull(rows)) - bowl(rows) * np.abs(place)
     at_wall = (place != 0) & (np.abs(place) >= half_gap(rows))
     return np.asarray(rim_threshold(rows)[:, None] + np.where(at_wall, pull, -pull))

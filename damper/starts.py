@@ -44,8 +44,8 @@ _HIGHEST = 1e3
 class Start(StrEnum):
     """Where a motion begins: steady states may exist side by side.
 
-    ``UP``: at rest, in its dent if it has one, as when the force is raised slowly; where it can stay there, it does.
-    ``DOWN``: with the amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the
+    ``UP``: at rest, in its dent or where the load draws it, as when the force is raised slowly; where it can stay, it
+    does. ``DOWN``: with the amplitude of the linear answer and the ball in motion. ``RANDOM``: anywhere between, by the
     number of the point. ``RESONANT``: with the amplitude that the structure alone has at its resonance, in the phase of
     that, and the ball in motion: a ball may keep up large motions off the resonance, most of all in a hollow floor.
     """
@@ -86,6 +86,8 @@ def moves_from(damper: ParticleDamper, harmonics: Sequence[Harmonic]) -> Floats:
     Returns:
         Factors of shape (n,) [-]; inf where the ball cannot move. Along either axis of the cavity.
     """
+    if not harmonics:
+        raise ValueError("harmonics must be at least one")
     rows, f = _driven(damper, harmonics)
     return _moves_from(rows, locked(f.systems).drive)
 
@@ -125,7 +127,7 @@ def motions_of(
     repeated = {name: np.repeat(part, len(starts), axis=0) for name, part in parts.items()}
     all_starts = Motions(flows=f.systems.flows, **repeated)
     for column, start in enumerate(starts):
-        _begin(start, slice(column, None, len(starts)), all_starts, begun, resting_place(rows), first)
+        _begin(start, slice(column, None, len(starts)), all_starts, begun, resting_place(rows, undented=True), first)
     return all_starts
 
 
@@ -156,10 +158,10 @@ class _Answers(NamedTuple):
 def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | int) -> Floats:
     """The probe's weights of the coordinates (q, s)."""
     shape = structures_by(damper, rows[:1]).shape[0]
-    if isinstance(probe, int):
+    if isinstance(probe, int | np.integer):
         if probe not in (0, 1):
             raise ValueError(f"probe must be 0, along x, or 1, along y, or weights of the modes, got {probe}")
-        return np.concatenate([shape[probe], [0.0, 0.0]])
+        return np.concatenate([shape[int(probe)], [0.0, 0.0]])
     weights = np.array([number("probe", weight) for weight in probe])
     if weights.shape != shape[0].shape:
         raise ValueError(f"probe must be {shape.shape[1]} weights, one for each mode, got {len(weights)}")
@@ -291,7 +293,7 @@ def at_resonance(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
-    left = break_away_threshold(rows)
+    left = break_away_threshold(rows, undented=True)
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))

@@ -160,7 +160,7 @@ def forced(
         probe: displacement whose amplitude is followed: the cavity's along x (0) or y (1), or weights of the modes
             (without modes: of x and of y).
         accuracy: to which the mean amplitude of a motion that does not repeat itself must be known, relative.
-        max_cycles: cap on the cycles of each run, from 64 on.
+        max_cycles: cap on the cycles of each run, but for the end of its window of 64 or more.
         states: in which motions begin instead, shape (n, 2, N): those of `Forced.state` of dampers alike.
         threads: how many to use; None: one for each core.
         progress: called now and then with the number of motions done.

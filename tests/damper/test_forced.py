@@ -385,3 +385,20 @@ def test_motions_go_on_from_those_of_dampers_alike() -> None:
     assert means[-1] > 2.0e-3
     with pytest.raises(ValueError, match=r"states must be two rows for each harmonic, from one start, got shape \(2"):
         forced(hollow(rpm), [harmonic], [Start.UP], states=np.zeros((2, 2, 10)))
+
+
+@pytest.mark.parametrize(("pull", "hold"), [((4500.0, 0.0), 90.0 + 4500.0), ((0.0, 4500.0), 90.0)])
+def test_a_ball_that_the_load_draws_to_a_wall_is_held_there(pull: tuple[float, float], hold: float) -> None:
+    """Along the pull by that and rolling resistance, along the wall by the latter alone."""
+    nu, mass, ball = 1700.0, 0.5, 1e-4
+    damper = ParticleDamper(
+        mass, (1.8e6, 1.8e6), ball, 2e-3, (6e-3, 6e-3), 9e4, 0.6, 0.2, 2e-6, 2e-3, lateral_acceleration=pull
+    )
+    answer = abs(1 / complex(1.8e6 - (mass + ball) * nu**2, 2 * 2e-3 * math.sqrt(1.8e6 * mass) * nu))
+    least = moves_from(damper, [Harmonic(nu, (1.0, 0.0))])[0]
+    assert least == pytest.approx(hold / (nu**2 * answer), rel=1e-3)
+    found = forced(damper, [Harmonic(nu, (least * part, 0.0)) for part in (0.99, 1.1)], probe=np.int64(0))
+    assert (found.regime[0] == Regime.LOCKED).all()
+    assert (found.regime[1] != Regime.LOCKED).all()
+    with pytest.raises(ValueError, match="harmonics must be at least one"):
+        moves_from(damper, [])

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 
+import spindamp
 import workflows
 from damper import ringdown
 from damper.state import HIT
@@ -286,6 +288,17 @@ def test_a_verdict_on_a_cavity_that_sticks_out_says_so(bricks):
         assert (text in answer(pipeline.run(source)).verdict) == sticks_out
         told = dict(viewer.of(str(bricks / "bricks.toml")).facts)["damper"]
         assert told == "at 250, 0, 0 mm" + f"; {text}" * sticks_out
+
+
+def test_a_sweep_says_how_far_a_cavity_sticks_out(bricks):
+    on_bricks(bricks, '["5 mm", "5 mm"]', '["5 mm", "5 mm"]')
+    with ThreadPoolExecutor(1) as pool:
+        found = spindamp.sweep(
+            bricks / "bricks.toml", {"damper.cavity[0]": ["5 mm", "12 mm"]}, quick=True, executor=pool
+        )
+    far = found.sticks_out.isel({"rotor.speeds": 0}).values
+    assert np.isnan(far[0])
+    assert far[1] == pytest.approx(1e-3)
 
 
 def with_clearances(folder, *clearances, limit=""):

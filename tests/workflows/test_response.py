@@ -246,7 +246,8 @@ def test_a_prediction_that_failed_is_said(known, with_rows):
 
 def test_a_peak_at_the_end_of_the_speeds_is_said(known, monkeypatch):
     (passage,) = known.passages
-    said = f"{report.place(passage.crossing)}, at the end of the scene's speeds: the peak may lie outside them."
+    said = "; the largest amplitude is at the end of the scene's speeds: the peak may lie outside them."
+    said = f"{report.place(passage.crossing)}{said}"
     assert said not in report.sentences(known)
     monkeypatch.setattr(report, "peak", lambda *_: (0, 0))
     followed = said.replace("scene's speeds", "speeds followed")

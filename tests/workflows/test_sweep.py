@@ -271,6 +271,7 @@ def test_the_best_is_one_that_can_be_had(here):
     told = report.document(found)
     assert told["best"]["keys"]["damper.mass"] == grams[0]
     assert (told["without_verdict"], told["without_answer"]) == (1, 0)
+    assert told["best_at_end"] == ["damper.mass"]
     assert "1 point has no verdict" in report.text(found)
 
 
@@ -467,14 +468,25 @@ def test_what_is_uncertain_has_a_verdict(here):
 
 
 def test_the_text_has_a_line_for_each_statement():
-    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3, "friction_needed": None}
+    values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3, "friction_needed": None, "sticks_out": None}
     reasons = [{"points": 1, "reason": "too wide"}, {"points": 1, "reason": "too heavy"}]
     result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
-    result |= {"without_verdict": 1, "without_answer": 2, "without_friction": 0}
-    spread = {"rpm": 1000.0, "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005], "ranked": [("k", 0.5, 0.1)]}
+    result |= {"without_verdict": 1, "without_answer": 2, "without_friction": 0, "best_at_end": []}
+    spread = {
+        "judged": 1.0,
+        "rpm": 1000.0,
+        "percentiles": [0.001, 0.002, 0.003, 0.004, 0.005],
+        "ranked": [("k", 0.5, 0.1)],
+    }
     best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
     known = {"result": result, "best": {"a": "1 mm"}, "error": 0.01}
     assert said("sweep/text", spread=None, **known)[:2] == ["T: 4 points (4 a)", best]
+    held = {"best": {"values": values | {"sticks_out": 1.3e-3}}, "best_at_end": ["a"]}
+    assert said("sweep/text", spread=None, **known | {"result": result | held})[1] == (
+        f"{best}, provided that the cavity fits: it sticks out of the structure by up to 1.3 mm; it lies at an end of a"
+    )
+    half = said("sweep/text", spread=spread | {"judged": 0.375}, **known)[1]
+    assert "a median of 0.3 %, of the 38 % of the sample that have a verdict; share of" in half
     roughly = best.replace("0.1 %", "0.1 % (±20 %)")
     assert said("sweep/text", spread=None, **known | {"error": 0.2})[1] == roughly
     assert said("sweep/text", spread=spread, **known) == [

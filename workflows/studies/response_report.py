@@ -159,7 +159,8 @@ def sentences(result: Response) -> list[str]:
         if largest and shows(passage, speeds):
             at_end = any(study.is_scene_end(float(passage.omega[k]), speeds) for k in largest)
             where = "the scene's speeds" if at_end else "the speeds followed"
-            answer.append(f"{place(passage.crossing)}, at the end of {where}: the peak may lie outside them.")
+            there = f"the largest amplitude is at the end of {where}"
+            answer.append(f"{place(passage.crossing)}; {there}: the peak may lie outside them.")
     if any(math.isnan(passage.crossing.error or 0.0) for passage in result.passages):
         answer += templates.said("remarks/sentence", unknown=True, target=result.results.scene.accuracy.frequency)
     return answer

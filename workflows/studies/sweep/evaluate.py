@@ -130,6 +130,7 @@ QUANTITIES = (
     Quantity("best_damping_ratio", "1", "largest damping ratio that the structure endures; none without a verdict"),
     Quantity("best_amplitude", "m", "amplitude where that is"),
     Quantity("friction_needed", "1", "friction coefficient that rolling requires there, if more than the scene has"),
+    Quantity("sticks_out", "m", "how far the cavity sticks out of the structure; none where it does not"),
     Quantity("ball_mass", "kg", "of all balls together"),
 )
 """Columns in the order of files; the first are those that a run's data set has too, by the same names."""
@@ -216,6 +217,7 @@ def _case(number: int, state: StructureState, omega: float, row: Any) -> DamperC
     damper = damper_stage.particle_damper(scene, state.effects, point)
     _fill(row, limits.with_contact(scene, point))
     row["ball_mass"] = damper.ball_mass
+    row["sticks_out"] = point.sticks_out or np.nan
     return DamperCase(number, state, point, damper, coupling.release_displacement(scene, point, damper))
 
 

@@ -213,6 +213,14 @@ def _best(data: xr.Dataset) -> dict[str, int]:
     return {str(name): int(k) for name, k in zip(table.dims, place, strict=True)}
 
 
+def _ends(data: xr.Dataset) -> list[str]:
+    """Keys of a grid, but for the speeds, at an end of whose numbers the best point lies."""
+    keys = (name for name in data[HEADLINE].dims if name != SPEEDS and data.sizes[name] > 1)
+    numbers = {str(name): data[name].values for name in keys if name in data.coords and data[name].dtype.kind in "fiu"}
+    best = {name: values[k] for name, k in _best(data).items() if (values := numbers.get(name)) is not None}
+    return [name for name, value in best.items() if value in (numbers[name].min(), numbers[name].max())]
+
+
 def map_caption(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
     """What a map shows, and what it does not: other keys, where no ball works, up to where balls rest."""
     best, (panel, places) = _best(data), panels(data, (x, y))
@@ -346,6 +354,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "without_friction": int((data["friction_needed"] > 0).sum()),
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": _point(data, _best(data)) if (flat > 0).any() else None,
+        "best_at_end": _ends(data) if (flat > 0).any() else [],
     }
     return entries | ({"uncertain": _uncertain(data)} if "ST" in data else {})
 
@@ -413,7 +422,8 @@ def _spread(data: xr.Dataset) -> dict[str, Any] | None:
     ranked = sensitivity.worth_measuring(data, HEADLINE, _middle(data))
     if not (percentiles > 0).any():
         return None
-    return {"rpm": float(data["rpm"].values[_middle(data)]), "percentiles": percentiles.tolist(), "ranked": ranked}
+    known = {"rpm": float(data["rpm"].values[_middle(data)]), "percentiles": percentiles.tolist(), "ranked": ranked}
+    return known | {"judged": float(np.isfinite(data[HEADLINE].isel({SPEEDS: _middle(data)}).values).mean())}
 
 
 def text(data: xr.Dataset) -> str:
