@@ -498,11 +498,12 @@ def _followed(
     omega = _speeds(solver, met, system)
     cases = partial(_cases, solver, crossing, forcing, axis=axis, every=every)
     steady_states = partial(_steady_states, solver, crossing, axis=axis)
-    states = _gone_on(solver, omega, steady_states(cases(omega)), cases, axis)
+    go_on = partial(_gone_on, solver, cases, axis, dict[tuple[float, float, int], float]())
+    states = go_on(omega, steady_states(cases(omega)))
     for _ in range(ROUNDS if system.floor_radius is None else _HOLLOW * ROUNDS):
         more = beside_peaks(omega, np.nan_to_num(states.mean).max(axis=2))
         omega, states = _merged(omega, states, more, steady_states(cases(more)))
-        states = _gone_on(solver, omega, states, cases, axis)
+        states = go_on(omega, states)
     if last := _just_at_rest(cases, forcing, omega, states):
         omega, states = _merged(omega, states, np.array(list(last)), steady_states(list(last.values())))
     with solver.stages("damper"):
@@ -606,15 +607,21 @@ def _cases(
 
 
 def _gone_on(
-    solver: StructureSolver, omega: Floats, states: damper.Forced, cases: Callable[[Floats], list[_Case]], axis: int
+    solver: StructureSolver,
+    cases: Callable[[Floats], list[_Case]],
+    axis: int,
+    tried: dict[tuple[float, float, int], float],
+    omega: Floats,
+    states: damper.Forced,
 ) -> damper.Forced:
-    """The same with motions from resonance that go on from those of a neighbouring speed where these are larger.
+    """Steady states with motions from resonance that go on from those of a neighbouring speed where these are larger.
 
     In a hollow floor, where large motions begin from few starts, and are largest next to the speed at which they end.
+    `tried`: amplitudes [m] at a speed from whose neighbour at which force this has been tried before.
     """
     if damper.Start.RESONANT not in states.starts:
         return states
-    column, tried = states.starts.index(damper.Start.RESONANT), dict[tuple[int, int, int], float]()
+    column = states.starts.index(damper.Start.RESONANT)
     while True:
         means = np.nan_to_num(states.mean)
         most, best = means.max(axis=2), means.argmax(axis=2)
@@ -622,11 +629,11 @@ def _gone_on(
             (k, j, level)
             for k, j in ((k, k + way) for k in range(len(omega)) for way in (-1, 1) if 0 <= k + way < len(omega))
             for level in range(most.shape[1])
-            if most[j, level] > _LARGER * max(most[k, level], tried.get((k, j, level), 0.0))
+            if most[j, level] > _LARGER * max(most[k, level], tried.get((omega[k], omega[j], level), 0.0))
         ]
         if not pairs:
             return states
-        tried |= {(k, j, level): float(most[j, level]) for k, j, level in pairs}
+        tried |= {(omega[k], omega[j], level): float(most[j, level]) for k, j, level in pairs}
         speeds = sorted({k for k, _, _ in pairs})
         driven = dict(zip(speeds, cases(omega[speeds]), strict=True))
         begun = np.array([states.state[j, level, best[j, level]] for _, j, level in pairs])
@@ -643,7 +650,7 @@ def _gone_on(
         states = replace(states, **every)
 
 
-_LARGER = 1.02
+_LARGER = 1.2
 """By which a motion at a neighbouring speed is larger that is tried here."""
 
 
