@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from damper.equations import forces_on, structures_by
-from damper.model import break_away_threshold, half_gap, number, resting_place
+from damper.model import break_away_threshold, half_gap, lateral_pull, number, resting_place, rim_threshold
 from damper.motion import flights, kinds, prepare
 from damper.state import BATCHES, DRIVEN, GOES_ON, MARGIN, TRACE, zeros
 
@@ -283,7 +283,8 @@ def without_ball(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 
 def at_resonance(structures: Structures, harmonics: Sequence[Harmonic]) -> Complex:
     """The same at the resonance of the mode that moves most, alone, shape (n, k); capped where it is hardly damped."""
-    most = np.abs(without_ball(structures, harmonics)).argmax(axis=1)[:, None]
+    moved = np.abs(without_ball(structures, harmonics)) * np.linalg.norm(structures.shape, axis=1)
+    most = moved.argmax(axis=1)[:, None]
     turn = np.exp(1j * np.array([harmonic.phase for harmonic in harmonics]))[:, None]
     omega = np.sqrt(structures.spring / structures.mass)
     damping = np.maximum(structures.dashpot, structures.spring / (_HIGHEST * omega))
@@ -294,9 +295,10 @@ def at_resonance(structures: Structures, harmonics: Sequence[Harmonic]) -> Compl
 def _moves_from(rows: Parameters, drive: Floats) -> Floats:
     """By how much a harmonic may grow until the ball cannot stay at rest, shape (n,); inf where it cannot move."""
     left = break_away_threshold(rows, undented=True)
+    rounding = _ROUNDED * (rim_threshold(rows)[:, None] + np.abs(lateral_pull(rows)))
     threshold = MARGIN * np.where(half_gap(rows) > 0, np.maximum(left, 0.0), np.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.where(drive > 0, threshold / drive, np.where((left < 0) & (threshold == 0), 0.0, np.inf))
+        factor = np.where(drive > 0, threshold / drive, np.where((left < -rounding) & (threshold == 0), 0.0, np.inf))
     return np.asarray(factor.min(axis=1))
 
 

@@ -15,9 +15,9 @@ import numpy.typing as npt
 from damper import laws, self_check
 from damper.batch import further, in_blocks, workers
 from damper.equations import at_once
-from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, whole
+from damper.model import Floats, Harmonic, Integers, ParticleDamper, number, table, whole
 from damper.starts import Complex, Motions, Start, go_on, motions_of, together, usual_starts
-from damper.state import APERIODIC, LOCKED, PERIODIC, TIRED, Tables
+from damper.state import APERIODIC, DRIVEN, LOCKED, PERIODIC, TIRED, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,8 +115,17 @@ def summary(m: Motions, divergence: Floats) -> dict[str, npt.NDArray[Any]]:
             "power_error": figure(0.0, np.where(repeated, 0.0, error[:, 1])),
             "divergence": divergence,
             "cycles": traces["cycles"].copy(),
-            "state": np.stack([m.runs["run"]["motion"][each] for each in ("z", "rate")], axis=1),
+            "state": _states(m, still),
         }
+
+
+def _states(m: Motions, still: npt.NDArray[np.bool_]) -> Floats:
+    """States at the end, shape (n, 2, N); with the ball at rest, when the structure moves as the force has it."""
+    motion, place = m.runs["run"]["motion"], m.runs["run"]["system"]["place"]
+    found = np.stack([motion["z"], motion["rate"]], axis=1)
+    found[still] = m.runs["envelope"]["still"][still]
+    np.put_along_axis(found[:, 0], place, np.take_along_axis(motion["z"], place, axis=1), axis=1)
+    return found
 
 
 def _regimes(verdict: Integers, divergence: Floats) -> npt.NDArray[np.object_]:
@@ -178,8 +187,12 @@ def forced(
     if not 0 < number("accuracy", accuracy) < 1:
         raise ValueError(f"accuracy must be between 0 and 1, got {accuracy:g}")
     columns = usual_starts(dampers[0]) if starts is None else tuple(Start(start) for start in starts)
-    if states is not None and (states.shape[:2] != (len(dampers), 2) or len(columns) != 1):
-        raise ValueError(f"states must be two rows for each harmonic, from one start, got shape {states.shape}")
+    begun = None if states is None else table("states", states)
+    if begun is not None:
+        if begun.shape != (len(dampers), 2, *DRIVEN["run"]["motion"]["z"].shape) or len(columns) != 1:
+            raise ValueError(f"states must be two rows for each harmonic, from one start, got shape {begun.shape}")
+        if not np.isfinite(begun).all():
+            raise ValueError("states must be finite")
     if not columns:
         raise ValueError("starts must be at least one")
     most, cores = whole("max_cycles", max_cycles), workers(threads)
@@ -189,8 +202,8 @@ def forced(
     def part(begin: int) -> dict[str, npt.NDArray[Any]]:
         here = slice(begin, begin + size)
         m = _begun(dampers[here], harmonics[here], columns, probe, begin, most)
-        if states is not None:
-            go_on(m, states[here])
+        if begun is not None:
+            go_on(m, begun[here])
         return _followed(m, accuracy, most, cores, further(progress, begin * len(columns)))
 
     parts = [part(begin) for begin in range(0, len(dampers), size)]

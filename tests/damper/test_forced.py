@@ -385,6 +385,8 @@ def test_motions_go_on_from_those_of_dampers_alike() -> None:
     assert means[-1] > 2.0e-3
     with pytest.raises(ValueError, match=r"states must be two rows for each harmonic, from one start, got shape \(2"):
         forced(hollow(rpm), [harmonic], [Start.UP], states=np.zeros((2, 2, 10)))
+    with pytest.raises(ValueError, match="states must be finite"):
+        forced(hollow(rpm), [harmonic], [Start.UP], states=np.full((1, 2, 10), np.nan))
 
 
 @pytest.mark.parametrize(("pull", "hold"), [((4500.0, 0.0), 90.0 + 4500.0), ((0.0, 4500.0), 90.0)])
@@ -399,6 +401,9 @@ def test_a_ball_that_the_load_draws_to_a_wall_is_held_there(pull: tuple[float, f
     assert least == pytest.approx(hold / (nu**2 * answer), rel=1e-3)
     found = forced(damper, [Harmonic(nu, (least * part, 0.0)) for part in (0.99, 1.1)], probe=np.int64(0))
     assert (found.regime[0] == Regime.LOCKED).all()
+    for each in found.state[0]:
+        size = np.hypot(each[0], each[1] / nu)
+        assert np.abs(size / abs(found.linear[0]) - 1).min() < 1e-6
     assert (found.regime[1] != Regime.LOCKED).all()
     with pytest.raises(ValueError, match="harmonics must be at least one"):
         moves_from(damper, [])

@@ -110,6 +110,10 @@ def test_a_response_rests_on_balls_that_do_not_slip(known):
     load = passage.at.load_g * known.results.scene.rotor.gravity
     needed = (2 * (2 * math.pi * 200) ** 2 * row.greatest / load + 5 * 0.01) / 7
     assert found.friction_needed == pytest.approx(needed, rel=1e-3)
+    higher = with_passage(slippery, figures=None)  # as of a mode that does not lead: by its own frequency
+    drive = (passage.crossing.frequency_hz / 200) ** 2 * (7 * needed - 5 * 0.01)
+    (other,) = (report.confirmed(higher, each).friction_needed for each in higher.passages)
+    assert other == pytest.approx((drive + 5 * 0.01) / 7, rel=1e-3)
     proviso = (
         f", provided that the ball rolls without slip, which .*coefficient of {needed:.2g}, and the scene has 0.001"
     )

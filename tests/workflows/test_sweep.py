@@ -271,7 +271,7 @@ def test_the_best_is_one_that_can_be_had(here):
     told = report.document(found)
     assert told["best"]["keys"]["damper.mass"] == grams[0]
     assert (told["without_verdict"], told["without_answer"]) == (1, 0)
-    assert told["best_at_end"] == ["damper.mass"]
+    assert told["best_at_end"] == [], "of two values each is an end"
     assert "1 point has no verdict" in report.text(found)
 
 
@@ -512,6 +512,11 @@ def test_a_point_that_rests_on_more_friction_than_it_has_says_so(here):
     count = 2 * found.sizes["rotor.speeds"]
     assert f"{count} points rest on balls that roll without slip" in report.text(found)
     assert "provided" not in report.text(found)
+    assert report.document(found)["best_at_end"] == []
+    rising = found.assign(best_damping_ratio=found.best_damping_ratio * [[1.0], [1.1], [1.2]])
+    assert report.document(rising)["best_at_end"] == ["damper.friction"]
+    assert report.document(rising.isel({"damper.friction": [2, 1, 0]}))["best_at_end"] == ["damper.friction"]
+    assert "; it lies at an end of damper.friction" in report.text(rising)
     alone = found.isel({"damper.friction": [0]})
     needed = report.document(alone)["best"]["values"]["friction_needed"]
     says = f"which requires a friction coefficient of {needed:.2g} there, more than the point has"

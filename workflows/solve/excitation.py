@@ -355,9 +355,10 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
         balance = _Balance.of(system, bare, met, excitation)
         known, amplitude = _over_levels(balance, limit, excitation.levels)
     if math.isfinite(amplitude):
-        if limits.slides(results, at, amplitude):
+        hertz = None if modes_at_crossing(at, crossing)[2] else crossing.frequency_hz
+        if limits.slides(results, at, amplitude, hertz):
             return replace(none, reason=Reason.SLIP)
-        known["friction_needed"] = limits.friction_needed(results, at, amplitude)
+        known["friction_needed"] = limits.friction_needed(results, at, amplitude, hertz)
     return replace(none, **known, loose=not is_well_held(system))
 
 

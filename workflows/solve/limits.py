@@ -235,30 +235,32 @@ def weight_governs(point: SpeedPoint) -> bool:
     return point.load_g < WEIGHT
 
 
-def friction_demand(results: Results, point: SpeedPoint, amplitude: float) -> float:
+def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
     """Friction on the floor that pure rolling needs at an amplitude, over the normal load; 0 without a load.
 
     A rolling ball lags behind its floor by 5/7 of what drives it, u'' + G κ u: friction gives it the other 2/7, and
-    holds it against 5/7 of the rolling resistance.
+    holds it against 5/7 of the rolling resistance. `hertz`: of another mode than that which leads along axis 1, with
+    which the floor is taken not to tilt.
     """
     damper = results.scene.damper
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
-    drive = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.drive_left * amplitude
+    own = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.drive_left
+    drive = (own if hertz is None else (2 * math.pi * hertz) ** 2) * amplitude
     resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 
 
-def friction_needed(results: Results, point: SpeedPoint, amplitude: float) -> float:
+def friction_needed(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
     """The same where it is more than the friction of the scene; nan where that is enough."""
-    needed = friction_demand(results, point, amplitude)
+    needed = friction_demand(results, point, amplitude, hertz)
     return needed if needed > present(results.scene.damper).friction else math.nan
 
 
-def slides(results: Results, point: SpeedPoint, amplitude: float) -> bool:
+def slides(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> bool:
     """Whether rolling needs more friction than any dry floor has; any at all where the scene has none."""
     most = DRY if present(results.scene.damper).friction > 0 else 0.0
-    return friction_demand(results, point, amplitude) > most
+    return friction_demand(results, point, amplitude, hertz) > most
 
 
 def root_stress(results: Results, omega: float) -> float | None:

@@ -98,7 +98,7 @@ class Row:
         least, mean, rms, greatest: of the cycles' amplitudes [m].
         error: of the mean; with the ball at rest, by how much farther it goes until it is set off [m].
         smallest: mean at the same speed from the start from which it is smallest [m].
-        from_rest: largest mean of the motions that begin with the ball at rest, whatever the speed [m].
+        from_rest: largest mean of the motions that begin with the ball at rest, whatever the speed [m]; inf: not known.
         stress_without, stress_with: the largest, of a plate by bending [Pa]; None where it is not known.
         estimate: by free vibration, of a run; None where that does not apply.
     """
@@ -175,7 +175,7 @@ def _row(result: Response, passage: Passage, force: int) -> Row:
         **{name: at(name) for name in _OF_A_ROW},
         error=at("error") + (short if regime == damper.Regime.LOCKED else 0.0) * at("mean"),
         smallest=float(states.mean[speed, force].min()),
-        from_rest=float(np.nan_to_num(states.mean[:, force, states.starts.index(damper.Start.UP)]).max()),
+        from_rest=float(np.nan_to_num(states.mean[:, force, states.starts.index(damper.Start.UP)], nan=np.inf).max()),
         regime=str(regime),
         estimate=estimates.get(passage.forces[force]),
         stress_without=None if stress is None else stress * without,
@@ -625,11 +625,13 @@ def _gone_on(
     while True:
         means = np.nan_to_num(states.mean)
         most, best = means.max(axis=2), means.argmax(axis=2)
+        moves = np.take_along_axis(states.regime, best[..., None], axis=2)[..., 0] != damper.Regime.LOCKED
         pairs = [
             (k, j, level)
             for k, j in ((k, k + way) for k in range(len(omega)) for way in (-1, 1) if 0 <= k + way < len(omega))
             for level in range(most.shape[1])
-            if most[j, level] > _LARGER * max(most[k, level], tried.get((omega[k], omega[j], level), 0.0))
+            if moves[j, level]
+            and most[j, level] > _LARGER * max(most[k, level], tried.get((omega[k], omega[j], level), 0.0))
         ]
         if not pairs:
             return states

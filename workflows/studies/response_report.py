@@ -193,8 +193,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     """What the ball does at a crossing by the motion followed; its range is of levels that were."""
     estimate, mine = passage.reduction, rows(result, passage)
     damper = result.results.scene.damper
-    frictionless = estimate.reason == Reason.SLIP and damper is not None and damper.friction == 0
-    if frictionless or (estimate.reason and estimate.reason not in _OF_MOTION):
+    if estimate.reason and estimate.reason not in _OF_MOTION:
         return estimate
     if not shows(passage, result.results.scene.rotor.speeds):
         return replace(estimate, reason=Reason.OTHER_MODE, detail=HIDDEN)
@@ -202,6 +201,10 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     borne = [each for each in levels if each.endured] or levels
     moved = [each for each in borne if each.level >= passage.least_force]
     best = min(moved or borne, key=lambda each: each.ratio)
+    hertz = None if passage.figures is not None else passage.crossing.frequency_hz
+    needed = friction_needed(result.results, passage.at, best.amplitude, hertz)
+    if damper is not None and damper.friction == 0 and needed > 0:
+        return replace(estimate, reason=Reason.SLIP)
     enough = min(half_way(best.ratio), HELPS)
     useful = [each in moved and each.endured and each.ratio <= enough for each in levels]
     followed = np.array([each.level for each in levels])
@@ -217,7 +220,7 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
         range=around,
         moves_from=passage.least_force,
         driven_from=passage.driven_from,
-        friction_needed=friction_needed(result.results, passage.at, best.amplitude),
+        friction_needed=needed,
         levels=tuple(each for each in levels if each.level in result.requested_levels),
         loose=bool(rough),
         reason=Reason.NONE,
@@ -348,7 +351,7 @@ def _entry(result: Response, row: Row) -> dict[str, Any]:
         "amplitude": {name: getattr(row, name) for name in ("least", "mean", "rms", "greatest")},
         "amplitude_error": row.error,
         "smallest_answer": row.smallest,
-        "amplitude_from_rest": row.from_rest,
+        "amplitude_from_rest": finite(row.from_rest),
         "ratio": ratio,
         **{name: getattr(row, name) for name in ("stress_without", "stress_with", "regime", "hits_per_cycle")},
         "power_in": finite(row.power_in),

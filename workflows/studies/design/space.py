@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from workflows.errors import present
 from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -320,8 +321,14 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     there, amplitude = min(cases, key=lambda each: abs(each.point.omega - evaluation.speed)), evaluation.value
     if isinstance(space.goal, LeastDamping):
         there, amplitude = cases[0], min(space.goal.high, endured)
-    known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude)
+    hertz, leads = evaluation.order * evaluation.speed / (2 * math.pi), present(there.point.reduced).f1_hz
+    other = hertz if evaluation.order and abs(hertz / leads - 1) > _OTHER else None
+    known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude, other)
     return replace(evaluation, endured=endured, **known)
+
+
+_OTHER = 0.1
+"""Relative difference of a crossing's frequency from that of the mode that leads from which on it is another's."""
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:

@@ -214,11 +214,17 @@ def _best(data: xr.Dataset) -> dict[str, int]:
 
 
 def _ends(data: xr.Dataset) -> list[str]:
-    """Keys of a grid, but for the speeds, at an end of whose numbers the best point lies."""
-    keys = (name for name in data[HEADLINE].dims if name != SPEEDS and data.sizes[name] > 1)
-    numbers = {str(name): data[name].values for name in keys if name in data.coords and data[name].dtype.kind in "fiu"}
-    best = {name: values[k] for name, k in _best(data).items() if (values := numbers.get(name)) is not None}
-    return [name for name, value in best.items() if value in (numbers[name].min(), numbers[name].max())]
+    """Keys of a grid, of three numbers and more, at an end of which it is best by over a percent; not the speeds."""
+    best, ends = _best(data), list[str]()
+    for name, k in best.items():
+        if name != SPEEDS and name in data.coords and data.sizes[name] > 2 and data[name].dtype.kind in "fiu":
+            along = data[HEADLINE].isel({other: at for other, at in best.items() if other != name})
+            inwards = along.values[np.argsort(data[name].values)]
+            place = int(np.flatnonzero(np.argsort(data[name].values) == k)[0])
+            beside = {0: 1, len(inwards) - 1: -2}.get(place)
+            if beside is not None and not inwards[place] <= 1.01 * inwards[beside]:
+                ends.append(name)
+    return ends
 
 
 def map_caption(data: xr.Dataset, quantity: str, x: str, y: str) -> str:
