@@ -113,10 +113,10 @@ def motions_of(
     weights = _weights(damper, rows, probe)
     runs = zeros(len(rows), DRIVEN)
     runs["run"] = f.runs
-    resonant = np.zeros(answer.z.shape, complex)
-    resonant[:, :-2] = at_resonance(structures_by(damper, rows), harmonics)
-    runs["envelope"], begun = _traces(f.systems, answer, resonant[:, order], rows, weights[order], longest)
-    runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * begun.cavity.max(axis=1)
+    runs["envelope"], z, cavity = _traces(f.systems, answer, rows, weights[order], longest)
+    resonant = np.pad(at_resonance(structures_by(damper, rows), harmonics), ((0, 0), (0, 2)))
+    begun = _Answers(z, cavity, resonant[:, order])
+    runs["run"]["ball"]["sticking_floor"] = 1e-9 * f.systems.equations.frequency * cavity.max(axis=1)
     parts = {
         "runs": runs,
         "linear": (answer.z * weights[order]).sum(axis=1),
@@ -169,9 +169,9 @@ def _weights(damper: ParticleDamper, rows: Parameters, probe: Sequence[float] | 
 
 
 def _traces(
-    all_of: Systems, answer: Locked, resonant: Complex, rows: Parameters, probe: Floats, longest: int
-) -> tuple[Records, _Answers]:
-    """Records of the motions to come, and what they begin with."""
+    all_of: Systems, answer: Locked, rows: Parameters, probe: Floats, longest: int
+) -> tuple[Records, Complex, Floats]:
+    """Records of the motions to come, and the linear answers, capped, that they begin with: see `_Answers`."""
     systems, (n, size) = all_of.constants, answer.z.shape
     nu, spring = systems["frequency"], np.einsum("nii->ni", systems["spring"][:, :size, :size]).copy()
     np.put_along_axis(spring, systems["place"], 0.0, axis=1)
@@ -191,7 +191,7 @@ def _traces(
     traces["still"][:, 0, :size], traces["still"][:, 1, :size] = answer.z.real, -nu[:, None] * answer.z.imag
     traces["drive"], traces["period"] = answer.drive, 2 * math.pi / nu
     traces["patience"] = _patience(forgets(all_of), traces["period"], longest)
-    return traces, _Answers(z, cavity, resonant)
+    return traces, z, cavity
 
 
 def _patience(rate: float, period: Floats, longest: int) -> Floats:

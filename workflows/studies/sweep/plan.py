@@ -132,7 +132,7 @@ class Key:
         return f"{self.table}.{present[-1]}" if present else None
 
     def put(self, data: Data, value: Value) -> None:
-        """Set it, which is not the speeds, in a scene's plain data; what it takes the place of goes."""
+        """Set it in a scene's plain data, as speeds are not; what it takes the place of goes."""
         place = data
         for name in self.path.split(".")[:-1]:
             place = place.setdefault(name, {})

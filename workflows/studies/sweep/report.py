@@ -216,13 +216,12 @@ def _best(data: xr.Dataset) -> dict[str, int]:
 def _ends(data: xr.Dataset) -> list[str]:
     """Keys of a grid, of three numbers and more, at an end of which it is best by over a percent; not the speeds."""
     best, ends = _best(data), list[str]()
-    for name, k in best.items():
-        if name != SPEEDS and name in data.coords and data.sizes[name] > 2 and data[name].dtype.kind in "fiu":
-            along = data[HEADLINE].isel({other: at for other, at in best.items() if other != name})
-            inwards = along.values[np.argsort(data[name].values)]
-            place = int(np.flatnonzero(np.argsort(data[name].values) == k)[0])
-            beside = {0: 1, len(inwards) - 1: -2}.get(place)
-            if beside is not None and not inwards[place] <= 1.01 * inwards[beside]:
+    for name in (each for each in best if each != SPEEDS and each in data.coords):
+        if data.sizes[name] > 2 and data[name].dtype.kind in "fiu":
+            along = data[HEADLINE].isel({other: k for other, k in best.items() if other != name}).sortby(name).values
+            place = int(np.argsort(np.argsort(data[name].values))[best[name]])
+            beside = {0: 1, len(along) - 1: -2}.get(place)
+            if beside is not None and not along[place] <= 1.01 * along[beside]:
                 ends.append(name)
     return ends
 
