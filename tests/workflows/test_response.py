@@ -800,6 +800,7 @@ def test_large_motions_in_a_hollow_floor_are_followed_from_speed_to_speed(monkey
     found = spindamp.response(scene)
     (row,) = study.rows(found)
     assert found.passages[0].states.starts == tuple(Start)
+    assert "each motion from four starts" in report.render(found)
     assert row.mean == pytest.approx(0.98e-3, rel=0.02)
     assert row.ratio == pytest.approx(0.71, abs=0.02)
     assert 5890 < in_rpm(row.omega) < 5930
