@@ -190,12 +190,13 @@ def damping_curve(
     up = samples_up(bare, climbs, threads)
     ramps = up[up[:, 2] < _CLIMBS * resting]
     samples = np.vstack([descent.samples, up, rolls, grazes, begun])
-    growing, region = grown(descent, up, rolls, ends, grazes, max(held, default=0.0))
+    dented = max(held, default=0.0)
+    growing, region = grown(descent, up, rolls, ends, grazes, dented)
     if region is not None:
         first, last = (2 ** (k / BINS) for k in (region[0] - _ASIDE, region[1] + _ASIDE))
         down = samples_of(bare, first, last, _SLOW, max(round(_SLOWEST * cycles), 1), threads)
         if down.size and ramps.size:  # a ball may have more events than a sweep goes on for
-            growing = folded(growing, region, down, ramps, ends, max(held, default=0.0))
+            growing = folded(growing, region, down, ramps, ends, dented)
         samples = np.vstack([samples, down])
     ways = {"slow_ramp": tally(ramps, above.cutoff), "abrupt_start": abrupt}
     others: dict[str, Any] = {

@@ -523,6 +523,7 @@ def _found(
     axis: int,
     **more: Any,
 ) -> damper.Forced:
+    """Steady states as accurate as a response has them."""
     return damper.forced(dampers, harmonics, starts, probe=axis, accuracy=_ACCURACY, max_cycles=MOST_CYCLES, **more)
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from workflows.errors import present
 from workflows.formatting import significant
 from workflows.progress import Stages
 from workflows.scene.load import SceneFile
@@ -318,17 +317,16 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if evaluation is None:
         return None
     endured = limits.endured(fastest.results)
-    there, amplitude = min(cases, key=lambda each: abs(each.point.omega - evaluation.speed)), evaluation.value
+    there, amplitude, hertz = cases[0], evaluation.value, None
     if isinstance(space.goal, LeastDamping):
-        there, amplitude = cases[0], min(space.goal.high, endured)
-    hertz, leads = evaluation.order * evaluation.speed / (2 * math.pi), present(there.point.reduced).f1_hz
-    other = hertz if evaluation.order and abs(hertz / leads - 1) > _OTHER else None
-    known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude, other)
+        amplitude = min(space.goal.high, endured)
+    elif evaluation.order:
+        of_order = [met for met in space.goal.crossings if met.order == evaluation.order]
+        met = min(of_order, key=lambda each: abs(each.omega - evaluation.speed))
+        there = min(cases, key=lambda each: abs(each.point.omega - met.omega))
+        hertz = None if excitation.modes_at_crossing(there.point, met)[2] else met.frequency_hz
+    known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude, hertz)
     return replace(evaluation, endured=endured, **known)
-
-
-_OTHER = 0.1
-"""Relative difference of a crossing's frequency from that of the mode that leads from which on it is another's."""
 
 
 def _no_verdict(space: Space, cases: list[DamperCase]) -> Obstacle | None:
