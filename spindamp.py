@@ -189,8 +189,8 @@ def sweep(
             key of a pair sets both values, ``damper.cavity[0]`` one of them; ``damper.clearance`` sets the cavity.
         sample: number of points spread over all ranges, in place of a grid.
         seed: of the sample.
-        quick: fewer and faster amplitude sweeps, in half to two thirds of the time. Nine in ten damping ratios are
-            within 1 %; where a ball may either bounce or roll, they may be off by tens of percent.
+        quick: fewer and faster amplitude sweeps, in half to two thirds of the time. Three in four damping ratios, or
+            more, are within 1 %; where a ball may either bounce or roll, they may be off by tens of percent.
         uncertain: take the ranges (or ``"normal:MEAN:DEVIATION"``) as distributions, by default of restitution,
             friction, rolling friction, damping ratio and clearance; `sample` is then the number of base points.
         out: a folder to work in, in which an interrupted sweep resumes. None: nothing is stored.
@@ -277,3 +277,11 @@ def load_results(folder: str | PathLike[str]) -> Results:
 def report(results: Results, path: str | PathLike[str]) -> Path:
     """Write the report, one page; see :func:`workflows.save_report`."""
     return workflows.save_report(results, path)
+
+
+if __name__ == "__main__":
+    import sys
+
+    from workflows.cli.main import main
+
+    sys.exit(main())

@@ -13,6 +13,7 @@ from workflows.progress import Stages
 from workflows.scene.load import DEFAULT, SceneFile, SceneLike, as_scene_file
 from workflows.scene.plate_mesh import place
 from workflows.solve import damper, excitation, limits, resources
+from workflows.solve.hits import with_hits
 from workflows.solve.model_choice import ModelChoice
 from workflows.solve.results import Results, middle_speed
 from workflows.solve.structure import StructureSolver, StructureState
@@ -51,7 +52,8 @@ def damped(state: StructureState, stages: Stages) -> StructureState:
 def results(state: StructureState, stages: Stages) -> Results:
     """Gather what a run found, with a verdict at each speed; its notes are those on how the scene is written."""
     reductions = excitation.estimates(state, stages)
-    return replace(limits.with_verdicts(state.results(stages=stages)), reductions=reductions)
+    judged = limits.with_verdicts(state.results(stages=stages))
+    return replace(with_hits(judged, state), reductions=reductions)
 
 
 def run(scene: SceneLike = DEFAULT, stages: Stages | None = None) -> Results:

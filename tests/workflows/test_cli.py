@@ -267,10 +267,11 @@ def test_an_option_given_twice_is_refused(spindamp):
     assert "given 2 times" not in outcome.err
 
 
-def test_shells_complete_commands(tmp_path):
-    """What bash asks for when the tab key is pressed behind `spindamp re`."""
+@pytest.mark.parametrize("module", ["workflows.cli", "spindamp"])
+def test_shells_complete_commands(module, tmp_path):
+    """What bash asks for when the tab key is pressed behind `spindamp re`; `python -m spindamp` is the command, too."""
     asked = {"_SPINDAMP_COMPLETE": "complete_bash", "COMP_WORDS": "spindamp re", "COMP_CWORD": "1"}
-    done = python("-m", "workflows.cli", env=os.environ | asked, cwd=tmp_path)
+    done = python("-m", module, env=os.environ | asked, cwd=tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, ["response", "reproduce"])
 
 

@@ -11,16 +11,19 @@ import pytest
 import damper.contact
 import spindamp
 import workflows
+from fem.reduction.pulse import spectrum
 from tests.workflows.conftest import BALL, ROOT, changed
 from workflows.effects import selection
 from workflows.errors import BadInput
 from workflows.io import provenance
+from workflows.progress import Stages
 from workflows.report.verdict import answer
-from workflows.scene.load import parse
+from workflows.scene.load import as_scene_file, parse
 from workflows.scene.materials import BALLS, KNOWN, PLATES
 from workflows.solve import coupling
 from workflows.solve import limits as bounds
 from workflows.solve.damper import particle_damper
+from workflows.solve.structure import StructureSolver
 from workflows.studies.design import report
 from workflows.studies.design.study import design
 from workflows.studies.sweep import executor
@@ -199,6 +202,36 @@ def test_a_dent_is_blamed_where_the_ball_would_move_without_it(share, end):
     (said, *_) = answer(held).sentences
     assert end in said
     assert (f"without its dent it would move above {1e3 * without:.2g} mm" in said) is (share < 1)
+
+
+def test_hits_that_scatter_into_modes_beyond_those_simulated_are_remarked():
+    """What a pulse on the mesh leaves there is the sum over modes of another solution, as far as it goes."""
+
+    def scene(modes, **keys):
+        plate = {"length": "120 mm", "width": "50 mm", "thickness": "6 mm"}
+        ball = {"ball_material": "steel", "radius": "2 mm", "cavity": ["4.6 mm", "5 mm"], "rolling_friction": "0.02 mm"}
+        rotor = {"speeds": ["1500 rpm"], "modes": modes, "hub_radius": "150 mm"}
+        material = {"name": "Ti-6Al-4V"}
+        return {"plate": plate, "material": material, "rotor": rotor, "damper": ball | {"friction": 0.2} | keys}
+
+    few = workflows.run(scene(4, restitution=0.6))
+    (point,) = few.speeds
+    (said,) = (note for note in few.notes if "also excite structural modes" in note)
+    assert f"{100 * point.hits.scattered:.2g} % of a ball's kinetic energy into" in said
+    assert point.hits.dissipated == pytest.approx(1 - 0.6**2)
+    ball = damper.contact.Solid(210e9, 0.3), damper.contact.Solid(113.8e9, 0.342)
+    mass, clearance = point.damper.ball_mass, 0.6e-3
+    assert point.hits.duration == pytest.approx(
+        damper.contact.hit_time(clearance / point.hits.flight, mass, 2e-3, *ball)
+    )
+    (whole,) = StructureSolver(as_scene_file(scene(40, restitution=0.6)), Stages()).at(followed=False).points
+    used = {each.number for each in coupling.damper_modes(few.scene, point)}
+    rates = [math.sqrt(each.stiffness) for each in whole.cavity_modes]
+    parts = (spectrum(rates, point.hits.duration) * [each.shape[0] for each in whole.cavity_modes]) ** 2
+    left = sum(part for k, part in enumerate(parts, 1) if k not in used)
+    impulse = (1 + 0.6) / (1 + mass * parts.sum())
+    assert point.hits.scattered == pytest.approx(mass * left * impulse**2, rel=0.1)
+    assert not [note for note in workflows.run(scene(4, restitution=0.1)).notes if "also excite" in note]
 
 
 def test_hits_that_last_long_beside_the_flights_are_remarked():

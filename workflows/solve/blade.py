@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -103,7 +103,20 @@ def blade_structure(source: SceneFile) -> SpaceStructure:
         root_strain=None if stress is None else solved.root_strain,
         cut=_cavities(scene, seat, solved.operators.blade.material),
         mass=float(solved.operators.masses.sum()),
+        inverse_mass=None if seat is None else partial(_inverse_mass, solved, seat),
     )
+
+
+def _inverse_mass(solved: SolvedBlade, seat: Seat, durations: Sequence[float]) -> Floats:
+    """Twice the energy that hits along axis 1 of a damper leave in a blade, over the square of their impulse [1/kg]."""
+    from fem.reduction.known_modes import floor
+    from fem.reduction.pulse import inverse_mass
+
+    operators, at = solved.operators, seat.place
+    axis = floor(solved.model, at, solved.model.speeds[0], seat.direction, seat.normal).axes[0]
+    force = np.zeros((operators.nodes, 3))
+    force[at.nodes] = np.outer(at.value, axis)
+    return inverse_mass(operators, operators.gathered(force), np.array(durations))
 
 
 def _check_balls(source: SceneFile, operators: SolidOperators) -> None:

@@ -74,6 +74,8 @@ class SpaceStructure:
         root_strain: of a solid blade the largest strain in a mode over its root's section, by what it asks of the
             clamp; None: not known.
         density: of known modes, by the scale of their shapes [kg/m³]; None: not known, or not of known modes.
+        inverse_mass: twice the energy that hits of these durations [s] along axis 1 of the damper leave, over the
+            square of their impulse [1/kg]; None: not known.
     """
 
     model: ModalModel
@@ -88,6 +90,7 @@ class SpaceStructure:
     mass: float = math.inf
     root_strain: Callable[[ModesAtSpeed, int], float | None] | None = None
     density: float | None = None
+    inverse_mass: Callable[[Sequence[float]], Floats] | None = None
 
     def points(self, source: SceneFile, effects: dict[str, Effect]) -> tuple[SpeedPoint, ...]:
         """The structure at the speeds of a scene, as its damper meets it.

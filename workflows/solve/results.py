@@ -145,9 +145,9 @@ class Figures:
     peak_amplitude: Annotated[Unknown, quantity("m", "at_amplitude", headline=True)]
     """amplitude at the cavity where that is"""
     range: Annotated[Pair, quantity("m", ends=_ENDS, headline=True)]
-    """of amplitudes at which the damper works, with at least half its peak"""
+    """of amplitudes about the peak at which the damper works, with at least half of it"""
     half: Annotated[Pair, quantity("m", "half_range", ends=_ENDS, headline=True)] = field(repr=False)
-    """between which the damping is at least half its peak"""
+    """amplitudes about the peak between which the damping is at least half of it; others may lie apart from these"""
     cutoff: Annotated[Boundless, quantity("m", headline=True)]
     """amplitude up to which the ball stays at rest"""
     amplitude: Annotated[Floats, COLUMN]
@@ -260,6 +260,21 @@ class ContactFigures:
     """of the dent's rim under the load; elastic recovery leaves less to climb"""
 
 
+@dataclass(frozen=True)
+class HitFigures:
+    """Hits of a ball on a wall at the amplitude of the largest damping, where their materials are known by name."""
+
+    duration: Annotated[float, quantity("s")]
+    """how long one lasts, by Hertz"""
+    flight: Annotated[float, quantity("s")]
+    """time between two"""
+    scattered: Annotated[MaybeUnknown, quantity("1")]
+    """share of a ball's kinetic energy that one feeds into modes that are not simulated, which no figure includes; null
+    where the structure is known by some modes alone"""
+    dissipated: Annotated[float, quantity("1")]
+    """the same by restitution, 1 - e²"""
+
+
 class Grade(StrEnum):
     """How much a damper does, beside what the air does: as much, a tenth of it, less, nothing."""
 
@@ -307,7 +322,8 @@ class Verdict:
     amplitude: Annotated[float | None, quantity("m")]
     """amplitude at the cavity where that is"""
     useful: Annotated[Pair, quantity("m", "useful_range", ends=_ENDS, headline=True)]
-    """amplitudes between which the damping is at least half its peak, as far as the structure endures them"""
+    """amplitudes about the peak between which the damping is at least half of it, as far as the structure endures them;
+    there may be others apart from these"""
     reason: Annotated[str, quantity("")]
     """what limits the damper or the verdict, empty where nothing does: endurance (more beyond what the structure
     endures), out_of_reach (the ball moves only beyond that), filled_cavity, floor_tilt (it cancels the drive), no_loss,
@@ -719,6 +735,8 @@ class SpeedPoint:
     floor is included. Amplitudes are the structure's displacements along axis 1 at the damper, m"""
     contact: Annotated[ContactFigures | None, part(prefix="contact_")] = None
     """of the ball at rest on its floor, where their materials are known by name"""
+    hits: Annotated[HitFigures | None, part(prefix="hit_")] = None
+    """on a wall, at the amplitude of the largest damping"""
     verdict: Annotated[Verdict | None, part(prefix="verdict_")] = None
     """on the damper at this speed, from its own figures"""
     static_displacement: Annotated[float | None, quantity("m")] = field(default=None, repr=False)

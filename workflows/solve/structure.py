@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 import fem
+from fem.reduction.pulse import inverse_mass
 from workflows.effects.definition import Effect
 from workflows.effects.selection import OF_THE_PLATE
 from workflows.errors import present
@@ -23,7 +24,7 @@ from workflows.scene.scene import Scene
 from workflows.solve import coupling, resources, results, self_check
 from workflows.solve.blade import space_of
 from workflows.solve.model_choice import ModelChoice, choose_model, translated_errors
-from workflows.solve.results import Cavity, Diagram, Discrete, Results, SpeedPoint, Surface, Theory, copy_fields
+from workflows.solve.results import Cavity, Diagram, Discrete, Floats, Results, SpeedPoint, Surface, Theory, copy_fields
 
 if TYPE_CHECKING:
     from fem.sweep.reduced_basis import ReducedBasis
@@ -263,6 +264,20 @@ class StructureSolver:
             BadInput, NoAnswer: see :meth:`at`.
         """
         return self._plate(self.source, present(self.discrete))
+
+    def inverse_mass(self, durations: Sequence[float]) -> Floats | None:
+        """Twice the energy that hits along axis 1 of the damper leave, over the square of their impulse, (k,) [1/kg].
+
+        durations: of the hits (k,) [s]. None where only some of the modes are known.
+        """
+        if self.space is not None:
+            return None if self.space.inverse_mass is None else self.space.inverse_mass(durations)
+        if self._uncut is None:
+            return None
+        with self.stages("reduction"):
+            operators = self._uncut.choice.operators
+            place = operators.at_place(plate_mesh.place(self.source, operators.plate.mesh))
+            return inverse_mass(operators, place.floor[[0]].toarray()[0], np.array(durations))
 
     def _plate(self, source: SceneFile, discrete: Discrete, *, followed: bool = True) -> PlateSolution:
         operators = discrete.choice.operators
