@@ -114,11 +114,8 @@ def test_a_contact_that_cannot_be_checked_says_why(slow):
         space = space_of(changed(slow, damper__floor_material=floor, damper__mass_ratio=None, **damper), **free)
         return sentences_of(space, optimum)
 
-    for ball, floor, what in (
-        ("tungsten", "Inconel 718", "elastic constants are known of tungsten"),
-        ("steel", "aluminium", "hardness is known of steel and aluminium"),
-    ):
-        assert f"The contact of ball and floor is not checked: no {what}." in said(floor, damper__ball_material=ball)
+    unknown = "The contact of ball and floor is not checked: no hardness is known of steel and aluminium."
+    assert unknown in said("aluminium", damper__ball_material="steel")
     assert ": this requires ball_material and [damper] floor_material." in said(
         "steel", damper__ball_density="7850 kg/m^3"
     )

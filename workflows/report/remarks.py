@@ -155,15 +155,25 @@ def flows(results: Results, points: Sequence[SpeedPoint]) -> str:
 
 @worded
 def unknown_floor(results: Results) -> Values:
-    """That nothing is known of what the floor bears, and what the ball asks of it where it presses most."""
-    made_of = limits.solids(results.scene)
-    every = [(point, c) for point, c in _contacts(results, results.speeds) if not c.hardness_ratio >= 1]
-    if made_of is None or not math.isnan(made_of[1].hardness) or not every:
+    """That nothing is known of what the floor bears, and what the ball asks of it where it presses most.
+
+    Where the materials are not known, both are of steel for that, and it is said of what only some metals bear.
+    """
+    scene, speeds = results.scene, results.speeds
+    if (made_of := limits.solids(scene)) is None:
+        steel, speeds = limits.solid("steel"), tuple(p for p in speeds if limits.best(results, p) is not None)
+        every = [(p, c) for p in speeds if (c := limits.contact(scene, p, (steel, steel))) is not None]
+    else:
+        unknown = math.isnan(made_of[1].hardness)
+        every = [(p, c) for p, c in _contacts(results, speeds) if unknown and not c.hardness_ratio >= 1]
+    point, most = max(every, key=lambda pair: pair[1].peak_pressure, default=(None, None))
+    if most is None or (made_of is None and 2 / 3 * most.peak_pressure < _BORNE):
         return None
-    point, most = max(every, key=lambda pair: pair[1].peak_pressure)
-    mean = 2 / 3 * most.peak_pressure
-    floor = results.scene.contact_materials[1]
-    return {"floor": floor, "point": point, "pressure": mean, "brinell": mean / KGF}
+    return {"known": made_of is not None, "floor": scene.contact_materials[1], "point": point, "most": most, "kgf": KGF}
+
+
+_BORNE = 1e9
+"""Mean pressure [Pa] that the softest blade metals bear, about the hardness of annealed stainless steel."""
 
 
 def ring_downs(results: Results) -> list[tuple[SpeedPoint, Reduced, Damping]]:

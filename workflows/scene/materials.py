@@ -17,15 +17,15 @@ OSMIUM = 22_600.0
 
 @dataclass(frozen=True)
 class Substance:
-    """Density [kg/m^3] and its source; of what is known of it, Young's modulus [Pa], Poisson's ratio and strength [Pa].
+    """Density [kg/m^3], Young's modulus [Pa] and Poisson's ratio with their source; strength [Pa] where it is known.
 
     `plate`: whether plates are made of it. `strength`: the source of yield strength and hardness.
     """
 
     density: float
+    youngs_modulus: float
+    poissons_ratio: float
     source: str
-    youngs_modulus: float | None = None
-    poissons_ratio: float | None = None
     yield_strength: float | None = None
     hardness: float | None = None
     strength: str = ""

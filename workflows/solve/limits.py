@@ -85,14 +85,23 @@ def with_contact(scene: Scene, point: SpeedPoint) -> SpeedPoint:
 
 
 def solids(scene: Scene) -> tuple[Solid, Solid] | None:
-    """What ball and floor are made of; None where one has no name, or not all is known by it."""
-    known = [KNOWN[name] for name in scene.contact_materials if name is not None]
-    materials = [
-        Solid(each.youngs_modulus, each.poissons_ratio, each.yield_strength or math.nan, each.hardness or math.nan)
-        for each in known
-        if each.youngs_modulus is not None and each.poissons_ratio is not None
-    ]
-    return (materials[0], materials[1]) if len(materials) == 2 else None
+    """What ball and floor are made of; None where the ball has no name, or neither the floor nor the structure.
+
+    A floor without a name is of the structure's material, whose strength is then not known.
+    """
+    (ball, floor), own = scene.contact_materials, scene.material
+    if ball is None or (floor is None and own is None):
+        return None
+    if floor is None:
+        return solid(ball), Solid(present(own).youngs_modulus, present(own).poissons_ratio)
+    return solid(ball), solid(floor)
+
+
+def solid(name: str) -> Solid:
+    """A material by its name."""
+    known = KNOWN[name]
+    strengths = known.yield_strength or math.nan, known.hardness or math.nan
+    return Solid(known.youngs_modulus, known.poissons_ratio, *strengths)
 
 
 def lever(scene: Scene, point: SpeedPoint) -> float:
@@ -104,12 +113,12 @@ def lever(scene: Scene, point: SpeedPoint) -> float:
     return 0.0 if pressed is None else contacts.rolling_lever(pressed)
 
 
-def contact(scene: Scene, point: SpeedPoint) -> Contact | None:
+def contact(scene: Scene, point: SpeedPoint, made_of: tuple[Solid, Solid] | None = None) -> Contact | None:
     """Of the ball at rest on its floor; None without a load, or where the materials are not known.
 
-    A hollow floor is a sphere of the mean of its curvatures.
+    A hollow floor is a sphere of the mean of its curvatures. `made_of`: ball and floor, instead of the scene's.
     """
-    pressed = _pressed(scene, point)
+    pressed = _pressed(scene, point, made_of)
     return None if pressed is None else contacts.resting(*pressed)
 
 
@@ -120,10 +129,12 @@ def rim_slope(scene: Scene, point: SpeedPoint) -> float:
     return 0.0 if math.isnan(slope) else slope
 
 
-def _pressed(scene: Scene, point: SpeedPoint) -> tuple[float, float, Solid, Solid, float] | None:
+def _pressed(
+    scene: Scene, point: SpeedPoint, made_of: tuple[Solid, Solid] | None = None
+) -> tuple[float, float, Solid, Solid, float] | None:
     """Load [N], the ball's radius [m], ball, floor, and its radius [m]."""
-    damper = scene.damper
-    if damper is None or point.reduced is None or point.omega == 0 or (made_of := solids(scene)) is None:
+    damper, made_of = scene.damper, made_of or solids(scene)
+    if damper is None or point.reduced is None or point.omega == 0 or made_of is None:
         return None
     load = (point.reduced.M1 - point.reduced.M2) / damper.count * point.omega**2 * point.pressing
     floor = math.inf if damper.floor_radius is None else 2 / sum(1 / radius for radius in damper.floor_radius)

@@ -342,16 +342,14 @@ def _said(text: str, space: Space, optimum: Optimum, **values: Any) -> list[str]
     return templates.said(f"design/{text}", space.count(optimum.shares), **known, **values)
 
 
-def _unknown_contact(space: Space, optimum: Optimum) -> tuple[str, list[str]] | None:
-    """What of the materials of ball and floor is not known by which their contact is checked, and of which of them."""
+def _unknown_contact(space: Space, optimum: Optimum) -> list[str] | None:
+    """Materials of ball and floor of which no hardness is known by which their contact is checked."""
     ball, floor = space.source.scene.contact_materials
     ball = str(space.values(optimum.shares).get("damper.ball_material", ball or "")) or None
     if ball is None or floor is None:
         return None
     names = list(dict.fromkeys((ball, floor)))
-    if rigid := [name for name in names if KNOWN[name].youngs_modulus is None]:
-        return "elastic constants are", rigid
-    return ("hardness is", names) if all(KNOWN[name].hardness is None for name in names) else None
+    return names if all(KNOWN[name].hardness is None for name in names) else None
 
 
 def draw(result: DesignResult) -> list[Picture]:
