@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import workflows
+from damper.curve_measurement import settled
 from tests.workflows.conftest import BALL, BLADE, KNOWN, MESHES, QUIET, changed, on_mesh
 from workflows import pipeline
 from workflows.report import remarks
@@ -20,6 +21,7 @@ from workflows.report.verdict import answer, of_orders
 from workflows.scene.load import as_scene_file
 from workflows.scene.scene import Excitation
 from workflows.solve import excitation, limits, remedies
+from workflows.solve.damper import verdict_damper
 from workflows.solve.results import ErrorParts, ForceLevel, Grade, Mode, Reason, Verdict, VibrationReduction
 
 pytestmark = pytest.mark.usefixtures("undrawn", "quickly")
@@ -1027,14 +1029,51 @@ def test_below_a_load_of_1_g_the_weight_rules():
 
 @pytest.mark.parametrize(("rpm", "share"), [(80, 0.699), (200, 0.112), (220, None)])
 def test_the_weight_is_remarked_on_down_from_10_g(rpm, share):
-    """Weight over load: 1/load in g."""
+    """Weight over load: 1/load in g; over what holds a ball at rest, mu_r / r = 1/100 of the load, 100 times that."""
     found = at(rpm, 3500)
-    notes = [note for note in found.notes if "weight" in note]
-    assert len(notes) == (share is not None)
+    (note,) = (note for note in found.notes if "weight" in note)
+    assert ("% of the load at" in note) == (share is not None)
+    assert f" {100 / load(rpm):.2g} times what holds them at rest at {rpm} rpm" in note
+    assert "once per revolution" in note
     if share is not None:
         assert 1 / load(rpm) == pytest.approx(share, abs=1e-3)
-        assert f"{100 / load(rpm):.2g} % of the load at {rpm} rpm" in notes[0]
-        assert "once per revolution" in notes[0]
+        assert f"{100 / load(rpm):.2g} % of the load at {rpm} rpm" in note
+
+
+WIND = {
+    "structure": {"frequency": "0.53 Hz", "mass": "20 t"},
+    "rotor": {"speeds": ["13 rpm"], "radius": "61.5 m"},
+    "damper": BALL
+    | {"count": 200, "ball_material": "steel", "radius": "50 mm", "cavity": ["200 mm", "150 mm"]}
+    | {"rolling_friction": "0.1 mm"},
+}
+"""A blade of a wind turbine: a load of 12 g, beside which its slow vibration hardly drives a ball."""
+
+
+def test_a_ball_whose_weight_is_more_than_its_drive_has_no_verdict():
+    """A omega² (1 - tau) of the amplitude A of largest damping is a tenth of g, whatever the load.
+
+    By a pull of 0.09 g, that of the weight on a shaft that leans by 5 degrees, the damping there is gone.
+    """
+    found = workflows.run(WIND)
+    (point,) = found.speeds
+    own = point.damping_curve
+    drive = own.peak_amplitude * (2 * math.pi * point.reduced.f1_hz) ** 2 * (1 - point.tilt_share)
+    assert 5 < 9.80665 / drive < 20 and point.load_g > 10
+    assert (point.verdict.grade, point.verdict.reason) == ("unknown", "ball_weight")
+    what = "exceeds what drives them at the amplitude of largest damping"
+    assert answer(found).verdict == f"No verdict: the balls' weight, which is neglected, {what}"
+    system = verdict_damper(found.scene, found.effects, point)
+    pulled = replace(system, lateral_acceleration=(9.80665 * math.sin(math.radians(5)), 0.0))
+    assert settled(pulled, own.peak_amplitude) < 0.1 * settled(system, own.peak_amplitude)
+
+
+def test_a_weight_that_is_a_tenth_of_the_drive_is_in_the_headline():
+    found = workflows.run(changed(WIND, structure__frequency="3 Hz"))
+    share = limits.weight_share(found, found.speeds[0])
+    assert 0.1 < share < 1
+    said = f"the balls' weight, which is neglected, is up to {100 * share:.2g} % of what drives them"
+    assert said in answer(found).verdict
 
 
 def test_rows_without_a_verdict_are_marked():

@@ -467,14 +467,21 @@ def capped(results: Results) -> Values:
 
 
 _LIGHT = 10.0
-"""Load over g down from which the ball's weight is worth a word: a tenth of it."""
+"""Load over g, or what else acts on the ball, down from which its weight is worth a word: a tenth of it."""
 
 
 @remark
 def weight(results: Results) -> Values:
-    """The ball's own weight, where it is not small beside the load."""
-    points = sorted((p for p, _, _ in ring_downs(results) if 0 < p.load_g < _LIGHT), key=lambda p: p.load_g)
-    return {"points": points, "ruled": [p for p in points if limits.weight_governs(p)]} if points else None
+    """The ball's own weight, where it is not small beside the load, or beside what holds or drives the ball."""
+    loaded = [p for p, _, _ in ring_downs(results) if p.load_g > 0]
+    points = sorted((p for p in loaded if p.load_g < _LIGHT), key=lambda p: p.load_g)
+    ruled = [p for p in points if limits.weight_governs(p)]
+    beside: dict[str, tuple[float, SpeedPoint | None]] = {}
+    for name, share in (("hold", limits.weight_over_hold), ("drive", limits.weight_share)):
+        every = [(share(results, p), p) for p in loaded if p not in ruled]
+        most, point = max(every, key=lambda pair: pair[0], default=(0.0, None))
+        beside |= {name: (most, point)} if most > 1 / _LIGHT else {}
+    return {"points": points, "ruled": ruled, "beside": beside} if points or beside else None
 
 
 EXPLAINED = 1e-9

@@ -21,6 +21,9 @@ _BELOW = 0.8
 _UNSURE = 0.1
 """Relative error of the first frequency that is worth a word in the headline."""
 
+_HEAVY = 0.1
+"""Weight of a ball over what drives it at the amplitude of largest damping that is worth one."""
+
 
 def between(results: Results, points: list[SpeedPoint]) -> list[str]:
     """Between what amplitudes the ball does half of its best, at the lowest load at which it can and at the highest."""
@@ -251,9 +254,11 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
 
 
 def _unsure(results: Results) -> list[str]:
-    """That the cavity has to fit; that the first frequency, and so the speeds of crossings, is known only roughly."""
+    """That the cavity has to fit; what the ball's weight is beside its drive; that frequencies are known only roughly."""
     known = any(_rank(point) >= 0 for point in results.speeds) or any(not each.reason for each in results.reductions)
     fit = remarks.misfit(results.scene, results.speeds) if known else []
+    share = max((limits.weight_share(results, p) for p in results.speeds if _rank(p) > 0), default=0.0)
+    fit += [phrase("answer/weighs", results, share=share)] if share > _HEAVY else []
     parts = [mode.error_parts for point in results.speeds for mode in point.modes[:1]]
     error = max((each.at_least for each in parts if each is not None), default=0.0)
     return [*fit, f"the first frequency is known only to {in_percent(error)} %"] if error > _UNSURE else fit

@@ -144,14 +144,14 @@ def _pressed(
 def verdict(results: Results, point: SpeedPoint) -> Verdict:
     """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
 
-    Unknown where the ball's weight is more than the load, or the ball would slide; inadmissible where the plate would
+    Unknown where the ball's weight is more than the load or the drive, or the ball would slide; inadmissible where the plate would
     tear, ball or floor would flow, no ball is as dense, or the equations do not conserve energy.
     """
     if (reason := inadmissible(results, point)) is not None:
         return Verdict.without_figures(Grade.INADMISSIBLE, reason)
     most = best(results, point)
     reason = Reason.NONE if most is not None else _idle(results, point)
-    if weight_governs(point) and reason != Reason.FILLED:
+    if (weight_governs(point) and reason != Reason.FILLED) or (most is not None and weight_share(results, point) > 1):
         return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
     if reason == Reason.SIDEWAYS:
         return Verdict.without_figures(Grade.UNKNOWN, reason)
@@ -246,6 +246,28 @@ def weight_governs(point: SpeedPoint) -> bool:
     return point.load_g < WEIGHT
 
 
+def weight_share(results: Results, point: SpeedPoint) -> float:
+    """The ball's own weight over what drives it along the floor at the amplitude of largest damping; 0 without one."""
+    most = best(results, point)
+    drive = 0.0 if most is None else _drive(point) * most.amplitude
+    return results.scene.rotor.gravity / drive if drive > 0 else 0.0
+
+
+def weight_over_hold(results: Results, point: SpeedPoint) -> float:
+    """The ball's own weight over what holds it at rest along the floor: rolling resistance, dent; 0 without either."""
+    damper, effects = results.scene.damper, results.effects
+    if damper is None or point.load_g == 0:
+        return 0.0
+    slope = lever(results.scene, point) / damper.radius if effects["rolling_resistance"].on else 0.0
+    slope += rim_slope(results.scene, point) if effects["indentation"].on else 0.0
+    return 1 / (slope * point.load_g) if slope > 0 else 0.0
+
+
+def _drive(point: SpeedPoint) -> float:
+    """What drives a ball along the floor, both axes together, over the amplitude [1/s²]."""
+    return (2 * math.pi * present(point.reduced).f1_hz) ** 2 * point.drive_left
+
+
 def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
     """Friction on the floor that pure rolling needs at an amplitude, over the normal load; 0 without a load.
 
@@ -256,8 +278,7 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz
     damper = results.scene.damper
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
-    own = (2 * math.pi * point.reduced.f1_hz) ** 2 * point.drive_left
-    drive = (own if hertz is None else (2 * math.pi * hertz) ** 2) * amplitude
+    drive = _drive(point) * amplitude if hertz is None else (2 * math.pi * hertz) ** 2 * amplitude
     resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 
