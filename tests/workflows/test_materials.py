@@ -248,6 +248,15 @@ def test_hits_that_scatter_into_modes_beyond_those_simulated_are_remarked():
     (said,) = (note for note in few.notes if "also excite structural modes" in note)
     assert f"{100 * point.hits.scattered:.2g} % of a ball's kinetic energy into" in said
     assert point.hits.dissipated == pytest.approx(1 - 0.6**2)
+    slide = 2 / 7 * 1.6 * 0.6e-3 / point.hits.flight / (0.2 * (1500 * math.pi / 30) ** 2 * 0.27)
+    assert point.hits.sliding == pytest.approx(slide)
+    (told,) = (note for note in few.notes if "ball_slip = true simulates the sliding" in note)
+    assert (
+        f"slides on its floor for {round(1e6 * slide, -1):.0f} µs, {100 * slide / point.hits.flight:.2g} % of the"
+        in told
+    )
+    slipping = workflows.run(scene(4, restitution=0.6) | {"effects": {"ball_slip": True}})
+    assert not [note for note in slipping.notes if "simulates the sliding" in note]
     ball = damper.contact.Solid(210e9, 0.3), damper.contact.Solid(113.8e9, 0.342)
     mass, clearance = point.damper.ball_mass, 0.6e-3
     assert point.hits.duration == pytest.approx(

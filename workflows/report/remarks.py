@@ -569,7 +569,7 @@ def dents(results: Results) -> Values:
 
 
 _BRIEF = 0.1
-"""Share of a flight between hits that a hit may last without a word."""
+"""Share of a flight between hits that a hit, or the sliding after it, may last without a word."""
 
 
 @remark
@@ -578,6 +578,18 @@ def long_hits(results: Results) -> Values:
     every = [(p, p.hits) for p in results.speeds if p.hits is not None]
     point, longest = max(every, key=lambda pair: pair[1].duration / pair[1].flight, default=(None, None))
     return None if longest is None or longest.duration <= _BRIEF * longest.flight else {"hit": longest, "point": point}
+
+
+@remark
+def slides_after_hits(results: Results) -> Values:
+    """That a ball slides after a hit for longer than a part of its flight, which the figures leave out."""
+    every = [
+        (h.sliding / h.flight, h, p) for p in results.speeds if (h := p.hits) is not None and h.sliding is not None
+    ]
+    share, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
+    if hit is None or share <= _BRIEF or results.effects["ball_slip"].on or results.scene.is_printed:
+        return None
+    return {"share": share, "hit": hit, "point": point}
 
 
 _LITTLE = 0.1

@@ -65,7 +65,9 @@ def _figures(state: StructureState, point: SpeedPoint, hit: _Hit, whole: float |
     system = verdict_damper(scene, state.effects, point)
     speeds, ratios = np.array(system.restitution_by_speed or ((hit.speed, system.restitution),)).T
     e = float(np.interp(math.log(hit.speed), np.log(speeds), ratios))
-    figures = HitFigures(hit.duration, hit.flight, None, 1 - e**2)
+    braked = present(scene.damper).friction * point.omega**2 * point.pressing
+    sliding = 2 / 7 * (1 + e) * hit.speed / braked if braked > 0 else None
+    figures = HitFigures(hit.duration, hit.flight, sliding, None, 1 - e**2)
     if whole is None:
         return figures
     modes = [(math.sqrt(each.stiffness), each.shape[0]) for each in coupling.damper_modes(scene, point)]

@@ -268,6 +268,9 @@ class HitFigures:
     """how long one lasts, by Hertz"""
     flight: Annotated[float, quantity("s")]
     """time between two"""
+    sliding: Annotated[MaybeUnknown, quantity("s")]
+    """how long a ball slides on the floor after one until it rolls, 2/7 of its change of speed over what friction
+    decelerates it by; null without friction"""
     scattered: Annotated[MaybeUnknown, quantity("1")]
     """share of a ball's kinetic energy that one feeds into modes that are not simulated, which no figure includes; null
     where the structure is known by some modes alone"""
