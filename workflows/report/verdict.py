@@ -254,7 +254,7 @@ def _alone(results: Results) -> tuple[list[str], tuple[str, ...]]:
 
 
 def _unsure(results: Results) -> list[str]:
-    """That the cavity has to fit; what the ball's weight is beside its drive; that frequencies are known only roughly."""
+    """That the cavity has to fit, that the ball's weight is not small, that frequencies are known only roughly."""
     known = any(_rank(point) >= 0 for point in results.speeds) or any(not each.reason for each in results.reductions)
     fit = remarks.misfit(results.scene, results.speeds) if known else []
     share = max((limits.weight_share(results, p) for p in results.speeds if _rank(p) > 0), default=0.0)

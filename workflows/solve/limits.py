@@ -144,8 +144,8 @@ def _pressed(
 def verdict(results: Results, point: SpeedPoint) -> Verdict:
     """How much the damper does at a speed, beside what the air does: as much, a tenth of it, less, nothing.
 
-    Unknown where the ball's weight is more than the load or the drive, or the ball would slide; inadmissible where the plate would
-    tear, ball or floor would flow, no ball is as dense, or the equations do not conserve energy.
+    Unknown where the ball's weight is more than the load or the drive, or the ball would slide; inadmissible where the
+    plate would tear, ball or floor would flow, no ball is as dense, or the equations do not conserve energy.
     """
     if (reason := inadmissible(results, point)) is not None:
         return Verdict.without_figures(Grade.INADMISSIBLE, reason)
