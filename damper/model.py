@@ -358,10 +358,13 @@ class Harmonic:
         """Refuse what has no physical sense."""
         if not 0 < number("frequency", self.frequency) < math.inf:
             raise ValueError(f"the harmonic's frequency must be positive, got {self.frequency:g}")
-        if self.modal is not None and not isinstance(self.modal, tuple | list):
+        if not (self.modal is None or isinstance(self.modal, tuple | list | np.ndarray)):
             raise ValueError(f"modal must be one number for each mode, or None, got {self.modal!r}")
-        modal = [number("modal", value) for value in self.modal or ()]
-        values = [*pair("force", self.force), *pair("base", self.base), *modal, number("phase", self.phase)]
+        if self.modal is not None:  # arrays may change
+            object.__setattr__(self, "modal", tuple(number("modal", value) for value in self.modal))
+        for name in ("force", "base"):
+            object.__setattr__(self, name, pair(name, getattr(self, name)))
+        values = [*self.force, *self.base, *(self.modal or ()), number("phase", self.phase)]
         if not all(map(math.isfinite, values)):
             raise ValueError("the harmonic's force, base and phase must be finite")
 

@@ -256,9 +256,10 @@ class Operators:
 
     def at_place(self, at: tuple[float, float]) -> AtPlace:
         """The plate at a place (x, y) in m; made once."""
-        if at not in self._places:
-            self._places[at] = AtPlace(self, at)
-        return self._places[at]
+        x, y = map(float, at)
+        if (x, y) not in self._places:
+            self._places[x, y] = AtPlace(self, (x, y))
+        return self._places[x, y]
 
     @property
     def theory(self) -> str:

@@ -7,12 +7,17 @@ wave, about which the force between elastic bodies in Hertz's contact grows and 
 section 11.4). Over all modes it is simulated, mesh and all, without looking for one of them.
 """
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.assembly import Body
-from fem.linalg import Array
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from fem.assembly import Body
+    from fem.linalg import Array
 
 _STEPS = 24
 """Steps of the shortest pulse: the energy that it leaves is then known to about 1 %."""

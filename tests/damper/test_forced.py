@@ -79,6 +79,15 @@ def test_a_ball_that_only_creeps_is_periodic(excess: float) -> None:
     assert (found.error < 1e-5 * found.mean).all()
 
 
+def test_a_harmonic_keeps_its_numbers() -> None:
+    """Arrays that change later do not change it."""
+    force, modal = np.array([200.0, 0.0]), np.array([1.0, 2.0])
+    harmonic = Harmonic(1.0, force, modal)  # type: ignore[arg-type]
+    force *= 0.5
+    modal *= 0.5
+    assert (harmonic.force, harmonic.modal) == ((200.0, 0.0), (1.0, 2.0))
+
+
 def test_one_harmonic_is_asked_for_in_a_list() -> None:
     with pytest.raises(TypeError, match="put this one into a list"):
         forced(paper(), Harmonic(1.0, (1.0, 0.0)))  # type: ignore[arg-type]

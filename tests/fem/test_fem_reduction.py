@@ -123,7 +123,7 @@ def test_over_speeds_solves_no_more_for_rounding(monkeypatch, cells):
     plate = Plate(mesh, 1e-6, Material(6.13e9, -0.4144, 434.0), 1.83e-10, (0.00345, 0.0))
     operators = assemble(plate, Rotor(0.01325, -0.6685), Effects(), "kirchhoff")
     diagram = campbell(operators, np.linspace(0.14, 0.71, 101), 4)
-    found = reduce_over(operators, diagram, (0.00345, 0.0), mass_ratio=1.5e-3)
+    found = reduce_over(operators, diagram, np.array([0.00345, 0.0]), mass_ratio=1.5e-3)
     assert len(solved) <= 24
     for k in (0, 37, 100):
         one = reduce_at(operators, float(diagram.omega[k]), (0.00345, 0.0), mass_ratio=1.5e-3)

@@ -312,3 +312,5 @@ def test_a_report_replaces_plain_files_alone(damper, tmp_path):
     wrong = "3000 rpm"
     with pytest.raises(workflows.BadInput, match=r"^rpm = .*number of revolutions"):
         spindamp.ringdown("structure", rpm=wrong)
+    with pytest.raises(workflows.BadInput, match="expected a rotation speed between 0"):
+        spindamp.ringdown("structure", rpm=10**400)

@@ -146,6 +146,8 @@ def test_what_is_not_there_is_said(coarse):
     for number, rpm, says in (
         (4, 0, "expected a mode from 1 to 3"),
         (1.5, 0, "expected a mode from 1 to 3"),
+        (1.0, 0, "expected a mode from 1 to 3"),
+        (1, "4000 rpm", "expected a number of revolutions per minute"),
         (1, 12345, "expected a speed with shapes"),
         (1, 10, r"^rpm = 10: expected a speed with shapes"),
     ):

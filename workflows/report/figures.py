@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.rotor import from_rpm
 from workflows.errors import BadInput, present
 from workflows.formatting import amount, rounded_rpm, significant
 from workflows.io import files
@@ -23,7 +22,7 @@ from workflows.report import plots
 from workflows.report.mode_viewer import POINTS, Indices, damper_mark, screen_exists, thinned
 from workflows.report.plots import PAGE, Target, Value
 from workflows.scene import paper
-from workflows.scene.scene import Scene, as_typed
+from workflows.scene.scene import Scene, as_typed, omega_of
 from workflows.solve import limits
 from workflows.solve.engine_orders import branches, crossings, orders
 from workflows.solve.results import BallPath, Figures, Floats, OwnFigures, Results, SpeedPoint, Surface, middle_speed
@@ -664,7 +663,7 @@ class Plots:
         surface = self.results.surface
         if surface is None:
             raise _without("a plate")
-        omega = None if rpm is None else from_rpm(rpm)
+        omega = None if rpm is None else omega_of(rpm, "rpm")
         row = chosen(surface, self.results.speeds, omega, number, ("rpm", "number"))
         point = self.results.speeds[surface.at[row]]
         mode = point.modes[number - 1]
@@ -705,7 +704,7 @@ def chosen(
         if amount(kept[row].rpm) != amount(rounded_rpm(omega)):
             problem = f"expected a speed with shapes: {', '.join(amount(point.rpm) for point in kept)} rpm"
             raise BadInput(problem, key=keys[0], value=as_typed(rounded_rpm(omega)))
-    if number not in range(1, surface.shapes.shape[1] + 1):
+    if not isinstance(number, int | np.integer) or number not in range(1, surface.shapes.shape[1] + 1):
         raise BadInput(f"expected a mode from 1 to {surface.shapes.shape[1]}", key=keys[1], value=number)
     return row
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from functools import partial
+from numbers import Real
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, WithJsonSchema, model_validator
@@ -34,13 +35,18 @@ def omega_of(rpm: float, key: str = "--rpm") -> float:
     Raises:
         BadInput: it is no number, or nothing turns so fast, or so slowly.
     """
-    if isinstance(rpm, bool) or not isinstance(rpm, int | float):
+    given: object = rpm
+    if isinstance(given, bool) or not isinstance(given, Real):
         raise BadInput("expected a number of revolutions per minute", key=key, value=rpm)
-    omega = from_rpm(rpm)
+    try:
+        speed = float(given)
+    except OverflowError:  # a whole number of more than 308 digits
+        speed = math.inf
+    omega = from_rpm(speed)
     if not (omega == 0 or SLOWEST <= omega <= FASTEST):
         low, high = significant(in_rpm(SLOWEST)), whole(in_rpm(FASTEST))
         problem = f"expected a rotation speed between 0 and {high} rpm, and no less than {low} rpm unless at rest"
-        raise BadInput(problem, key=key, value=as_typed(rpm))
+        raise BadInput(problem, key=key, value=as_typed(speed))
     return omega
 
 
