@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from fem.linalg import Array, Ints
 from fem.meshes.cells import cell, faces_of
+from fem.meshes.decks import deck_fault
 from fem.meshes.planform import MeshError, connected, position
-from fem.meshes.read import GEOMETRY, deck_fault, named, raw_mesh
+from fem.meshes.read import GEOMETRY, named, raw_mesh
 
 FIRST_ORDER = ("hexahedron", "tetra", "wedge")
 SECOND_ORDER = ("hexahedron20", "hexahedron27", "tetra10", "wedge15")
@@ -44,6 +45,7 @@ class VolumeMesh:
         points: (npoint, 3) in m.
         cells: kinds of cells by the name that `fem.meshes.cells` has, and their points (ncell, nnode).
         sets: points by the names of sets.
+        labels: numbers of the points in their file, (npoint,), each once; None: not known.
 
     Raises:
         MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted, overlapping, not in
@@ -53,6 +55,7 @@ class VolumeMesh:
     points: Array
     cells: tuple[tuple[str, Ints], ...]
     sets: Mapping[str, Ints] = field(default_factory=dict)
+    labels: Ints | None = None
 
     def __post_init__(self) -> None:
         _check_kinds([kind for kind, _ in self.cells])
@@ -332,11 +335,13 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]
-    odd = used[~np.isfinite(points).all(axis=1)]
+    own = np.asarray(getattr(raw, "points_id", ()), dtype=np.int64)
+    labels = own[used] if len(own) == len(number) else used + 1
+    odd = labels[~np.isfinite(points).all(axis=1)]
     if odd.size:
         many = "1 node has" if odd.size == 1 else f"{odd.size} nodes have"
         raise MeshError(
-            deck_fault(path) or f"{many} coordinates that are not finite, the first is number {odd[0] + 1} in the file"
+            deck_fault(path) or f"{many} coordinates that are not finite, the first is number {odd[0]} in the file"
         )
     extent = float(np.ptp(points, axis=0).max())
     if not SIZES[0] <= extent <= SIZES[1]:
@@ -351,7 +356,8 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
         if (nodes_kept >= 0).any():
             sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
     try:
-        return VolumeMesh(points, tuple(renumbered), sets)
+        known = len(own) == len(number) and np.unique(labels).size == labels.size
+        return VolumeMesh(points, tuple(renumbered), sets, labels if known else None)
     except MeshError as error:  # a node that is listed twice, say, is where it was listed last
         raise MeshError("; ".join(filter(None, (str(error), deck_fault(path))))) from None
 
@@ -375,16 +381,18 @@ def _sets(raw: Any) -> dict[str, Ints]:
     """Points of named sets: of points, and of cells, Gmsh's physical groups among them."""
     sets = {str(name): np.asarray(points, dtype=np.int64).ravel() for name, points in raw.point_sets.items()}
     for name, parts in raw.cell_sets.items():
+        if str(name).startswith("gmsh:"):  # entities, not cells
+            continue
         named = zip(raw.cells, parts, strict=False)
         nodes = [block.data[np.asarray(part, np.int64)] for block, part in named if part is not None and len(part)]
-        if nodes and not str(name).startswith("gmsh:"):
+        if nodes:
             sets.setdefault(str(name), _each_once(nodes))
     tags = raw.cell_data.get("gmsh:physical")
     for name, (tag, dimension, *_) in raw.field_data.items() if tags is not None else ():
         tagged = zip(raw.cells, tags, strict=False)
         nodes = [block.data[np.asarray(own) == tag] for block, own in tagged if block.dim == dimension]
         if nodes:
-            sets[str(name)] = _each_once(nodes)
+            sets.setdefault(str(name), _each_once(nodes))
     return sets
 
 

@@ -1,5 +1,6 @@
 """Decks as they are met: files in files, sets of sets, Nastran's continuations; what would be misread is refused."""
 
+import meshlane
 import numpy as np
 import pytest
 from fem_cases import box
@@ -63,6 +64,28 @@ READ = {
         *("*PART,NAME=B", *MESH, "*NSET,NSET=FACE", ",".join(FACE), "*END PART", *ASSEMBLY[:2], ASSEMBLY[3]),
         *("*NSET,NSET=NROOT,INSTANCE=B-1", *ROOT[1:], "*END ASSEMBLY"),
     ],
+    "commas after whole elements": [*MESH[: len(NODES) + 2], *(f"{line.rstrip(',')}," for line in MESH[-4:]), *ROOT],
+    "no commas within elements": [*MESH[: len(NODES) + 2], *(line.rstrip(",") for line in MESH[-4:]), *ROOT],
+    "blanks before and in keywords": [line.replace("*", "  * ") for line in (*MESH, *ROOT)],
+    "a keyword on two lines": [
+        *(line.replace("D,ELSET", "D,\nELSET") for line in MESH),
+        "*NSET,",
+        "NSET=NROOT",
+        *ROOT[1:],
+    ],
+    "exponents of Fortran": ["*NODE", "1,0.0D+0,0.d0,0D-3", *MESH[2:], *ROOT],
+    "a set in two spellings": [
+        *(*MESH, "*NSET,NSET=nroot", ",".join(FACE[:3]), "*NSET,NSET=NROOT", ",".join(FACE[3:])),
+    ],
+    "sets of elements without a step": [
+        *MESH,
+        "*ELSET,ELSET=ALL,GENERATE",
+        "1,2",
+        "*ELSET,GENERATE,ELSET=A",
+        "1",
+        *ROOT,
+    ],
+    "words of a heading": ["*HEADING", "part", "node, element", *MESH, *ROOT],
     "elements of Abaqus alone": [line.replace("C3D20R", "C3D20RH") for line in (*MESH, *ROOT)],
     "springs and skins beside": [
         *(*MESH, "*ELEMENT,TYPE=SPRINGA,ELSET=S", "901,3,4", "*ELEMENT,TYPE=S8R,ELSET=SKIN", "902,1,2,3,4,5,6,7,8"),
@@ -88,6 +111,7 @@ def test_decks_are_read_with_their_root(case, tmp_path):
     if case == "generated set":
         root = np.arange(int(FACE[0]) - 1, int(FACE[-1]))
     np.testing.assert_array_equal(mesh.sets["NROOT"], root)
+    assert len({name.upper() for name in mesh.sets}) == len(mesh.sets)
 
 
 def test_decks_that_include_each_other_are_followed_once(tmp_path):
@@ -119,7 +143,11 @@ REFUSED = {
     "a node misnumbered": (deck([f"2,{NODES[0][2:]}", *NODES[1:]]), "line 3: node 2 is listed twice, first in line 2$"),
     "a node below 0": (deck([f"-{NODES[0]}", *NODES[1:]]), "line 2: node -1: expected a number above 0"),
     "decimal commas": (deck([each.replace(".", ",") for each in NODES]), "line 3: node 2 has 4 coordinates, not 3"),
-    "a node short": (deck(cells=[CELLS[0][:-1], CELLS[1]]), "not a mesh file that meshlane can read"),
+    "a node short": (
+        deck(cells=[CELLS[0][:-1], CELLS[1]]),
+        "line 35: element 1 has 19 nodes, and C3D20R has 20$",
+    ),
+    "a node too many": (deck(cells=[[*CELLS[0], 9], CELLS[1]]), "line 35: element 1 has 21 nodes, and C3D20R has 20$"),
     "listed twice": (deck(cells=[*CELLS, [9, *CELLS[0][1:]]]), "faces belong to more than two cells"),
     "shells": (deck(cells=[CELLS[0][:5]], kind="S4"), "no cells with a volume"),
     "beams": (deck(cells=[CELLS[0][:3]], kind="B31"), "no cells with a volume"),
@@ -129,7 +157,8 @@ REFUSED = {
     "in um": (deck(scaled(1e-3)), "measures 0.0002 m: expected 2 mm to 20 m"),
     "in a point": (deck(scaled(0.0)), "measures 0 m"),
     "a set of no node": (deck(more=["*NSET,NSET=NROOT", "900,901"]), "line 38: set NROOT names node 900, which"),
-    "cut": (deck()[:-40], "not a (readable )?mesh file"),
+    "cut": (deck()[:-40], "line 36: element 2 has 7 nodes, and C3D20R has 20"),
+    "cut at a comma": (deck(cells=[CELLS[0], CELLS[1][:-1]])[:-1] + ",", "line 36: element 2 has 19 nodes, and"),
     "no such file": (["*INCLUDE,INPUT=none.inc"], r"line 1: it includes 'none.inc', which is not a file"),
     "a ring": (["*INCLUDE,INPUT=blade.inp", "*NODE"], r"line 1: it includes 'blade.inp', which includes it"),
     "generated nodes": (["*NODE", "1,0,0,0", "9,1,0,0", "*NGEN", "1,9"], r"line 4: \*NGEN generates nodes, .* in full"),
@@ -141,7 +170,15 @@ REFUSED = {
     "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
     "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
-    "without middles": ([*MESH[:-1], "0,0,0,0"], r"line \d+: element 2 names node 0, which is not"),
+    **{
+        f"cells {kind} beside": (deck(more=[f"*ELEMENT,TYPE={kind}", "9,1,2,3,4"]), f"line 37: elements {kind} are not")
+        for kind in ("SC8R", "CSS8", "C3D8P", "AC3D20", "U1")
+    },
+    "no kind": (deck(more=["*ELEMENT", "9,1,2,3,4"]), "line 37: elements without a type are not read"),
+    "a set without a name": ([*MESH, "*NSET", "1,2"], r"line 39: \*NSET without the name of a set"),
+    "a step of nought": ([*MESH, "*NSET,NSET=A,GENERATE", "1,9,0"], "line 40: expected the first and the last number"),
+    "no such set of elements": ([*MESH, "*ELSET,ELSET=A", "1,B"], "a set of elements holds 'B', which is neither a"),
+    "without middles": ([*MESH[:-1], "0,0,0,0,0"], r"line \d+: element 2 names node 0, which is not"),
     "twice in place": (
         [line.format("") for line in (*PART[:-1], "*INSTANCE,NAME=B-2,PART=B", "1,0,0", "*END INSTANCE", PART[-1])],
         "the mesh is in 2 pieces",
@@ -149,10 +186,13 @@ REFUSED = {
 }
 
 
-def test_a_set_of_elements_gives_a_set_of_their_nodes(tmp_path):
-    """By *NSET, ELSET; the first element has 20 of the deck's 32 nodes."""
+@pytest.mark.parametrize("part", [False, True])
+def test_a_set_of_elements_gives_a_set_of_their_nodes(part, tmp_path):
+    """By *NSET, ELSET, also in a part; the first element has 20 of the deck's 32 nodes."""
     path = tmp_path / "blade.inp"
-    path.write_text("\n".join([*MESH, *ROOT, "*ELSET,ELSET=FIRST", "1", "*NSET,NSET=INNER,ELSET=FIRST"]) + "\n")
+    lines = [*MESH, *ROOT, "*ELSET,ELSET=FIRST", "1", "*NSET,NSET=INNER,ELSET=FIRST"]
+    around = ["*PART,NAME=B"], ["*END PART", *(line.format("") for line in ASSEMBLY)]
+    path.write_text("\n".join([*around[0], *lines, *around[1]] if part else lines) + "\n")
     np.testing.assert_array_equal(read_volume(path).sets["INNER"], np.sort(CELLS[0][1:]) - 1)
 
 
@@ -216,5 +256,126 @@ def test_nastran_from_two_files_and_in_other_systems(tmp_path):
         with pytest.raises(MeshError, match=r"line 4: node 1 lies in coordinate system 5: expected nodes in the basic"):
             read_volume(path)
     path.write_text("\n".join([*lines[:-2], lines[-2][:24], "ENDDATA"]) + "\n")
-    with pytest.raises(MeshError, match=r"lack some of their nodes|some of their lines are not read"):
+    with pytest.raises(MeshError, match=r"line 71: CTETRA 12 has 8 nodes, expected 4 or 10"):
         read_volume(path)
+
+
+def test_an_included_file_is_that_of_the_main_decks_folder(tmp_path):
+    """As for CalculiX and Abaqus, also from files of other folders; only what is not there is one beside these."""
+    (tmp_path / "sub").mkdir()
+    path = tmp_path / "blade.inp"
+    path.write_text("\n".join(["*INCLUDE, INPUT=sub/all.inc", *MESH[len(NODES) + 1 :], *ROOT]) + "\n")
+    (tmp_path / "sub" / "all.inc").write_text("*INCLUDE, INPUT=nodes.inc\n")
+    for folder, factor in ((tmp_path / "sub", 2.0), (tmp_path, 1.0)):
+        (folder / "nodes.inc").write_text("\n".join(["*NODE", *scaled(factor)]) + "\n")
+        assert read_volume(path).size == pytest.approx(0.2 * factor)
+        assert files_of(path) == [path, tmp_path / "sub" / "all.inc", folder / "nodes.inc"]
+
+
+def test_nastran_in_fields_of_16_columns_and_what_is_no_cell(tmp_path):
+    mesh, lines = bulk("hexahedron20", "free")
+    wide = []
+    for line in lines[3:-1]:
+        if line.startswith("GRID"):
+            wide += [f"GRID*   {line[8:16]:>16}{'':16}{line[24:32]:>16}{line[32:40]:>16}", f"*       {line[40:48]:>16}"]
+        else:
+            own = line.split(",")[1:]
+            first = "CHEXA*" if line.startswith("CHEXA") else "*"
+            for k in range(0, len(own), 4):
+                wide.append(f"{first if k == 0 else '*':<8}" + "".join(f"{each:>16}" for each in own[k : k + 4]))
+    path = tmp_path / "blade.bdf"
+    path.write_text("\n".join([*lines[:3], *wide, "CONM2,90,1,,0.05", "CQUAD4,91,1,1,2,3,4,0.5", "ENDDATA"]) + "\n")
+    found = read_volume(path)
+    np.testing.assert_allclose(found.points[found.cells[0][1]], mesh.points[mesh.cells[0][1]], atol=1e-9)
+    refused = {
+        "CHEXA1,99,1,1,2,3,4,5,6\n,7,8": "line 80: CHEXA1 is not read: use CHEXA, CPENTA or CTETRA",
+        "GRDSET,,7": "line 80: GRDSET has nodes lie in coordinate system 7: expected nodes in the basic one",
+        "CQUAD8,99,1,1,2,3,4,5,6\n,7": "line 80: CQUAD8 99 has 7 nodes, expected 8",
+    }
+    for card, problem in refused.items():
+        path.write_text("\n".join([*lines[:3], *wide, card, "ENDDATA"]) + "\n")
+        with pytest.raises(MeshError, match=problem):
+            read_volume(path)
+
+
+def gmsh(mesh, labels, grouped):
+    """A box of tetrahedra in Gmsh's format 4.1, its faces at the ends in x two surfaces: the first is the root.
+
+    grouped: whether the other surface is in a physical group, too.
+    """
+    (faces,), x = mesh.boundary(), mesh.points[:, 0]
+    ends = [faces[(x[faces] == end).all(axis=1)] for end in (x.min(), x.max())]
+    blocks = [(2, n, 9, np.hstack([face[:, ::2], face[:, 1::2]])) for n, face in enumerate(ends, 1)]
+    blocks.append((3, 1, 11, mesh.cells[0][1][:, [*range(8), 9, 8]]))
+    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", "2", '2 7 "NROOT"', '3 8 "V"']
+    lines += ["$EndPhysicalNames", "$Entities", "1 0 2 1", "1 0 0 0 0", "1 0 0 0 0 1 1 1 7 2 -99 98"]
+    lines += [f"2 1 0 0 1 1 1 {'1 9' if grouped else 0} 1 97", "1 0 0 0 1 1 1 1 8 2 1 2", "$EndEntities"]
+    count = len(labels)
+    lines += ["$Nodes", f"1 {count} {labels.min()} {labels.max()}", f"3 1 0 {count}", *map(str, labels)]
+    lines += [*(" ".join(map(repr, point)) for point in mesh.points.tolist()), "$EndNodes", "$Elements"]
+    lines += [f"3 {sum(len(nodes) for *_, nodes in blocks)} 1 999"]
+    for dimension, entity, kind, nodes in blocks:
+        lines.append(f"{dimension} {entity} {kind} {len(nodes)}")
+        lines += [" ".join(map(str, (number, *labels[own]))) for number, own in enumerate(nodes, 1)]
+    return "\n".join([*lines, "$EndElements"]) + "\n"
+
+
+@pytest.mark.parametrize("grouped", [True, False])
+def test_gmsh_saves_a_root_and_all_elements(grouped, tmp_path):
+    """With curves around surfaces that have higher numbers than there are cells; or surfaces in no group."""
+    mesh, path = box("tetra10", (2, 1, 1), (0.2, 0.04, 0.02)), tmp_path / "blade.msh"
+    labels = np.random.default_rng(0).permutation(len(mesh.points)) * 3 + 5
+    path.write_text(gmsh(mesh, labels, grouped))
+    found = read_volume(path)
+    np.testing.assert_array_equal(found.sets["NROOT"], np.flatnonzero(mesh.points[:, 0] == 0.0))
+    np.testing.assert_array_equal(found.sets["V"], np.arange(len(mesh.points)))
+    np.testing.assert_array_equal(found.labels, labels)
+    np.testing.assert_array_equal(found.points, mesh.points)
+
+
+def numbered(kind, path):
+    """A mesh file of a kind, and the number that it gives the node at each of its places."""
+    mesh = box("tetra10", (2, 1, 1), (0.2, 0.04, 0.02))
+    labels, every = 1000 - 7 * np.arange(len(mesh.points)), [point.tolist() for point in mesh.points]
+    places = [*zip(labels.tolist(), every, strict=True), (1001, [9.0, 9.0, 9.0])]  # the last is of no cell
+    if kind == "gmsh":
+        path.write_text(gmsh(mesh, labels, grouped=False))
+    elif kind == "gmsh, format 2":
+        nodes = [f"{label} {' '.join(map(repr, at))}" for label, at in places]
+        cells = [f"{n} 11 2 0 1 {' '.join(map(str, labels[own[[*range(8), 9, 8]]]))}" for n, own in cells_of(mesh)]
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *nodes, "$EndNodes"]
+        path.write_text("\n".join([*lines, "$Elements", str(len(cells)), *cells, "$EndElements"]) + "\n")
+    elif kind == "nastran":
+        nodes = [f"GRID,{label},,{','.join(map(repr, at))}" for label, at in places]
+        cells = [[str(n), "1", *map(str, labels[own])] for n, own in cells_of(mesh)]
+        lines = [f"CTETRA,{','.join(own[:8])}\n,{','.join(own[8:])}" for own in cells]
+        path.write_text("\n".join(["BEGIN BULK", *nodes, *lines, "ENDDATA"]) + "\n")
+    elif kind == "ansys":
+        meshlane.write(
+            path, meshlane.Mesh(np.vstack([[9.0, 9.0, 9.0], mesh.points]), [("tetra10", mesh.cells[0][1] + 1)])
+        )
+        labels = np.arange(2, len(mesh.points) + 2)
+    else:
+        nodes = [f"{label},{','.join(map(repr, at))}" for label, at in places[::-1]]
+        cells = [f"{n},{','.join(map(str, labels[own]))}" for n, own in cells_of(mesh)]
+        lines = ["*NODE", *nodes, "*ELEMENT,TYPE=C3D10", *cells]
+        if kind == "instance":
+            lines = ["*PART,NAME=B", *lines, "*END PART", *(line.format("") for line in ASSEMBLY)]
+            lines.insert(-1, "*NODE\n1000,8,8,8")  # a point of reference
+        path.write_text("\n".join(lines) + "\n")
+    return dict(zip(labels.tolist(), every, strict=True))
+
+
+def cells_of(mesh):
+    return enumerate(mesh.cells[0][1], 1)
+
+
+KINDS = {"deck": "inp", "instance": "inp", "nastran": "bdf", "gmsh": "msh", "gmsh, format 2": "msh", "ansys": "cdb"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nodes_keep_the_numbers_of_their_file(kind, tmp_path):
+    path = tmp_path / f"blade.{KINDS[kind]}"
+    at = numbered(kind, path)
+    mesh = read_volume(path)
+    np.testing.assert_allclose([at[label] for label in mesh.labels.tolist()], mesh.points, atol=1e-12)

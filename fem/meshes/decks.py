@@ -1,0 +1,434 @@
+"""Decks of Abaqus, CalculiX and Nastran: in the plain form that readers take, and what they hold beside the mesh.
+
+Included files are put in their place, sets are written as numbers, elements one a line by the name of their family;
+what readers do not know is left out. What would generate or move nodes is refused, and so are cells that readers do not
+know: they would pass over these and be left with another mesh.
+"""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from fem.meshes.planform import MeshError
+
+Lines = Iterator[tuple[str, str]]
+"""Lines of a deck, each after where it stands."""
+
+NASTRAN = (".bdf", ".nas", ".fem")
+"""Endings of Nastran's files."""
+
+_DATA = re.compile(
+    r"\s*(?P<keyword>\*\s*(?:INCLUDE|NODE|ELEMENT|NSET|ELSET))\b.*?(?P<option>,\s*INPUT\s*=(?P<file>[^,]+))",
+    re.IGNORECASE,
+)
+_INCLUDE = re.compile(r"(?P<keyword>INCLUDE)\s+(?P<file>.+)", re.IGNORECASE)
+"""Lines that name a file with data."""
+
+_IN_FULL = "write the mesh in full, as cgx does by `send all abq` and Abaqus/CAE into its job's file"
+
+_REFUSED = {
+    **dict.fromkeys(("NGEN", "NFILL", "NCOPY", "NMAP"), "generates nodes"),
+    **dict.fromkeys(("ELGEN", "ELCOPY"), "generates elements"),
+    "SYSTEM": "moves nodes",
+}
+"""Keywords of Abaqus and CalculiX that are not read, and what each does."""
+
+_SOLID = re.compile(r"D?C3D(4|6|8|10|15|20)[HIMRST]*")
+_SHELL = re.compile(r"(?:D?S|STRI|M3D)[34689]\w*")
+_SURFACE = re.compile(r"(?:D?S|STRI|M3D|SFM3D|R3D|CP[SE]G?|D?C[AG]XA?|[AD]C2D|[AD]CAX|F3D)([34689])\w*")
+_BEAM = re.compile(r"(?:B[23][123]|PIPE[23][12])\w*")
+_NO_CELL = re.compile(
+    r"[DA]C1D\w*|T[23]D\w*|R2D2|RB[23]D2|MASS|ROTARYI|HEATCAP|(?:SPRING|DASHPOT|CONN|DCOUP|JOINT|GAP|ITT|ITS)\w*"
+)
+"""Types of elements of Abaqus and CalculiX, with their number of nodes: those with a volume, shells and membranes, all
+that lie in a surface, beams, and others that are no cells."""
+
+_SURFACES = {"3": "S3", "4": "S4", "6": "STRI65", "8": "S8R", "9": "S9R5"}
+"""What readers call elements in a surface, by the number of nodes."""
+
+_CARDS = {
+    "CTETRA": (4, 10),
+    "CPENTA": (6, 15),
+    "CHEXA": (8, 20),
+    **dict.fromkeys(("CPYRAM", "CPYRA"), (5, 13)),
+    **dict.fromkeys(("CTRIA3", "CTRIAR"), (3,)),
+    **dict.fromkeys(("CQUAD4", "CQUADR", "CSHEAR"), (4,)),
+    "CTRIA6": (6,),
+    "CQUAD8": (8,),
+    "CQUAD9": (9,),
+}
+"""Cells of Nastran, and how many nodes they may have."""
+
+_CELL = re.compile(r"CI?(?:HEX|TET|PEN|PYR|WED|QUAD|TRI)\w*")
+"""Names of Nastran's cards of cells, those that are not read among them."""
+
+
+def is_deck(path: Path) -> bool:
+    """Whether a file is a deck, by its name and what is in it."""
+    suffix = path.suffix.lower()
+    return suffix in NASTRAN or (
+        suffix == ".inp" and re.search(rb"(?i)\*\s*(node|include)\b", path.read_bytes()) is not None
+    )
+
+
+def plain(path: Path) -> tuple[list[str], list[int]]:
+    """Lines of a deck in plain form, and the numbers of its nodes in the order in which readers have them.
+
+    Raises:
+        MeshError: it names a file that is not there, or holds what would be read wrongly; file and line are named.
+    """
+    labels: list[int] = []
+    lines = _nastran(_cards(path)) if path.suffix.lower() in NASTRAN else _abaqus(_keywords_and_data(path), labels)
+    return list(lines), labels
+
+
+def included_files(path: Path) -> list[Path]:
+    """A deck, and those that there are of the files that it names with parts of its mesh."""
+    names, seen, files = _DATA if path.suffix.lower() == ".inp" else _INCLUDE, {path.resolve()}, [path]
+    for each in files:  # which grows on the way
+        raw = each.read_bytes() if each.is_file() else b""
+        lines = _text(raw).splitlines() if re.search(rb"(?i)include|input", raw) else []
+        for named in filter(None, map(names.match, lines)):
+            other = _located(path, each, named)
+            if other.is_file() and other.resolve() not in seen:
+                seen.add(other.resolve())
+                files.append(other)
+    return files
+
+
+def _text(raw: bytes) -> str:
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace")
+
+
+def _located(deck: Path, path: Path, named: re.Match[str]) -> Path:
+    """A file that a line names, from the folder of the main deck as for CalculiX and Abaqus, or else from its own."""
+    name = named["file"].strip(" '\"")
+    return deck.parent / name if (deck.parent / name).is_file() else path.parent / name
+
+
+def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) -> Lines:
+    """Lines of a deck and of the files that its lines name, each with where it stands."""
+    for number, line in enumerate(_text(path.read_bytes()).splitlines(), 1):
+        where = f"{path.name}, line {number}" if outer else f"line {number}"
+        named = names.match(line)
+        if named is None:
+            yield where, line
+            continue
+        if not named["keyword"].upper().endswith("INCLUDE"):
+            yield where, line.replace(named["option"], "")
+        other = _located((*outer, path)[0], path, named)
+        if not other.is_file() or other.resolve() in {each.resolve() for each in (*outer, path)}:
+            why = "which includes it" if other.is_file() else "which is not a file"
+            raise MeshError(f"{where}: it includes {named['file'].strip()!r}, {why}")
+        yield from _included(other, names, (*outer, path))
+
+
+def _keywords_and_data(path: Path) -> Lines:
+    """Lines of a deck of Abaqus, those of included files too, without comments, blank ones and blanks around them."""
+    begun = ""
+    for where, line in _included(path, _DATA):
+        if not line.strip() or line.lstrip().startswith("**"):
+            continue
+        if begun and ("=" not in line or line.lstrip().startswith("*")):
+            yield where, begun
+            begun = ""
+        line = begun + line.strip()
+        begun = line if line.startswith("*") and line.endswith(",") else ""  # a keyword may go on
+        if not begun:
+            yield where, line
+
+
+@dataclass(frozen=True)
+class _Sets:
+    """Sets of a deck, by their names in capital letters: these may differ in case.
+
+    Attributes:
+        keyword: NSET or ELSET.
+        members: numbers of nodes or elements; of a part that has the same name as one before, its own.
+        spelled: names as the deck spells them last.
+        here: sets of the part at hand, which are still to be written.
+    """
+
+    keyword: str
+    members: dict[str, list[str]] = field(default_factory=dict)
+    spelled: dict[str, str] = field(default_factory=dict)
+    here: set[str] = field(default_factory=set)
+
+    def of(self, name: str) -> list[str]:
+        """Members of a set of the part at hand, to be added to."""
+        key = name.upper()
+        self.spelled[key] = name
+        if key not in self.here:
+            self.here.add(key)
+            self.members[key] = []
+        return self.members[key]
+
+    def listed(self, where: str, line: str, *, generate: bool) -> list[str]:
+        """What a line of data stands for."""
+        parts = [part.strip() for part in line.split(",") if part.strip()]
+        if not generate:
+            return [each for part in parts for each in self._named(where, part)]
+        try:
+            first, *rest = map(int, parts)
+            last, step = (*rest, first, 1)[:2] if len(rest) != 1 else (rest[0], 1)
+            return [str(number) for number in range(first, last + 1, step)]
+        except ValueError:
+            raise MeshError(f"{where}: expected the first and the last number and a step, not {line!r}") from None
+
+    def _named(self, where: str, part: str) -> list[str]:
+        if part.isdigit():
+            return [part]
+        name = part.strip('"').upper()
+        for known in (name, name.rpartition(".")[2]):  # an instance's name before it
+            if known in self.members:
+                return self.members[known]
+        kind = "nodes" if self.keyword == "NSET" else "elements"
+        raise MeshError(f"{where}: a set of {kind} holds {part!r}, which is neither a number nor a set defined above")
+
+    def written(self) -> Iterator[str]:
+        """The sets of the part at hand, which ends here."""
+        for name in sorted(self.here):
+            if self.members[name]:
+                yield from (f"*{self.keyword}, {self.keyword}={self.spelled[name]}", ", ".join(self.members[name]))
+        self.here.clear()
+
+
+def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
+    """A deck of Abaqus in plain form; the numbers of its nodes are added to `labels`."""
+    sets = {keyword: _Sets(keyword) for keyword in ("NSET", "ELSET")}
+    parts: dict[str, list[int]] = {}
+    of_cells: set[str] = set()  # sets of nodes by elements, which readers have as sets of elements
+    row, owner, numbers, inline, generate = list[str](), list[str](), labels, False, False
+    key, kind, count, last = "", "", 0, ""
+    for where, line in lines:
+        if line.startswith("*"):
+            _check_nodes(last, row, kind, count)
+            row = []
+            key, options = _keyword(line)
+            _refuse(where, key, options)
+            owner, inline, generate = [], False, "GENERATE" in options
+            name = options.get({"NODE": "NSET", "ELEMENT": "ELSET"}.get(key, key), "")
+            cells = options.get("ELSET", "") if key == "NSET" else ""
+            taken = (sets["NSET"].here | sets["ELSET"].here) - {cells.upper()} if cells else of_cells
+            if name.upper() in of_cells | taken:
+                raise MeshError(f"{where}: another set is called {name.upper()}, one by *NSET, ELSET: use two names")
+            if key.rpartition(" ")[2] in ("PART", "INSTANCE", "ASSEMBLY"):
+                yield from (*sets["NSET"].written(), *sets["ELSET"].written())
+                of_cells = set()  # sets of another part may have the same names
+                numbers = parts.setdefault(options["NAME"].upper(), []) if key == "PART" else labels
+                if key == "INSTANCE":
+                    labels += parts.get(options.get("PART", "").upper(), [])
+                yield ", ".join([f"*{key}", *(f"{each}={options[each].upper()}" for each in _OWN if each in options)])
+            elif key == "NODE":
+                owner = sets["NSET"].of(name) if name else []
+                yield "*NODE"
+            elif key == "ELEMENT":
+                kind = options.get("TYPE", "").upper()
+                count, plain_kind = _family(where, kind)
+                owner = sets["ELSET"].of(name) if name else []
+                if count:
+                    yield f"*ELEMENT, TYPE={plain_kind}"
+            elif key in sets:
+                if not name:
+                    raise MeshError(f"{where}: *{key} without the name of a set")
+                if cells:
+                    if name.upper() != cells.upper():
+                        of_cells.add(name.upper())
+                        sets["ELSET"].of(name).extend(sets["ELSET"].listed(where, cells, generate=False))
+                    key = ""
+                elif inline := "INSTANCE" in options:
+                    owner = sets[key].members.setdefault(name.upper(), [])
+                    spelled = sets[key].spelled.setdefault(name.upper(), name)
+                    yield f"*{key}, {key}={spelled}, INSTANCE={options['INSTANCE'].upper()}"
+                else:
+                    owner = sets[key].of(name)
+        elif key == "NODE":
+            number = line.partition(",")[0].strip()
+            numbers.append(int(number) if number.isdigit() else -1)
+            owner.append(number)
+            yield _E.sub("E", line)
+        elif key == "INSTANCE":
+            yield _E.sub("E", line)
+        elif key == "ELEMENT":
+            own = [part.strip() for part in line.split(",") if part.strip()]
+            if len(row) + len(own) > count + 1:  # lines continue an element as long as it lacks nodes
+                _check_nodes(*((last, row) if row else (where, own)), kind, count)
+            row, last = [*row, *own], where
+            if len(row) == count + 1 or not (count or line.endswith(",")):
+                owner.append(row[0])
+                if count:
+                    yield ",".join(row)
+                row = []
+        elif key in sets:
+            own = sets[key].listed(where, line, generate=generate)
+            owner += own
+            if inline:
+                yield ", ".join(own)
+    _check_nodes(last, row, kind, count)
+    yield from (*sets["NSET"].written(), *sets["ELSET"].written())
+    if not labels:  # parts without an instance
+        labels += [number for own in parts.values() for number in own]
+
+
+_OWN = ("NAME", "PART")
+"""Options of parts, instances and assemblies that place their nodes."""
+
+_E = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
+"""Exponents as Fortran writes them."""
+
+
+def _check_nodes(where: str, row: list[str], kind: str, count: int) -> None:
+    """Refuse an element that is begun and has not the nodes of its kind."""
+    if count and row:
+        raise MeshError(f"{where}: element {row[0]} has {len(row) - 1} nodes, and {kind} has {count}")
+
+
+def _family(where: str, kind: str) -> tuple[int, str]:
+    """Number of nodes of a kind of element, and what readers call it; of one that is no cell 0.
+
+    Raises:
+        MeshError: it may be a cell, and is not read.
+    """
+    if solid := _SOLID.fullmatch(kind):
+        return int(solid[1]), f"C3D{solid[1]}"
+    if surface := _SURFACE.fullmatch(kind):
+        return int(surface[1]), _SURFACES[surface[1]]
+    if _BEAM.fullmatch(kind) or _NO_CELL.fullmatch(kind):
+        return 0, ""
+    use = "use C3D10, C3D20, C3D15 or those of first order, in a plate S4 or S8R"
+    raise MeshError(f"{where}: elements {kind or 'without a type'} are not read: {use}")
+
+
+def _keyword(line: str) -> tuple[str, dict[str, str]]:
+    """A keyword of Abaqus, and its options by name; capital letters."""
+    key, *options = (part.strip() for part in line.strip().lstrip("*").split(","))
+    pairs = (option.partition("=") for option in options)
+    return " ".join(key.upper().split()), {name.strip().upper(): value.strip().strip('"') for name, _, value in pairs}
+
+
+def _refuse(where: str, key: str, options: Mapping[str, str]) -> None:
+    """Raise MeshError for what generates or moves nodes and elements."""
+    if key in _REFUSED:
+        raise MeshError(f"{where}: *{key} {_REFUSED[key]}, which is not read: {_IN_FULL}")
+    if key == "NODE" and options.get("SYSTEM", "R").upper() != "R":
+        raise MeshError(f"{where}: *NODE, SYSTEM={options['SYSTEM']}: expected nodes in rectangular coordinates")
+
+
+def deck_fault(path: Path) -> str:
+    """What is wrong with the numbers of a deck of Abaqus that cannot be used, by line; empty: nothing that is seen."""
+    nodes: dict[int, str] = {}
+    named: list[tuple[str, int, str]] = []
+    lines, first = Counter[int](), dict[int, str]()  # by how many coordinates they have
+    key, count, owner, row = "", 0, "", list[str]()
+    for where, line in _keywords_and_data(path) if path.suffix.lower() == ".inp" else ():
+        if line.startswith("*"):
+            key, options = _keyword(line)
+            if key in ("PART", "END PART", "INSTANCE", "END INSTANCE"):  # which number their own nodes
+                if fault := _unknown(named, nodes):
+                    return fault
+                nodes, named = {}, []
+            count = _family(where, options.get("TYPE", "").upper())[0] if key == "ELEMENT" else 0
+            owner = "" if key == "ELEMENT" else f"set {options.get('NSET')}"
+            key, row = "" if options.keys() & {"GENERATE", "INSTANCE"} else key, []
+            continue
+        values = [value.strip() for value in line.rstrip(",").split(",")]
+        if key == "NODE":
+            try:
+                number, place = int(values[0]), [float(_E.sub("E", value)) for value in values[1:]]
+            except ValueError:
+                return f"{where}: expected a node's number and its coordinates, not {line!r}"
+            if len(place) > 3 and "." not in line:
+                return f"{where}: node {number} has {len(place)} coordinates, not 3: are commas decimal signs?"
+            lines[len(place)] += 1
+            first.setdefault(len(place), f"{where}: node {number}")
+            if number < 1:
+                return f"{where}: node {number}: expected a number above 0"
+            if number in nodes:
+                return f"{where}: node {number} is listed twice, first in {nodes[number]}"
+            if not all(map(math.isfinite, place)):
+                return f"{where}: node {number} has coordinates that are not finite"
+            nodes[number] = where
+        elif key in ("ELEMENT", "NSET"):
+            numbers = [int(value) for value in values if value.isdigit()]
+            if key == "ELEMENT" and not row:
+                owner, numbers = f"element {values[0]}", numbers[1:]
+            row = [] if len(row) + len(values) > count else [*row, *values]
+            named += [(where, number, owner) for number in numbers]
+    if len(lines) > 1:
+        odd, *_, usual = sorted(lines, key=lambda count: lines[count])
+        comma = ": are commas decimal signs?" if odd > usual else ""
+        return f"{first[odd]} has {odd} coordinate{'s' * (odd != 1)}, not {usual}{comma}"
+    return _unknown(named, nodes)
+
+
+def _unknown(named: list[tuple[str, int, str]], nodes: Mapping[int, str]) -> str:
+    """The first node that an element or a set names and that there is not."""
+    for where, number, owner in named:
+        if nodes and number not in nodes:
+            return f"{where}: {owner} names node {number}, which is not in the file"
+    return ""
+
+
+def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
+    """Cards of a Nastran file, those of included files too: where each stands, its name and its fields.
+
+    A card is in free format, or in fields of 8 or, where its name has a star, 16 columns; lines that begin with blanks,
+    +, * or a comma continue it.
+    """
+    where, name, fields, bulk = "", "", list[str](), False
+    for place, line in _included(path, _INCLUDE):
+        line = line.partition("$")[0].rstrip().expandtabs(8)
+        if not bulk or not line.strip(" ,"):
+            bulk = bulk or line.strip().upper().startswith("BEGIN")
+            continue
+        if line.upper().startswith("ENDDATA"):
+            break
+        first, *own = line.split(",") if "," in line else (line[:8],)
+        wide = "*" in first
+        if "," in line:
+            own = own if len(own) > 9 else own[:8]  # the last field of ten is a mark
+        else:
+            own = [line[k : k + 8 * (1 + wide)] for k in range(8, 72, 8 * (1 + wide))]
+        own = [each.strip() for each in own]
+        own += [""] * ((4 if wide else 8) - len(own))
+        if first.strip() and first[0] not in "+*":
+            if name:
+                yield where, name, fields
+            where, name, fields = place, first.strip().rstrip("*").upper(), own
+        else:
+            fields = [*fields, *own]
+    if name:
+        yield where, name, fields
+
+
+def _nastran(cards: Iterator[tuple[str, str, list[str]]]) -> Iterator[str]:
+    """The nodes and cells of a Nastran file, in free format."""
+    yield "BEGIN BULK"
+    for where, name, fields in cards:
+        if name in ("GRID", "GRDSET"):
+            if fields[1] not in ("", "0"):
+                who = f"node {fields[0]} lies" if name == "GRID" else "GRDSET has nodes lie"
+                raise MeshError(
+                    f"{where}: {who} in coordinate system {fields[1]}: expected nodes in the basic one (CP = 0)"
+                )
+            if name == "GRID":
+                yield ",".join([name, fields[0], "", *(each or "0." for each in fields[2:5])])
+        elif name in _CARDS:
+            counts, nodes = _CARDS[name], [each for each in fields[2:] if each]
+            if len(counts) == 1:  # others have thicknesses behind them
+                nodes = [each for each in fields[2 : 2 + counts[0]] if each]
+            if len(nodes) not in counts:
+                expected = " or ".join(map(str, counts))
+                raise MeshError(f"{where}: {name} {fields[0]} has {len(nodes)} nodes, expected {expected}")
+            own = [name, *fields[:2], *nodes]
+            yield ",".join(own[:9])
+            yield from (",".join(["+", *own[k : k + 8]]) for k in range(9, len(own), 8))
+        elif _CELL.fullmatch(name):
+            raise MeshError(f"{where}: {name} is not read: use CHEXA, CPENTA or CTETRA, in a plate CQUAD4 or CTRIA3")
+    yield "ENDDATA"
