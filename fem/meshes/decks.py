@@ -158,14 +158,14 @@ class _Sets:
     keyword: str
     members: dict[str, list[str]] = field(default_factory=dict)
     spelled: dict[str, str] = field(default_factory=dict)
-    here: set[str] = field(default_factory=set)
+    here: dict[str, None] = field(default_factory=dict)
 
     def of(self, name: str) -> list[str]:
         """Members of a set of the part at hand, to be added to."""
         key = name.upper()
         self.spelled[key] = name
         if key not in self.here:
-            self.here.add(key)
+            self.here[key] = None
             self.members[key] = []
         return self.members[key]
 
@@ -193,7 +193,7 @@ class _Sets:
 
     def written(self) -> Iterator[str]:
         """The sets of the part at hand, which ends here."""
-        for name in sorted(self.here):
+        for name in self.here:
             if self.members[name]:
                 yield from (f"*{self.keyword}, {self.keyword}={self.spelled[name]}", ", ".join(self.members[name]))
         self.here.clear()
@@ -215,7 +215,7 @@ def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
             owner, inline, generate = [], False, "GENERATE" in options
             name = options.get({"NODE": "NSET", "ELEMENT": "ELSET"}.get(key, key), "")
             cells = options.get("ELSET", "") if key == "NSET" else ""
-            taken = (sets["NSET"].here | sets["ELSET"].here) - {cells.upper()} if cells else of_cells
+            taken = {*sets["NSET"].here, *sets["ELSET"].here} - {cells.upper()} if cells else set()
             if name.upper() in of_cells | taken:
                 raise MeshError(f"{where}: another set is called {name.upper()}, one by *NSET, ELSET: use two names")
             if key.rpartition(" ")[2] in ("PART", "INSTANCE", "ASSEMBLY"):

@@ -523,7 +523,7 @@ class SolvedBlade:
         blade = self.operators.blade
         lowest = self.at(float(self.sweep.squares[0]) ** 0.5)
         mesh = blade.mesh
-        return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets)
+        return ModalModel(mesh.points, (lowest,), blade.axis, blade.origin, mesh.cells, mesh.sets, mesh.labels)
 
     def root_strain(self, modes: ModesAtSpeed, number: int) -> float | None:
         """Largest strain over the root's section in a mode, numbered from 0, by bending and pull [m^-1 per kg^1/2 m].

@@ -273,6 +273,29 @@ def test_a_cavity_that_the_blade_has_no_room_for_is_remarked(bricks, cavity, wro
         assert re.search(rf"near \(24[68], -?{across:g}\.?\d*, ", said[0])
 
 
+def test_a_node_goes_by_the_number_of_its_file(tmp_path):
+    """It went by its place in the file, here 17, the number of another node; a VTU has no numbers."""
+    mesh = flat(tmp_path, (4, 2, 1), "flat.inp", 3.0)
+    labels = 17 + 5 * np.arange(len(mesh.points))[::-1]
+    nodes = [f"{label},{','.join(map(repr, at))}" for label, at in zip(labels, mesh.points.tolist(), strict=True)]
+    cells = [f"{n},{','.join(map(str, labels[own]))}" for n, own in enumerate(mesh.cells[0].data, 1)]
+    (tmp_path / "flat.inp").write_text("\n".join(["*NODE", *nodes, "*ELEMENT,TYPE=C3D20R", *cells]) + "\n")
+    place = np.flatnonzero((mesh.points == [0.25, 0.0, 0.0]).all(axis=1)).item()
+    named, given = (
+        pipeline.structure(on_bricks(tmp_path, "at = [0.25, 0.0, 0.0]", f"at = {at}"), QUIET, shapes=False)
+        for at in (labels[place], [0.25, 0.0, 0.0])
+    )
+    assert named.points[0].reduced == given.points[0].reduced
+    for number in (place + 1, labels.max() + 5):
+        problem = rf"\[damper\] at = {number}: no such node: expected a number from 17 to {labels.max()}"
+        with pytest.raises(BadInput, match=problem):
+            pipeline.structure(on_bricks(tmp_path, "at = [0.25, 0.0, 0.0]", f"at = {number}"), QUIET)
+    mesh.write(tmp_path / "flat.vtu")
+    (tmp_path / "bricks.toml").write_text((tmp_path / "bricks.toml").read_text().replace("flat.inp", "flat.vtu"))
+    with pytest.raises(BadInput, match="the numbers of the nodes are not known from this file: expected three"):
+        pipeline.structure(load(tmp_path / "bricks.toml"), QUIET)
+
+
 @pytest.mark.parametrize("case", TEXTS["bricks"].values(), ids=TEXTS["bricks"])
 def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
     """A plate of 10 mm times 80 mm times 200 mm of 4430 kg/m³; steel of 7850 kg/m³."""

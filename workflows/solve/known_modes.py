@@ -780,6 +780,9 @@ def _point(source: SceneFile, model: ModalModel, at: tuple[float, ...] | str | i
         return np.array(at, dtype=np.float64)
     if isinstance(at, str):
         return np.asarray(model.points[named_set(source, model.sets, at, key)].mean(axis=0))
+    if source.scene.blade is not None and model.labels is None:
+        problem = "the numbers of the nodes are not known from this file: expected three lengths, or a set of nodes"
+        raise source.wrong(problem, key, at)
     labels = np.arange(1, len(model.points) + 1) if model.labels is None else model.labels
     rows = np.flatnonzero(labels == at)
     if not rows.size:
