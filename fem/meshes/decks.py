@@ -74,15 +74,87 @@ def is_deck(path: Path) -> bool:
     )
 
 
-def plain(path: Path) -> tuple[list[str], list[int]]:
-    """Lines of a deck in plain form, and the numbers of its nodes in the order in which readers have them.
+@dataclass(frozen=True)
+class DeckContents:
+    """What a deck holds, beside what readers take of it.
+
+    Attributes:
+        labels: numbers of its nodes in the order in which readers have them.
+        elements: how many there are of each type.
+        keywords: how often each occurs; of Nastran, cards.
+        held: nodes, or sets of them, whose displacements *BOUNDARY holds.
+        materials: Young's modulus, Poisson's ratio and density in the deck's units, as far as they are given.
+        used: materials of solid sections.
+    """
+
+    labels: list[int] = field(default_factory=list)
+    elements: Counter[str] = field(default_factory=Counter)
+    keywords: Counter[str] = field(default_factory=Counter)
+    held: dict[str, None] = field(default_factory=dict)
+    materials: dict[str, list[float | None]] = field(default_factory=dict)
+    used: dict[str, None] = field(default_factory=dict)
+
+    def missing(self) -> dict[str, str]:
+        """What a blade lacks without elements that are not solid, by their type."""
+        return {
+            kind: lost
+            for kind in self.elements
+            for lost, kinds in _LOST.items()
+            if re.fullmatch(kinds, kind) and (self.used or not kind.startswith("T"))
+        }
+
+    def unused(self) -> dict[str, int]:
+        """Constraints and anisotropy by their keywords, and how often each occurs."""
+        return {key: count for key, count in self.keywords.items() if _UNUSED.fullmatch(key)}
+
+    def note(self, key: str, material: str, line: str) -> None:
+        """Take down a line of data of *BOUNDARY, or the first of *ELASTIC or *DENSITY."""
+        words = [word.strip() for word in line.split(",")]
+        if key == "BOUNDARY":
+            first = int(words[1]) if len(words) > 1 and words[1].isdigit() else 1  # or a name such as ENCASTRE
+            if first <= 3:
+                self.held[words[0].strip('"').rpartition(".")[2]] = None
+            return
+        own, given = self.materials.setdefault(material, [None, None, None]), [_number(word) for word in words]
+        if key == "DENSITY" and own[2] is None:
+            own[2] = given[0]
+        elif key == "ELASTIC" and own[0] is None:
+            own[:2] = given[:2]
+
+
+_LOST = {
+    "mass": r"MASS|ROTARYI|CONM\d|CMASS\d",
+    "stiffness": r"(?:SPRING|GAP|CONN|JOINT|CELAS|CBUSH|CGAP)\w*",
+    "mass and stiffness": rf"{_SHELL.pattern}|{_BEAM.pattern}|T[23]D\w*|C(?:QUAD|TRI|SHEAR|BAR|BEAM|BEND|ROD|TUBE)\w*",
+}
+"""What elements beside solid ones have; those of trusses stand for edges where no section is given."""
+
+_UNUSED = re.compile(
+    r"EQUATION|MPC|TIE|RIGID BODY|(?:KINEMATIC |DISTRIBUTING )?COUPLING|CONTACT PAIR|CYCLIC SYMMETRY MODEL|ORIENTATION"
+    r"|PRE-TENSION SECTION|EMBEDDED ELEMENT|ELASTIC, TYPE=.*|RBE\d|RBAR|RROD|MAT(?:2|3|8|9|11)|PCOMP\w*"
+)
+"""Keywords of Abaqus and CalculiX and cards of Nastran that change a blade, and are not used."""
+
+
+def _number(word: str) -> float | None:
+    """A number as Abaqus and Nastran write it, 1.5+9 among them; None: it is none."""
+    try:
+        return float(re.sub(r"(?<=[\d.])[dDeE]?(?=[+-]\d)", "e", _E.sub("E", word)))
+    except ValueError:
+        return None
+
+
+def plain(path: Path) -> tuple[list[str], DeckContents]:
+    """Lines of a deck in plain form, and what it holds.
 
     Raises:
         MeshError: it names a file that is not there, or holds what would be read wrongly; file and line are named.
     """
-    labels: list[int] = []
-    lines = _nastran(_cards(path)) if path.suffix.lower() in NASTRAN else _abaqus(_keywords_and_data(path), labels)
-    return list(lines), labels
+    found = DeckContents()
+    lines = (
+        _nastran(_cards(path), found) if path.suffix.lower() in NASTRAN else _abaqus(_keywords_and_data(path), found)
+    )
+    return list(lines), found
 
 
 def included_files(path: Path) -> list[Path]:
@@ -199,19 +271,20 @@ class _Sets:
         self.here.clear()
 
 
-def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
-    """A deck of Abaqus in plain form; the numbers of its nodes are added to `labels`."""
+def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
+    """A deck of Abaqus in plain form; what it holds is added to `found`."""
     sets = {keyword: _Sets(keyword) for keyword in ("NSET", "ELSET")}
     parts: dict[str, list[int]] = {}
     of_cells: set[str] = set()  # sets of nodes by elements, which readers have as sets of elements
-    row, owner, numbers, inline, generate = list[str](), list[str](), labels, False, False
-    key, kind, count, last = "", "", 0, ""
+    row, owner, labels, inline, generate = list[str](), list[str](), found.labels, False, False
+    key, kind, count, last, material = "", "", 0, "", ""
     for where, line in lines:
         if line.startswith("*"):
             _check_nodes(last, row, kind, count)
             row = []
             key, options = _keyword(line)
             _refuse(where, key, options)
+            found.keywords[key] += 1
             owner, inline, generate = [], False, "GENERATE" in options
             name = options.get({"NODE": "NSET", "ELEMENT": "ELSET"}.get(key, key), "")
             cells = options.get("ELSET", "") if key == "NSET" else ""
@@ -221,7 +294,7 @@ def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
             if key.rpartition(" ")[2] in ("PART", "INSTANCE", "ASSEMBLY"):
                 yield from (*sets["NSET"].written(), *sets["ELSET"].written())
                 of_cells = set()  # sets of another part may have the same names
-                numbers = parts.setdefault(options["NAME"].upper(), []) if key == "PART" else labels
+                labels = parts.setdefault(options["NAME"].upper(), []) if key == "PART" else found.labels
                 if key == "INSTANCE":
                     labels += parts.get(options.get("PART", "").upper(), [])
                 yield ", ".join([f"*{key}", *(f"{each}={options[each].upper()}" for each in _OWN if each in options)])
@@ -248,9 +321,16 @@ def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
                     yield f"*{key}, {key}={spelled}, INSTANCE={options['INSTANCE'].upper()}"
                 else:
                     owner = sets[key].of(name)
+            elif key == "MATERIAL":
+                material = options.get("NAME", "").upper()
+            elif key == "SOLID SECTION":
+                found.used[options.get("MATERIAL", "").upper()] = None
+            elif key == "ELASTIC" and not options.get("TYPE", "ISO").upper().startswith("ISO"):
+                key = f"ELASTIC, TYPE={options['TYPE'].upper()}"
+                found.keywords[key] += 1
         elif key == "NODE":
             number = line.partition(",")[0].strip()
-            numbers.append(int(number) if number.isdigit() else -1)
+            labels.append(int(number) if number.isdigit() else -1)
             owner.append(number)
             yield _E.sub("E", line)
         elif key == "INSTANCE":
@@ -262,6 +342,7 @@ def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
             row, last = [*row, *own], where
             if len(row) == count + 1 or not (count or line.endswith(",")):
                 owner.append(row[0])
+                found.elements[kind] += 1
                 if count:
                     yield ",".join(row)
                 row = []
@@ -270,10 +351,12 @@ def _abaqus(lines: Lines, labels: list[int]) -> Iterator[str]:
             owner += own
             if inline:
                 yield ", ".join(own)
+        elif key in ("BOUNDARY", "ELASTIC", "DENSITY"):
+            found.note(key, material, line)
     _check_nodes(last, row, kind, count)
     yield from (*sets["NSET"].written(), *sets["ELSET"].written())
-    if not labels:  # parts without an instance
-        labels += [number for own in parts.values() for number in own]
+    if not found.labels:  # parts without an instance
+        found.labels.extend(number for own in parts.values() for number in own)
 
 
 _OWN = ("NAME", "PART")
@@ -407,10 +490,11 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
         yield where, name, fields
 
 
-def _nastran(cards: Iterator[tuple[str, str, list[str]]]) -> Iterator[str]:
-    """The nodes and cells of a Nastran file, in free format."""
+def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -> Iterator[str]:
+    """The nodes and cells of a Nastran file, in free format; what it holds is added to `found`."""
     yield "BEGIN BULK"
     for where, name, fields in cards:
+        (found.elements if name.startswith("C") else found.keywords)[name] += 1
         if name in ("GRID", "GRDSET"):
             if fields[1] not in ("", "0"):
                 who = f"node {fields[0]} lies" if name == "GRID" else "GRDSET has nodes lie"
@@ -418,6 +502,7 @@ def _nastran(cards: Iterator[tuple[str, str, list[str]]]) -> Iterator[str]:
                     f"{where}: {who} in coordinate system {fields[1]}: expected nodes in the basic one (CP = 0)"
                 )
             if name == "GRID":
+                found.labels.append(int(fields[0]) if fields[0].isdigit() else -1)
                 yield ",".join([name, fields[0], "", *(each or "0." for each in fields[2:5])])
         elif name in _CARDS:
             counts, nodes = _CARDS[name], [each for each in fields[2:] if each]
@@ -431,4 +516,8 @@ def _nastran(cards: Iterator[tuple[str, str, list[str]]]) -> Iterator[str]:
             yield from (",".join(["+", *own[k : k + 8]]) for k in range(9, len(own), 8))
         elif _CELL.fullmatch(name):
             raise MeshError(f"{where}: {name} is not read: use CHEXA, CPENTA or CTETRA, in a plate CQUAD4 or CTRIA3")
+        elif name == "MAT1":
+            found.materials[fields[0]] = [_number(fields[k]) for k in (1, 3, 4)]
+        elif name == "PSOLID":
+            found.used[fields[1]] = None
     yield "ENDDATA"

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from fem.linalg import Array, Ints
-from fem.meshes.decks import NASTRAN, deck_fault, included_files, is_deck, plain
+from fem.meshes.decks import NASTRAN, DeckContents, deck_fault, included_files, is_deck, plain
 from fem.meshes.planform import MeshError, check_mesh, root, root_facets, twice_areas
 
 TRIANGLES = ("triangle", "triangle6", "triangle7")
@@ -103,9 +103,9 @@ def raw_mesh(path: Path) -> Any:
     try:
         _check_kind(path)
         _check_named_files(path)
-        with _plain(path) as (deck, labels), contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+        with _plain(path) as (deck, found), contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
             raw = meshlane.read(deck)
-            raw.points_id = getattr(raw, "points_id", np.array(labels, dtype=np.int64))  # none: they are not known
+            raw.deck = found
             return raw
     except MeshError:
         raise
@@ -229,44 +229,45 @@ def _oriented(points: Array, cells: Ints) -> Ints:
 
 
 @contextlib.contextmanager
-def _plain(path: Path) -> Iterator[tuple[Path, list[int]]]:
-    """A file as readers take it, in a file of its own where it has to be changed, and the numbers of its nodes.
+def _plain(path: Path) -> Iterator[tuple[Path, DeckContents]]:
+    """A file as readers take it, in a file of its own where it has to be changed, and what it holds.
 
     Raises:
         MeshError: see `fem.meshes.decks.plain`.
     """
     lines: list[str] | None = None
-    labels: list[int] = []
+    found = DeckContents()
     if is_deck(path):
-        lines, labels = plain(path)
+        lines, found = plain(path)
     elif path.suffix.lower() == ".msh":
-        lines, labels = _gmsh(path)
+        lines = _gmsh(path, found.labels)
     elif path.suffix.lower() in (".cdb", ".inp"):
         blocks = re.findall(r"(?im)^NBLOCK.*\n\(\d*i(\d+).*\n((?:[ \d].*\n)+)", path.read_text(errors="replace"))
         rows = [line[: int(width)] for width, block in blocks for line in block.splitlines()]
-        labels = [int(row) for row in rows if row.strip().isdigit()]
+        found.labels.extend(int(row) for row in rows if row.strip().isdigit())
     if lines is None:
-        yield path, labels
+        yield path, found
         return
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / f"deck{path.suffix.lower()}"
         copy.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        yield copy, labels
+        yield copy, found
 
 
-def _gmsh(path: Path) -> tuple[list[str] | None, list[int]]:
-    """Lines of a text file of Gmsh, None where readers take it as it is, and the numbers of its nodes.
+def _gmsh(path: Path, labels: list[int]) -> list[str] | None:
+    """Lines of a text file of Gmsh, None where readers take it as it is; the numbers of its nodes go to `labels`.
 
     In format 4.1, readers take entities that all are in physical groups, or none: the others get a group without name.
     """
     data = path.read_bytes()
     if not re.match(rb"\s*\$MeshFormat\s+(2|4\.1)\S* 0 ", data):
-        return None, []
-    lines, labels, changed = data.decode("utf-8", errors="replace").splitlines(), list[int](), False
+        return None
+    lines, changed = data.decode("utf-8", errors="replace").splitlines(), False
     try:
         at = lines.index("$Nodes") + 2
         if lines[lines.index("$MeshFormat") + 1].startswith("2"):
-            return None, [int(line.split()[0]) for line in lines[at : lines.index("$EndNodes")]]
+            labels += [int(line.split()[0]) for line in lines[at : lines.index("$EndNodes")]]
+            return None
         while lines[at] != "$EndNodes":
             count = int(lines[at].split()[3])
             labels += map(int, lines[at + 1 : at + 1 + count])
@@ -279,7 +280,7 @@ def _gmsh(path: Path) -> tuple[list[str] | None, list[int]]:
                 lines[k], changed = " ".join([*words[:place], "1", _NO_GROUP, *words[place + 1 :]]), True
     except (ValueError, IndexError):  # no entities; or what the reader stumbles over, too
         pass
-    return lines if changed else None, labels
+    return lines if changed else None
 
 
 _NO_GROUP = str(2**31 - 1)

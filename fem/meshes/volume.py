@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fem.linalg import Array, Ints
 from fem.meshes.cells import cell, faces_of
-from fem.meshes.decks import deck_fault
+from fem.meshes.decks import DeckContents, deck_fault
 from fem.meshes.planform import MeshError, connected, position
 from fem.meshes.read import GEOMETRY, named, raw_mesh
 
@@ -46,6 +46,7 @@ class VolumeMesh:
         cells: kinds of cells by the name that `fem.meshes.cells` has, and their points (ncell, nnode).
         sets: points by the names of sets.
         labels: numbers of the points in their file, (npoint,), each once; None: not known.
+        deck: what the file holds beside.
 
     Raises:
         MeshError: for cells that are none of `FIRST_ORDER` and `SECOND_ORDER`, of both, inverted, overlapping, not in
@@ -56,6 +57,7 @@ class VolumeMesh:
     cells: tuple[tuple[str, Ints], ...]
     sets: Mapping[str, Ints] = field(default_factory=dict)
     labels: Ints | None = None
+    deck: DeckContents = field(default_factory=DeckContents)
 
     def __post_init__(self) -> None:
         _check_kinds([kind for kind, _ in self.cells])
@@ -335,7 +337,7 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
     number = np.full(len(points), -1)
     number[used] = np.arange(used.size)
     points = points[used]
-    own = np.asarray(getattr(raw, "points_id", ()), dtype=np.int64)
+    own = np.array(raw.deck.labels, dtype=np.int64)
     labels = own[used] if len(own) == len(number) else used + 1
     odd = labels[~np.isfinite(points).all(axis=1)]
     if odd.size:
@@ -357,7 +359,7 @@ def volume_of(path: Path, raw: Any, scale: float) -> VolumeMesh:
             sets[name] = np.unique(nodes_kept[nodes_kept >= 0])
     try:
         known = len(own) == len(number) and np.unique(labels).size == labels.size
-        return VolumeMesh(points, tuple(renumbered), sets, labels if known else None)
+        return VolumeMesh(points, tuple(renumbered), sets, labels if known else None, raw.deck)
     except MeshError as error:  # a node that is listed twice, say, is where it was listed last
         raise MeshError("; ".join(filter(None, (str(error), deck_fault(path))))) from None
 

@@ -296,6 +296,65 @@ def test_a_node_goes_by_the_number_of_its_file(tmp_path):
         pipeline.structure(load(tmp_path / "bricks.toml"), QUIET)
 
 
+TITANIUM = ["*MATERIAL,NAME=TI", "*ELASTIC", "1.138E11,0.342", "*DENSITY", "4430."]
+SECTION = "*SOLID SECTION,ELSET=EALL,MATERIAL={}"
+UNUSED = {
+    "the same": ([*TITANIUM, SECTION.format("TI"), "*BOUNDARY", "NROOT,1,3", "NALL,4,6"], None),
+    "a mass": (["*ELEMENT,TYPE=MASS,ELSET=M", "901,9", "902,10", "*MASS,ELSET=M", "0.05"], "2 MASS (mass is missing)"),
+    "shells": (["*ELEMENT,TYPE=S8R", "901,1,2,3,4,5,6,7,8"], "1 S8R (mass and stiffness are missing)"),
+    "beams": (["*ELEMENT,TYPE=B32", "901,1,2,3", "902,3,4,5"], "2 B32 (mass and stiffness are missing)"),
+    "edges of a mesher": (["*ELEMENT,TYPE=T3D2", "901,1,2", "*ELEMENT,TYPE=CPS6", "902,1,2,3,4,5,6"], None),
+    "springs": (["*ELEMENT,TYPE=SPRINGA", "901,1,", "2"], "1 SPRINGA (stiffness is missing)"),
+    "constraints": (["*EQUATION", "2", "9,1,1.,10,1,-1.", "*MPC", "TIE,1,2", "*EQUATION"], "EQUATION (2); MPC (1)"),
+    "supports": (
+        ["*NSET,NSET=Ntip", "80,81", "*STEP", "*BOUNDARY", "NROOT,1,3", "NTIP,3", "82,1,2", "83,4,6", "NALL,4"],
+        "BOUNDARY on 2 nodes not clamped here (NTIP); BOUNDARY on 1 node not clamped here (by number)",
+    ),
+    "another material": (
+        [*TITANIUM, SECTION.format("AL"), "*MATERIAL,NAME=AL", "*DENSITY", "2800.,", "*ELASTIC", "7.D10,0.33"],
+        "a material of 70 GPa, 2800 kg/m³, ν = 0.33",
+    ),
+    "materials": ([*TITANIUM, SECTION.format("TI"), SECTION.format("AL")], "the materials TI and AL"),
+    "orthotropic": (
+        [
+            *TITANIUM[:1],
+            "*ELASTIC,TYPE=ENGINEERING CONSTANTS",
+            "1.,1.,1.,.3,.3,.3,1.,1.,",
+            "1.,294",
+            "*ORIENTATION,NAME=O",
+        ],
+        "ELASTIC, TYPE=ENGINEERING CONSTANTS (1); ORIENTATION (1)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UNUSED)
+def test_what_a_deck_says_and_a_blade_has_not_is_remarked(tmp_path, case):
+    lines, unused = UNUSED[case]
+    flat(tmp_path, (4, 2, 1), "flat.inp", 3.0)
+    with (tmp_path / "flat.inp").open("a") as deck:
+        deck.write("\n".join(lines) + "\n")
+    remark = (
+        f"flat.inp has more that is not used: {unused}. The blade is solved without this, of the scene's [material]"
+    )
+    notes = pipeline.structure(on_bricks(tmp_path), QUIET, shapes=False).source.remarks
+    assert [note.removesuffix(" alone.") for note in notes] == ([] if unused is None else [remark])
+
+
+def test_cells_with_fewer_points_are_said_to_be_solved_as_others(tmp_path):
+    """C3D8I and C3D8R do not lock as C3D8 do, as which they are solved."""
+    mesh = flat(tmp_path, (4, 2, 1), "flat.inp", 3.0)
+    corners = mesh.cells[0].data[:, :8] + 1
+    nodes = [f"{n},{','.join(map(repr, at))}" for n, at in enumerate(mesh.points.tolist(), 1)]
+    for kind, said in (("C3D8I", ", and its C3D8I are solved here as C3D8:"), ("C3D8", ":")):
+        cells = [f"{n},{','.join(map(str, own))}" for n, own in enumerate(corners, 1)]
+        (tmp_path / "flat.inp").write_text("\n".join(["*NODE", *nodes, f"*ELEMENT,TYPE={kind}", *cells]) + "\n")
+        notes = pipeline.structure(on_bricks(tmp_path), QUIET, shapes=False).source.remarks
+        assert notes[0].startswith(
+            f"The mesh is of first order{said} such cells are far too stiff in bending (they lock)"
+        )
+
+
 @pytest.mark.parametrize("case", TEXTS["bricks"].values(), ids=TEXTS["bricks"])
 def test_a_damper_that_a_blade_cannot_hold_is_refused(bricks, case):
     """A plate of 10 mm times 80 mm times 200 mm of 4430 kg/m³; steel of 7850 kg/m³."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from importlib.metadata import version
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +17,11 @@ from fem.linalg import has_pardiso
 from fem.modal_model import ModalModel, ModesAtSpeed
 from workflows.effects.definition import AT_REST, Called, LeftOut
 from workflows.errors import present
-from workflows.formatting import beside, percent, share, significant, span, turning
+from workflows.formatting import beside, listed, percent, share, significant, span, turning
 from workflows.progress import LOG
 from workflows.scene.load import SceneFile
-from workflows.scene.quantities import LENGTH, unit_in_si
+from workflows.scene.plate import Material
+from workflows.scene.quantities import LENGTH, MASS, unit_in_si
 from workflows.scene.scene import RootRadius, Scene
 from workflows.solve import known_modes, limits, resources
 from workflows.solve.known_modes import Request, Seat, SpaceStructure, about_spin_axis, seat_of, space_structure
@@ -302,10 +305,14 @@ def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None)
     if spec.size is not None:
         yield f"{spec.mesh} is geometry: Gmsh {version('gmsh')} meshed it by cells of {1e3 * spec.size:.6g} mm."
     elif blade.mesh.first_order:
+        softer = [kind for kind in blade.mesh.deck.elements if kind.startswith("C3D8") and {*kind[4:]} & {*"IR"}]
+        solved = f", and its {listed(softer)} are solved here as C3D8" if softer else ""
         yield (
-            "The mesh is of first order: such cells are far too stiff in bending (they lock), and the errors of the"
-            " frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of 20)."
+            f"The mesh is of first order{solved}: such cells are far too stiff in bending (they lock), and the errors"
+            " of frequencies are large. Mesh the blade with second-order cells (tetrahedra of 10 nodes, hexahedra of"
+            " 20)."
         )
+    yield from _unused(source, blade)
     radii, along = np.linalg.norm(blade.arms, axis=1), blade.arms @ blade.arms.mean(axis=0)
     inboard = np.setdiff1d(blade.held, blade.root)
     if inboard.size:
@@ -331,6 +338,58 @@ def _remarks(source: SceneFile, operators: SolidOperators, stress: float | None)
             " whether the load tears the root is not checked."
         )
 
+
+def _unused(source: SceneFile, blade: Blade) -> Iterator[str]:
+    """A remark on what a deck says of its model and the blade has not: elements, constraints, supports, material."""
+    deck, mesh, spec, material = blade.mesh.deck, blade.mesh, present(source.scene.blade), source.scene.material
+    parts = [
+        f"{deck.elements[kind]} {kind} ({lost} {'are' if ' ' in lost else 'is'} missing)"
+        for kind, lost in deck.missing().items()
+    ]
+    parts += [f"{key} ({count})" for key, count in deck.unused().items()]
+    sets = {name.upper(): nodes for name, nodes in mesh.sets.items()}
+    supports = {name: sets[name.upper()] for name in deck.held if name.upper() in sets}
+    if mesh.labels is not None:
+        numbers = [int(name) for name in deck.held if name.isdigit()]
+        supports["by number"] = np.flatnonzero(np.isin(mesh.labels, numbers))
+    for name, rows in supports.items():
+        if free := np.setdiff1d(rows, blade.held).size:
+            parts.append(f"BOUNDARY on {free} node{'s' * (free > 1)} not clamped here ({name})")
+    names = list(deck.used or deck.materials)
+    if len(names) > 1:
+        parts.append(f"the materials {listed(names)}")
+    elif names and (other := _other_material(deck.materials.get(names[0]), present(material), spec.unit)):
+        parts.append(f"a material of {other}")
+    if parts:
+        unused = f"{spec.mesh} has more that is not used: {'; '.join(parts)}"
+        yield f"{unused}. The blade is solved without this, of the scene's [material] alone."
+
+
+def _other_material(values: Sequence[float | None] | None, material: Material, unit: str | None) -> str | None:
+    """E, ρ and ν of a deck in words; None where they are the scene's.
+
+    values: E, ν and ρ in the deck's units, of which those of mass and time are not known: the nearest are taken.
+    """
+    modulus, ratio, density = values or (None, None, None)
+    length, masses = unit_in_si(unit, LENGTH), ("lbf*s^2/in",) if unit == "in" else ("kg", "t", "g")
+    options = (
+        {
+            "GPa": (1e-9 * (modulus or 0.0) * mass / length / time**2, 1e-9 * material.youngs_modulus),
+            "kg/m³": ((density or 0.0) * mass / length**3, material.density),
+        }
+        for mass, time in product((unit_in_si(each, MASS) for each in masses), (1.0, 1e-3))
+    )
+    known = [{name: pair for name, pair in option.items() if pair[0] > 0.0} for option in options]
+    nearest = min(known, key=lambda each: sum(abs(math.log(one / other)) for one, other in each.values()))
+    alike = all(abs(one / other - 1.0) <= _SAME for one, other in nearest.values())
+    if alike and (ratio is None or abs(ratio - material.poissons_ratio) <= _SAME):
+        return None
+    texts = [f"{significant(one, 4)} {name}" for name, (one, _) in nearest.items()]
+    return ", ".join(texts if ratio is None else [*texts, f"ν = {significant(ratio)}"])
+
+
+_SAME = 0.01
+"""Relative difference of moduli and densities, and difference of Poisson's ratios, up to which they are the same."""
 
 _TALL = 0.2
 """Part of a blade's radial extent above which a root that covers it is remarked."""
