@@ -32,12 +32,14 @@ class Raw:
         model: nodes, cells and modes; speeds of nan where the file does not say.
         unit, mass_unit: what the file says of them; None: nothing.
         turns: whether axis and origin are the file's.
+        solved: whether a solver has normalised the modes, and says their modal masses.
     """
 
     model: ModalModel
     unit: str | None = None
     mass_unit: str | None = None
     turns: bool = False
+    solved: bool = False
 
 
 def read(path: Path) -> Raw:
@@ -58,7 +60,7 @@ def read(path: Path) -> Raw:
         raise ModesFileError("the file is empty")
     try:
         if name.endswith(".frd"):
-            return _checked(Raw(_frd(data)))
+            return _checked(Raw(_frd(data), solved=True))
         if name.endswith(".npz"):
             return _checked(_neutral(_npz(data)))
         if name.endswith(".json"):
@@ -270,7 +272,7 @@ def _results(data: bytes, labels: Ints, lookup: tuple[Ints, Ints]) -> ModesAtSpe
         if np.isnan(ordered).any():
             raise ModesFileError(f"{what} holds values that are not numbers, or lacks nodes")
         if kind == _STATIC:
-            static = ordered
+            static = static if frequencies else ordered  # the last before the modes
             continue
         steps.add(_parameter(before, b"1PSTEP", 2) or b"1")
         numbers.append(int(_parameter(before, b"1PMODE", 0) or len(numbers) + 1))

@@ -652,7 +652,7 @@ def densities(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
     None where not all nodes that move belong to cells with a volume.
     """
     integrals = _integrals(model, modes)
-    return None if integrals is None else 1.0 / integrals[0]
+    return None if integrals is None else 1.0 / np.diag(integrals[0])
 
 
 def drawn_by(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
@@ -663,12 +663,25 @@ def drawn_by(model: ModalModel, modes: ModesAtSpeed) -> Array | None:
     integrals = _integrals(model, modes)
     if integrals is None:
         return None
-    squares, means = integrals
-    return np.asarray(means / squares[:, None] ** 0.5 / squares[0] ** 0.5)
+    products, means = integrals
+    sizes = np.diag(products) ** 0.5
+    return np.asarray(means / sizes[:, None] / sizes[0])
+
+
+def uneven_mass(model: ModalModel, modes: ModesAtSpeed) -> float:
+    """Largest cosine between two modes by the volume: above 0, the mass in which they are orthogonal is not uniform.
+
+    0 where not all nodes that move belong to cells with a volume.
+    """
+    integrals = _integrals(model, modes)
+    if integrals is None:
+        return 0.0
+    sizes = np.diag(integrals[0]) ** 0.5
+    return float(np.abs(integrals[0] / np.outer(sizes, sizes) - np.eye(len(sizes))).max())
 
 
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array, Array] | None:
-    """Integrals of the squared shapes (k,) and of the shapes (k, 3) over the volume.
+    """Integrals of products of two shapes (k, k) and of the shapes (k, 3) over the volume.
 
     None where not all nodes that move belong to cells with a volume.
 
@@ -680,7 +693,7 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array, Array] | 
         if twice > 0 and cell(name).dimension == 3:
             raise BadCells(f"{twice} cells {name} are listed twice: expected each once")
     count = modes.frequencies_hz.size
-    squares, means = np.zeros(count), np.zeros((count, 3))
+    products, means = np.zeros((count, count)), np.zeros((count, 3))
     loose = np.ones(len(model.points), dtype=bool)
     for name, kind, chunk in model.chunks(3):
         loose[chunk] = False
@@ -695,9 +708,10 @@ def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array, Array] | 
             )
         sizes = np.abs(sizes) * weights
         moved = np.einsum("pn,kcni->kcpi", kind.shape(points), modes.shapes[:, chunk])
-        squares += np.einsum("kcpi,kcpi,cp->k", moved, moved, sizes)
+        weighed = (moved * np.sqrt(sizes)[..., None]).reshape(count, -1)
+        products += weighed @ weighed.T
         means += np.einsum("kcpi,cp->ki", moved, sizes)
-    return None if modes.shapes[:, loose].any() or squares.min() <= 0.0 else (squares, means)
+    return None if modes.shapes[:, loose].any() or np.diag(products).min() <= 0.0 else (products, means)
 
 
 _FOLDED = 0.05

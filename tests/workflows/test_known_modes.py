@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 import spindamp as package
+from fem.modal_files import read
 from tests.workflows.conftest import BALL, QUIET, changed, refused, table_of, write
 from workflows import pipeline
 from workflows.report import mode_viewer, remarks
@@ -221,6 +223,46 @@ def test_files_that_contradict_their_speeds_are_remarked_on(spindamp, files):
         assert words in spindamp("check", changed(SCENE, structure__modes=modes, rotor__speeds=["5000 rpm"])).out
 
 
+def test_a_static_step_after_the_modes_is_none_of_theirs(files):
+    """That of another load, ten times as large, replaced the one before them."""
+    text = (files / "fast.frd").read_text()
+    begin, end = text.index("    1PSTEP"), text.index(" -3", text.index("    1PSTEP")) + 4
+    assert text[begin:end].split("100CL")[1][50] == "0", "a static step"
+    other = re.sub(r"(?m)^( -1.{10})(.{12})", lambda m: f"{m[1]}{10 * float(m[2]):12.5E}", text[begin:end])
+    (files / "after.frd").write_text(text.replace("\n 9999", f"\n{other.rstrip()}\n 9999"))
+    before, after = (read(files / f"{name}.frd").model.speeds[0] for name in ("fast", "after"))
+    assert len(after.frequencies_hz) == len(before.frequencies_hz) == 4
+    np.testing.assert_array_equal(after.static, before.static)
+
+
+def loaded(text, mass):
+    """The modes with a point mass where the first moves most, in the space of the four: normalised to mass, too."""
+    every = []
+    shapes_of(text, lambda values: every.append(values) or values)
+    hertz = np.array([float(number) for number in re.findall(r"(?m)^  100CL.{5}(.{12}).*\n -4  DISP", text)])
+    shapes = np.array(every)
+    at = shapes[:, np.linalg.norm(shapes[0], axis=1).argmax()]
+    squares, mixing = scipy.linalg.eigh(np.diag((2 * np.pi * hertz) ** 2), np.eye(len(hertz)) + mass * at @ at.T)
+    changed_shapes = iter(np.einsum("ij,inc->jnc", mixing, shapes))
+    blocks = re.split(r"(?m)^(?=    1PSTEP)", shapes_of(text, lambda _: next(changed_shapes)))
+    for k, block in enumerate(blocks):
+        if mode := re.search(r"1PMODE +(\d+)", block):
+            square = squares[int(mode[1]) - 1]
+            block = re.sub(r"(?m)^(  100CL.{5}).{12}", rf"\g<1>{square**0.5 / 2 / np.pi:12.7f}", block)
+            blocks[k] = re.sub(r"1PGK +\S+", f"1PGK                {square:.6E}", block)
+    return "".join(blocks)
+
+
+def test_modes_with_a_point_mass_are_normalised_to_mass(spindamp, files):
+    """They were refused: of the cells alone, the first mode has 2.6 times the density of the others."""
+    text = (files / "rest.frd").read_text()
+    (files / "rest.frd").write_text(loaded(text, 0.5))
+    said = spindamp("check", SCENE).out
+    assert re.search(
+        r"# By its shapes rest.frd has densities from .*: parts of different density, or point masses\.", said
+    )
+
+
 def test_millimetres_and_tonnes_are_asked_for(spindamp, files):
     """A file in mm and t: refused as it is, with the units that fit; with them, the plate in SI."""
     lines = (files / "rest.frd").read_text().split("\n")
@@ -409,6 +451,14 @@ def test_a_bar_of_nine_nodes(spindamp, tmp_path):
     outcome = spindamp("modes", OF_THE_BAR, "--out", "x.csv")
     refused(outcome, "--out = 'x.csv': expected a name that ends in .npz or .json")
     refused(spindamp("modes", "structure"), "structure.toml: [plate]", "modes requires [plate]")
+
+
+def test_balls_heavier_than_what_moves_of_the_structure_are_remarked(spindamp, tmp_path):
+    """Nodes without cells do not tell a density: 0.17 kg in g for kg are lighter than a ball of 0.89 g."""
+    for unit, heavier in (("kg", False), ("g", True)):
+        (tmp_path / "bar.json").write_text(json.dumps(small() | {"mass_unit": unit}))
+        remark = "The balls weigh 0.000888 kg, more than the effective mass M2 of mode 1 at the damper, 0.000174 kg: is"
+        assert (f"# {remark} [structure] mass_unit right?" in spindamp("check", OF_THE_BAR).out) == heavier
 
 
 @pytest.mark.usefixtures("quickly")

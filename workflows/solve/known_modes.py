@@ -458,7 +458,9 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         _without_density(source, known, name, raw, model)
         return model
     every = np.concatenate([each for each in fits if each is not None])
-    if every.max() > _UNLIKE * every.min():
+    if every.max() > _UNLIKE * every.min() and not (
+        raw.solved and modal_model.uneven_mass(model, model.speeds[0]) > _MIXED
+    ):
         ends = f"from {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3"
         problem = f"its shapes are not normalised to mass: for modal masses of 1 the modes would need densities {ends}"
         raise source.wrong(f"{name}: {problem}: {_NORMALISED}", "[structure] modes")
@@ -510,15 +512,24 @@ def _without_density(source: SceneFile, known: KnownModes, name: str, raw: Raw, 
 _UNEVEN = 1.05
 """Ratio of densities from which on it is said."""
 
+_MIXED = 0.05
+"""Cosine between modes by the volume from which on their mass is not uniform: 0.02 by C3D8R, 0.1 with two materials."""
+
 
 def _uneven_density(name: str, model: ModalModel) -> Iterator[str]:
     """A remark where the mass that the shapes say the structure has is not that of one density."""
     fits = modal_model.densities(model, model.speeds[0])
     if fits is not None and fits.max() > _UNEVEN * fits.min():
+        mixed = modal_model.uneven_mass(model, model.speeds[0]) > _MIXED
+        why = (
+            "parts of different density, or point masses. What follows from the mass of its cells, such as the motion"
+            " by an acceleration of the root, is approximate"
+            if mixed
+            else "parts of different density, or shapes that are not normalised to mass"
+        )
         yield (
             f"By its shapes {name} has densities from {significant(float(fits.min()))} to"
-            f" {significant(float(fits.max()))} kg/m³, mode by mode: parts of different density, or shapes that are not"
-            " normalised to mass."
+            f" {significant(float(fits.max()))} kg/m³, mode by mode: {why}."
         )
 
 
@@ -646,6 +657,12 @@ def seat_of(
             others = f"their displacements by {significant(other / lift)} 1/m"
             problem = f"in mode {leads + 1} the nodes' rotations {tilts}, and {others}"
             raise source.wrong(f"{problem}: expected rotations in rad of the same shapes", "[structure] modes")
+    effective = abs(lift) ** -2.0 if lift else math.inf
+    if source.scene.blade is None and (damper.balls or 0.0) > effective:
+        remarks.append(
+            f"The balls weigh {significant(damper.balls)} kg, more than the effective mass M2 of mode {leads + 1} at"
+            f" the damper, {significant(effective)} kg: is [structure] mass_unit right?"
+        )
     if abs(spread) > _UNSURE * abs(slope) and abs(lift) > 0.0:
         remarks.append(
             f"The slope of the floor in mode {leads + 1}, {significant(slope / lift)} 1/m over the displacement, is"
