@@ -474,8 +474,8 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
             break
         first, *own = line.split(",") if "," in line else (line[:8],)
         wide = "*" in first
-        if "," in line:
-            own = own if len(own) > 9 else own[:8]  # the last field of ten is a mark
+        if "," in line:  # the last field of ten, or six, is a mark
+            own = own[:4] if wide else own if len(own) > 9 else own[:8]
         else:
             own = [line[k : k + 8 * (1 + wide)] for k in range(8, 72, 8 * (1 + wide))]
         own = [each.strip() for each in own]

@@ -308,7 +308,9 @@ def _meshed(path: Path, scale: float, size: float | None) -> Any:
         gmsh.model.mesh.generate(3)
         with tempfile.TemporaryDirectory() as folder:
             gmsh.write(str(Path(folder) / "volume.msh"))
-            return raw_mesh(Path(folder) / "volume.msh")
+            raw = raw_mesh(Path(folder) / "volume.msh")
+        raw.deck.labels.clear()  # which nobody has seen
+        return raw
     except MeshError:
         raise
     except Exception as error:  # gmsh raises plain ones

@@ -283,6 +283,7 @@ def test_nastran_in_fields_of_16_columns_and_what_is_no_cell(tmp_path):
             first = "CHEXA*" if line.startswith("CHEXA") else "*"
             for k in range(0, len(own), 4):
                 wide.append(f"{first if k == 0 else '*':<8}" + "".join(f"{each:>16}" for each in own[k : k + 4]))
+    wide[:2] = ["GRID*,1,,0.,0.,*A", "*A,0."]
     path = tmp_path / "blade.bdf"
     path.write_text("\n".join([*lines[:3], *wide, "CONM2,90,1,,0.05", "CQUAD4,91,1,1,2,3,4,0.5", "ENDDATA"]) + "\n")
     found = read_volume(path)
