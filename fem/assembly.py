@@ -510,10 +510,9 @@ class AtPlace:
             raise PlaceError(f"hardly any load lies in the plate's plane at {position(self.at)} m")
         return np.vstack([axes, normal])
 
-    @property
-    def whole_motion(self) -> float:
-        """Square of a motion along z over that of its part along the floor's first axis."""
-        return float(self.axes[0, 2] ** -2)
+    def pull(self, shape: Array) -> float:
+        """What the load of 1 kg adds to the stiffness of a shape (n,), over Omega²."""
+        return float(shape @ (self.ball[0] @ shape))
 
     @cached_property
     def floor(self) -> csc_array:

@@ -193,14 +193,15 @@ def reduced_modes(
         raise NoMotion("no mode moves the place along axis 1 of the cavity")
     mass = lift**-2
     ball = mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
-    stiffness = np.diag(squares) + modes.omega**2 * ball * pull.stiffness(modes)
+    pulled = pull.stiffness(modes)
+    stiffness = np.diag(squares) + modes.omega**2 * ball * pulled
     free, turned = np.linalg.eigh(stiffness)
     if free[0] <= 0.0:
         raise Divergence(modes.omega, float(free[0]))
     stuck = _stuck(stiffness, ball, pull, modes, index) if ball > 0.0 else float(squares[index])
     mode = FlapMode(mass, float(at.slope[0, index] / lift))
-    whole = float((pull.place.displacement(modes.shapes[index : index + 1]) ** 2).sum()) / lift**2
-    system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck, whole)
+    drawn_in = mass * float(pulled[index, index])
+    system = reduced(modes.omega**2 * at.pressing, index, mode, ball, float(squares[index]), stuck, drawn_in)
     drawn = np.zeros((2, squares.size)) if modes.drawn is None else at.axes @ modes.drawn.T
     moved, slope, drawn = (np.asarray(part[None] @ turned) for part in (at.moved, at.slope, drawn))
     pressed = np.zeros((1, squares.size)) if load is None else load[None] @ turned

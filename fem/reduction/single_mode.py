@@ -42,7 +42,7 @@ class Reduced:
             plate's centre line, without precone.
         floor_tilt: Omega² r slope / omega_1², where Omega² r is the load: how much of the inertia drive a cavity floor
             that tilts with the plate would cancel; the reduced model leaves it out.
-        whole_motion: square of the place's displacement over that of its part along axis 1, which takes the ball along.
+        pull: what the load of 1 kg at the place adds to K, over Omega² [-].
     """
 
     f1_hz: float
@@ -55,7 +55,7 @@ class Reduced:
     mode_index: int
     slope: float
     floor_tilt: float
-    whole_motion: float = 1.0
+    pull: float = 0.0
 
 
 def reduce_at(
@@ -92,11 +92,12 @@ def reduce_at(
         modes = searched(operators, omega, None if modes is None else modes.state)
     index = flap_index(families(operators, modes))
     place = operators.at_place(at)
-    (mode,) = flap_modes(place, place.flap @ modes.shapes[:, [index]])
+    shape = modes.shapes[:, index]
+    (mode,) = flap_modes(place, place.flap @ shape[:, None])
     mass = mode.mass * mass_ratio if mass_ratio is not None else float(ball_mass or 0.0)
     free = float(modes.eigenvalues[index])
     stuck = _stuck(place, modes, index, mass) if mass > 0.0 else free
-    return reduced(omega**2 * operators.radius(*at), index, mode, mass, free, stuck, place.whole_motion)
+    return reduced(omega**2 * operators.radius(*at), index, mode, mass, free, stuck, mode.mass * place.pull(shape))
 
 
 def searched(operators: Operators, omega: float, start: Array | None = None) -> Modes:
@@ -134,7 +135,7 @@ def flap_modes(place: AtPlace, motions: Array) -> list[FlapMode]:
 
 
 def reduced(
-    load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float, whole_motion: float
+    load: float, index: int, mode: FlapMode, ball_mass: float, free: float, stuck: float, pull: float
 ) -> Reduced:
     """The reduced parameters from the frequencies without the ball and with it stuck.
 
@@ -145,7 +146,7 @@ def reduced(
         ball_mass: [kg].
         free: squared circular frequency without the ball [rad²/s²].
         stuck: squared circular frequency with it [rad²/s²].
-        whole_motion: see `Reduced`.
+        pull: see `Reduced`.
 
     Raises:
         LawViolation: they do not belong together.
@@ -161,7 +162,7 @@ def reduced(
         mode_index=index,
         slope=mode.slope,
         floor_tilt=load * mode.slope / stuck,
-        whole_motion=whole_motion,
+        pull=pull,
     )
     check_reduced(system)
     return system
@@ -278,6 +279,9 @@ class Reduction:
         self._family = _Family(operators.at_place(at), diagram, self._indices)
         self._free, motions = self._family.follow(np.zeros(diagram.omega.size))
         self._modes = flap_modes(operators.at_place(at), motions)
+        shapes = (diagram.shapes(k)[:, index] for k, index in enumerate(self._indices))
+        every = zip(self._modes, shapes, strict=True)
+        self._pulls = [mode.mass * operators.at_place(at).pull(shape) for mode, shape in every]
 
     def with_ball(self, *, ball_mass: float | None = None, mass_ratio: float | None = None) -> list[Reduced]:
         """Reduced parameters for a ball_mass in kg or as m_p / M2, at every speed."""
@@ -293,11 +297,11 @@ class Reduction:
         masses = np.array([mode.mass * ratio if ball_mass is None else ball_mass for mode in self._modes])
         stuck = self._family.follow(masses)[0] if masses.any() else self._free
         self._family.check(stuck, masses, self._modes)
-        load, whole = operators.radius(*at), operators.at_place(at).whole_motion
-        every = zip(map(float, diagram.omega), self._indices, self._modes, masses, self._free, stuck, strict=True)
+        load, speeds = operators.radius(*at), map(float, diagram.omega)
+        every = zip(speeds, self._indices, self._modes, masses, self._free, stuck, self._pulls, strict=True)
         return [
-            reduced(omega**2 * load, index, mode, float(mass), float(free), float(fixed), whole)
-            for omega, index, mode, mass, free, fixed in every
+            reduced(omega**2 * load, index, mode, float(mass), float(free), float(fixed), pull)
+            for omega, index, mode, mass, free, fixed, pull in every
         ]
 
     def bending(self, number: int) -> tuple[float, float]:

@@ -265,9 +265,8 @@ def test_what_moves_a_resting_ball_at_all(stagger, left, rolls):
     stiff = (1 + ball) * swing**2
     level = ParticleDamper(1.0, (stiff,) * 2, ball, 1e-3, (4e-3, 4e-3), turn**2 * radius, 0.5, 0.0, rolls * 1e-3)
     system = replace(level, floor_tilt=(slope, slope), rotation=turn, stagger=stagger)
-    pull = ball * turn**2 * (radius * shortens - math.sin(stagger) ** 2)
-    hertz = swing / (2 * math.pi)
-    reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - pull, slope)
+    pull, hertz = radius * shortens - math.sin(stagger) ** 2, swing / (2 * math.pi)
+    reduced = Reduced(hertz, 1 + ball, stiff, hertz, 1.0, stiff - ball * turn**2 * pull, slope, pull)
     point = SpeedPoint(turn, 0.0, radius, 1.0, (), reduced=reduced, stagger=stagger)
     first, alone = coupling.moves_first_from(system, point), system.amplitude_of(system.rolling_threshold)
     if stagger == 1.0 and left < 0.1:
@@ -325,9 +324,10 @@ def test_how_the_place_of_a_damper_comes_nearer_to_the_axis():
     for place, stagger in ((1.0, 0.0), (0.7, 1.0)):
         inside = x <= place
         exact = np.trapezoid(whole[inside], x[inside]) / (shape[inside][-1] / shape[-1]) ** 2 / 0.2
-        blade = thin(rotor__speeds=["500 rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0], **ROUGH)
-        _, point = built(blade)
-        assert coupling.shortening(point) == pytest.approx(exact, rel=0.01)
+        for rpm in (10, 500):  # at low speed the ball's mass changes the shape by more than its pull does
+            blade = thin(rotor__speeds=[f"{rpm} rpm"], rotor__stagger=stagger, damper__at=[0.2 * place, 0], **ROUGH)
+            _, point = built(blade)
+            assert coupling.shortening(point) == pytest.approx(exact, rel=0.01)
 
 
 def thin(**changes):

@@ -137,16 +137,11 @@ def pendulum(damper: ParticleDamper, omega: float) -> Pendulum | None:
 def shortening(point: SpeedPoint) -> float:
     """By how much the damper's place comes nearer to the axis, over half the square of its displacement [1/m].
 
-    The ball's pull through a place at R - c u²/2 stiffens the structure by m Omega² (R c - outwards²). The ball's
-    inertia in its whole motion lowers the frequency, not only that along axis 1.
+    A pull through a place at R - c u²/2 stiffens the structure by Omega² (R c - outwards²) a kilogram.
     """
     reduced = point.reduced
-    if reduced is None or point.omega == 0 or reduced.M1 <= reduced.M2:
-        return 0.0
-    ball = reduced.M1 - reduced.M2
-    stiffness = reduced.K1 + (reduced.whole_motion - 1.0) * ball * reduced.K1 / reduced.M1
-    stiffer = (stiffness - reduced.K2) / ball / point.omega**2
-    return (stiffer + point.outwards**2) / point.radius
+    known = reduced is not None and point.omega != 0 and reduced.pull != 0
+    return (present(reduced).pull + point.outwards**2) / point.radius if known else 0.0
 
 
 def resting_share(system: ParticleDamper, point: SpeedPoint) -> float:

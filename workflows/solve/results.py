@@ -590,7 +590,10 @@ class Mode:
 
 @dataclass(frozen=True)
 class Reduced:
-    """The structure as the damper feels it, at its place: 1 with the ball stuck, 2 without it."""
+    """The structure as the damper feels it, at its place: 1 with the ball stuck, 2 without it.
+
+    `pull`: what the load of 1 kg there adds to its stiffness, over Ω².
+    """
 
     f1_hz: Annotated[float, quantity("Hz", headline=True)]
     """frequency with the ball stuck"""
@@ -606,7 +609,7 @@ class Reduced:
     """stiffness without the ball"""
     floor_tilt: Annotated[float, quantity("1/m")]
     """slope of the cavity's floor over its displacement"""
-    whole_motion: Annotated[float, KEPT] = field(default=1.0, repr=False)
+    pull: Annotated[float, KEPT] = field(default=0.0, repr=False)
 
 
 @dataclass(frozen=True)
