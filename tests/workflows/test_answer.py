@@ -942,6 +942,23 @@ def test_a_rough_estimate_is_named():
         assert "(7000 rpm, flap mode): no estimate, since the balls swing freely in their hollow floor;" in said
 
 
+def test_estimates_for_heavy_balls_are_rough():
+    """Balls of a twelfth of the plate's mass there; with a tenth the ratio simulated was up to a third off."""
+    air = {"damper__damping_ratio": 1e-3}
+    few, many = (
+        workflows.run(changed(BLADE, rotor__speeds=["5 krpm", "7 krpm"], excitation=SHAKEN, damper__count=count, **air))
+        for count in (2, 12)
+    )
+    assert [limits.is_heavy(found.speeds[0]) for found in (few, many)] == [False, True]
+    assert [[each.loose for each in found.reductions] for found in (few, many)] == [[False], [True]]
+    said = [" ".join(answer(found).sentences) for found in (few, many)]
+    assert ["since these balls are heavy beside the structure" in each for each in said] == [False, True]
+    assert "roughly up to" in answer(many).verdict
+
+
+SHAKEN = {"orders": [4], "force": ["1 N", "3 N"]}
+
+
 def test_levels_at_which_the_ball_is_of_no_use_come_first():
     """Held at rest, or more than the root endures: what it does at other levels comes after."""
     found = reduction((0.5, 1.0, True), (50.0, 0.4, False), (0.9, 0.995, True))

@@ -208,7 +208,8 @@ def answer(results: Results) -> Answer:
     alike = "; ".join([f"{main[0].lower()}{main[1:]}".replace(": ", ", ", 1), *clauses])
     told = [each for each in results.reductions if not each.reason]
     rough = [f"{each.order} ({turning(each.omega)})" for each in told if each.loose]
-    estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told))
+    heavy = any(map(limits.is_heavy, results.speeds))
+    estimated = phrase("answer/estimated", results, rough=rough, all=len(rough) == len(told), heavy=heavy)
     crossings = [" ".join(each) for each in (rest, *others) if each]
     speeds = revolutions([p.omega for p in results.speeds if p.load_g > 0] or [p.omega for p in results.speeds])
     by_itself = f"Compared with the damping by air alone, at {speeds}: {alike}."

@@ -359,7 +359,7 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
         if limits.slides(results, at, amplitude, hertz):
             return replace(none, reason=Reason.SLIP)
         known["friction_needed"] = limits.friction_needed(results, at, amplitude, hertz)
-    return replace(none, **known, loose=not is_well_held(system))
+    return replace(none, **known, loose=not is_well_held(system) or limits.is_heavy(at))
 
 
 HELD, HELD_IN_A_BOWL = 0.3, 1.0

@@ -387,7 +387,7 @@ class VibrationReduction:
     levels: Annotated[tuple[ForceLevel, ...], part()] = ()
     """the levels of [excitation]"""
     loose: Annotated[bool, quantity("1")] = False
-    """whether the load holds the ball too loosely for more than a rough estimate"""
+    """whether the ball is too heavy, or held too loosely by the load, for more than a rough estimate"""
     reason: Annotated[str, quantity("")] = Reason.NONE
     """why there is no estimate, empty where there is one: as of a verdict, or not_driven, other_mode (another moves the
     cavity more), ball_swings (in its hollow floor), outside_speeds (there the order meets the mode with the ball at

@@ -19,7 +19,7 @@ from workflows.report import figures, plots, remarks, templates, verdict
 from workflows.report.templates import capital, in_percent
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
-from workflows.solve.limits import AIR, friction_needed
+from workflows.solve.limits import AIR, friction_needed, is_heavy
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies import response as study
 from workflows.studies.response import Passage, Response, Row, best_level, is_beyond, peak, rows, shows
@@ -259,9 +259,10 @@ def legend(result: Response, table: list[Row]) -> list[str]:
 
 def captions(result: Response) -> list[str]:
     """Where estimated ratios are rough, and where amplitudes are along axis 2."""
-    loose = [each.crossing for each in result.passages if each.reduction.loose]
+    passages = [each for each in result.passages if each.reduction.loose]
+    loose, heavy = [each.crossing for each in passages], any(is_heavy(each.at) for each in passages)
     across, balls = [each.crossing for each in result.passages if each.axis == 1], result.results.scene.ball_count
-    said = templates.said("response/rough", balls, crossings=loose) if loose else []
+    said = templates.said("response/rough", balls, crossings=loose, heavy=heavy) if loose else []
     return said + (templates.said("response/across", crossings=across) if across else [])
 
 
