@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -112,7 +112,10 @@ def of_scene(
         raise source.wrong("the table is missing: sweep needs a damper", "[damper]")
     resources.check(source)
     seed = plan.check_seed(seed)
-    vary = vary if isinstance(vary, Mapping) else [vary] if isinstance(vary, str) else list(vary)
+    if isinstance(vary, Mapping):
+        vary = {name: list(each) if isinstance(each, Iterator) else each for name, each in vary.items()}
+    else:
+        vary = [vary] if isinstance(vary, str) else list(vary)
     if count is None and not uncertain:
         plan.check_size(vary, len(source.scene.rotor.speeds))
     axes = sensitivity.axes(vary, source.scene) if uncertain else plan.read(vary, source.scene.rotor.gravity)
