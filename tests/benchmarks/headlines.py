@@ -76,7 +76,6 @@ _ENDURED = re.compile(rf"that the plate endures \(up to {_NUMBER} ")
 _IDLE = (
     ("overstressed", re.compile(r"At ([\d., and]+) \S+ the (?:root|plate|blade|structure) would be ")),
     ("held", re.compile(r"At ([\d., and]+) \S+ the load holds the balls? at rest")),
-    ("next to nothing", re.compile(r"At ([\d., and]+) \S+ the reduction is less than half of")),
 )
 _BESIDE = re.compile(rf"At {_NUMBER} \S+ the reduction is {_NUMBER} %")
 _GOES_ON = re.compile(r"At [\d.]+[, ]")
@@ -193,8 +192,6 @@ def of_levels(each: Said, rows: Sequence[tuple[float, float, bool]], moves_from:
             faults.append(f"{level:g} is called too strong, and is endured")
         if "held" in why and (moves_from is None or level > moves_from * 1.001):
             faults.append(f"{level:g} is called too weak, and the ball moves from {moves_from}")
-        if "next to nothing" in why and 100 * (1 - ratio) > 0.55 * each.percent:
-            faults.append(f"{level:g} is called idle, and its ratio is {ratio:.4f}")
         if inside and endured and 100 * (1 - ratio) < 0.45 * each.percent:
             faults.append(f"{level:g} is in the range, and its ratio is {ratio:.4f}")
         own = [float(cut) for told, cut in _BESIDE.findall(each.text) if not off(float(told), level, 3)]

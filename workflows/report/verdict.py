@@ -399,8 +399,8 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
     outside = [each for each in borne if each.level >= reduction.moves_from and not low <= each.level <= high]
     few = 2 if reduction.loose and not reduction.detail else 3
     digits = [max((apart(end, each.level, few) for each in outside), default=few) for end in reduction.range]
-    aside = [each for each in outside if 1 - each.ratio >= most / 2]
-    outside = [] if reduction.loose else outside  # a rough estimate does not tell levels of little use apart
+    # a rough estimate does not tell levels of little use apart
+    told = [each for each in borne if not reduction.loose or 1 - each.ratio >= most / 4]
     helped = any(each.level >= reduction.moves_from and each.ratio <= HELPS for each in borne)
     return said(
         "answer/order",
@@ -409,9 +409,10 @@ def _of_order(results: Results, reduction: VibrationReduction, unit: str) -> lis
         idle=[] if helped else [each.level for each in reduction.levels],
         leans=any(any(point.lean) for point in results.speeds),
         at_rest=[each.level for each in borne if each.level < reduction.moves_from],
-        useless=[each.level for each in outside if each.ratio >= 1],
-        less=[each.level for each in outside if 0 < 1 - each.ratio < most / 2],
-        aside=aside,
+        useless=[each.level for each in outside if each.ratio >= 1 and not reduction.loose],
+        others=[
+            e for e in told if helped and e.level >= reduction.moves_from and e.level != reduction.level and e.ratio < 1
+        ],
         digits=digits,
         **known,
     )
