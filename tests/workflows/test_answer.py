@@ -130,8 +130,9 @@ def test_amplitudes_that_the_plate_does_not_endure_are_no_range(finished, docume
     assert "at 5000 rpm at amplitudes" in said
     page = (finished / "report.html").read_text(encoding="utf-8")
     best, endured = (document["speeds"][1]["verdict"][key] for key in ("amplitude", "useful_range"))
-    cells = f"<td>{1e3 * best:.3g}</td>\n<td>{1e3 * endured[1]:.3g}</td>"
-    assert cells.replace(".00<", "<") in page, "and the report's table ends there too"
+    cells = f"<td>{1e3 * best:.3g}</td>\n<td>&gt; {1e3 * endured[1]:.3g}</td>"
+    assert cells.replace(".00<", "<") in page, "half of the best is left beyond what the plate endures"
+    assert document["speeds"][1]["working"]["half_range"][1] > endured[1]
 
 
 def test_of_a_ball_that_takes_nothing_rounding_leaves_nothing(document):

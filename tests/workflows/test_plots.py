@@ -15,6 +15,7 @@ from PIL import Image
 import workflows
 from workflows.io import files
 from workflows.report import figures, plots
+from workflows.solve import limits
 
 
 def test_campbell_has_the_frequencies(coarse, tmp_path):
@@ -48,11 +49,23 @@ def test_a_mode_keeps_its_name_from_the_lowest_speed(coarse, monkeypatch):
     assert "here), mode " not in figures.report(coarse)["campbell"]
 
 
-def test_damping_has_the_curves(coarse):
-    drawn = [line.get_xydata() for line in coarse.plot.damping().get_lines()]
-    for line in files.damping_ratio(coarse):
-        shown = line.y > 0
-        assert any(np.array_equal(np.column_stack([1e3 * line.x, 100 * line.y])[shown], each) for each in drawn)
+def test_damping_has_the_curves_pale_beyond_what_the_structure_endures(coarse):
+    def drawn(results):
+        lines = results.plot.damping().get_lines()
+        return [[each.get_xydata() for each in lines if (each.get_alpha() is None) is full] for full in (True, False)]
+
+    for strain in (1e-3, 1.0):  # by which no amplitude is too large, and some are
+        speeds = tuple(replace(point, root_strain=strain * 4.0) for point in coarse.speeds)
+        strained = replace(coarse, speeds=speeds)
+        full, pale = drawn(strained)
+        for line, point in zip(files.damping_ratio(strained), speeds, strict=True):
+            limit, shown = limits.endured(strained, point.omega), line.y > 0
+            curve = np.column_stack([1e3 * line.x, 100 * line.y])[shown]
+            within = curve[:, 0] <= 1e3 * limit
+            assert any(np.array_equal(curve[within], each) for each in full)
+            rest = curve[max(int(within.sum()) - 1, 0) :] if not within.all() else curve[:0]
+            assert any(np.array_equal(rest, each) for each in pale)
+        assert any(each.size for each in pale) == (strain == 1.0)
 
 
 def test_ringdown_and_mesh_are_axes(coarse):

@@ -14,7 +14,7 @@ from tests.workflows.browser import PHONE, Reader, findings, needs_axe, needs_ch
 from tests.workflows.conftest import changed, shipped_scene
 from workflows import formatting
 from workflows.io import serialise
-from workflows.report import remarks, text, verdict
+from workflows.report import text, verdict
 from workflows.report.page import load_results, save
 from workflows.scene.load import parse
 from workflows.solve import engine_orders, limits
@@ -51,16 +51,10 @@ def test_what_is_typed_is_code_on_a_page_and_plain_elsewhere(page, finished):
     assert "`" not in repr(results) + results._repr_html_()
 
 
-def test_the_least_limit_of_several_speeds_names_its_speed(coarse):
+def test_each_speed_has_its_own_limit(coarse):
     """The root of a structure may be strained more at one speed than at another."""
     slow, fast = coarse.speeds
-    alike, apart = (
-        replace(coarse, speeds=(replace(slow, root_strain=1.0), replace(fast, root_strain=strain)))
-        for strain in (1.005, 1.3)
-    )
-    assert "strains the root most" not in remarks.beyond_of(alike)
-    assert f"at {fast.rpm:.0f} rpm, where an amplitude strains the root most" in remarks.beyond_of(apart)
-    assert "strains the root most" not in remarks.beyond_of(apart, slow.omega)
+    apart = replace(coarse, speeds=(replace(slow, root_strain=1.0), replace(fast, root_strain=1.3)))
     least, middle, most = (
         limits.endured(apart, omega) for omega in (fast.omega, 0.5 * (slow.omega + fast.omega), slow.omega)
     )

@@ -49,9 +49,6 @@ _OTHER_WAYS = {"from_above": (0, (4, 2)), "slow_ramp": (0, (4, 2, 1, 2)), "abrup
 _MARGIN = 1.1
 """By what the axis goes beyond its ends."""
 
-_MIDDLE = 0.5
-"""Where the line of what the plate endures has the words left of it, as a share of the axis: there is room for them."""
-
 _LEAST_SHOWN = 1e-3
 """Share of the largest damping ratio at which the axis ends, unless a peak is lower than ten times that."""
 
@@ -304,13 +301,17 @@ def _spread(values: list[float], gap: float) -> list[float]:
 def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     """Damping ratio over amplitude with peaks and cut-offs, beside what the air does; None without a damper."""
     lines = files.damping_ratio(results)
-    ranges = [w for point in results.speeds if (w := point.damping_curve) is not None and w.amplitude.size]
+    points = [p for p in results.speeds if p.damping_curve is not None and p.damping_curve.amplitude.size]
+    ranges, ends = [present(p.damping_curve) for p in points], [limits.endured(results, p.omega) for p in points]
     if not lines:
         return None
     figure, (axes,) = plots.canvas(3.1, target=target)
     top = 100 * limits.AIR[1]
-    for line, figures, colour in zip(lines, ranges, plots.shades(len(lines)), strict=True):
-        plots.damping_curve(axes, line.x, line.y, color=colour, lw=1.3, label=line.label)
+    for line, figures, end, colour in zip(lines, ranges, ends, plots.shades(len(lines)), strict=True):
+        borne = line.x <= end
+        beyond = ~borne | np.append(~borne[1:], False)  # from the last point within the limit on
+        plots.damping_curve(axes, line.x[borne], line.y[borne], color=colour, lw=1.3, label=line.label)
+        plots.damping_curve(axes, line.x[beyond], line.y[beyond], color=colour, lw=1.3, alpha=_PALE)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
         for way, style in _OTHER_WAYS.items() if figures.ways_differ else ():
             other: Figures = getattr(figures, way)
@@ -325,9 +326,14 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     least = max(min(peaks) / 10, _LEAST_SHOWN * max(peaks))
     plots.damping_axes(axes)
     axes.set(xlim=_from_to(lines, ranges), ylim=(min(least, 50 * limits.AIR[0]), 2 * top))
-    _beside(axes, limits.endured(results))
+    words, look = "air alone, turbine blades", {"ha": "right", "va": "bottom", "color": plots.MUTED}
+    plots.note(axes, words, (0.99, 100 * limits.AIR[1]), (0, 3), ("axes fraction", "data"), **look)
     plots.legend(figure, axes, target, title="speed")
     return figure
+
+
+_PALE = 0.3
+"""Opacity of a curve beyond the amplitude that the structure endures at its speed."""
 
 
 def _from_to(lines: list[files.Curve], ranges: list[OwnFigures]) -> tuple[float, float]:
@@ -336,17 +342,6 @@ def _from_to(lines: list[files.Curve], ranges: list[OwnFigures]) -> tuple[float,
     ticks = [figures.cutoff for figures in ranges if figures.cutoff > 0]
     low = max(min([*ticks, shown.min()]), _LEAST_AMPLITUDE * shown.min())
     return 1e3 * low / _MARGIN, 1e3 * shown.max() * _MARGIN
-
-
-def _beside(axes: Axes, limit: float) -> None:
-    """The amplitude [m] up to which the plate endures, and words on what the air does, which do not meet its line."""
-    end, (left, right) = 0.99, np.log(axes.get_xlim())
-    if np.log(1e3 * limit) < right:
-        axes.axvline(1e3 * limit, color=plots.INK, lw=0.8, ls=plots.DASHED)
-        share = (np.log(1e3 * limit) - left) / (right - left)
-        end = share - 0.01 if share > _MIDDLE else end
-    words, look = "air alone, turbine blades", {"ha": "right", "va": "bottom", "color": plots.MUTED}
-    plots.note(axes, words, (end, 100 * limits.AIR[1]), (0, 3), ("axes fraction", "data"), **look)
 
 
 def path_shown(results: Results) -> tuple[BallPath, SpeedPoint] | None:

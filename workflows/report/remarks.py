@@ -106,19 +106,9 @@ def cutoff_mark(results: Results, point: SpeedPoint) -> str:
     return AT_REST if limits.cutoff(results, point).at_rest else ""
 
 
-def beyond_of(results: Results, omega: float | None = None) -> str:
-    """What a larger amplitude than the structure endures would do to it.
-
-    `omega`: speed [rad/s]; None: that at which it endures least, which is named where the strains at others differ.
-    """
-    held = [p for p in results.speeds if omega is None and not limits.is_torn(results, p)]
-    strains = sorted((p.root_strain, p.omega) for p in held if p.root_strain is not None)
-    most = strains[-1][1] if strains and strains[-1][0] > _ALIKE * strains[0][0] else None
-    return phrase("remarks/beyond_of", results, by_deflection=limits.deflection_governs(results, omega), omega=most)
-
-
-_ALIKE = 1.01
-"""Ratio of strains at different speeds that is not worth a word."""
+def beyond_of(results: Results, omega: float) -> str:
+    """What a larger amplitude than the structure endures at a speed [rad/s] would do to it."""
+    return phrase("phrases/beyond", results, by_deflection=limits.deflection_governs(results, omega))
 
 
 def torn_from(results: Results) -> str | None:
@@ -628,9 +618,17 @@ def still_across(results: Results) -> Values:
 @remark
 def root_stress(results: Results) -> Values:
     """The centrifugal pull at the root, where the answer does not speak of it."""
-    fastest = max(results.scene.rotor.speeds)
+    scene, fastest = results.scene, max(results.scene.rotor.speeds)
     stress = limits.root_stress(results, fastest)
-    return None if stress is None or not 1e7 <= stress <= limits.STRONGEST else {"omega": fastest, "stress": stress}
+    if stress is None or not 1e7 <= stress <= limits.STRONGEST:
+        return None
+    return {"omega": fastest, "stress": stress, "strength": _yield_strength(scene)}
+
+
+def _yield_strength(scene: Scene) -> float | None:
+    """Of the structure's material [Pa]; None where it is not known."""
+    name = None if scene.material is None else scene.material.name
+    return None if name is None else KNOWN[name].yield_strength
 
 
 @remark
@@ -742,13 +740,14 @@ def nothing_released(results: Results) -> Values:
 @remark
 def release_stress(results: Results) -> Values:
     """What stress the release causes."""
-    material, rung = results.scene.material, ring_downs(results)
+    scene, material, rung = results.scene, results.scene.material, ring_downs(results)
     if material is None or not rung:
         return None
     point, _, damping = max(rung, key=lambda each: (abs(each[2].release[0]), templates.at_load(each[0])))
     lift = abs(damping.release[0])
     stress = material.youngs_modulus * (limits.largest_strain(results, point.omega) or 0.0) * lift
-    return {"lift": lift, "point": point, "stress": stress} if stress >= 1e8 else None
+    known = {"lift": lift, "point": point, "stress": stress, "strength": _yield_strength(scene)}
+    return known if stress >= 1e8 else None
 
 
 _LINEAR = 0.3
