@@ -9,10 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import spindamp
 import workflows
 from damper.curve_measurement import settled
 from tests.workflows.conftest import BALL, BLADE, KNOWN, MESHES, QUIET, changed, on_mesh
 from workflows import pipeline
+from workflows.errors import BadInput
 from workflows.report import remarks
 from workflows.report import text as summary
 from workflows.report.remarks import AT_REST, AT_REST_MEANS, BEYOND, BEYOND_MEANS, LEVEL_MEANS
@@ -1085,6 +1087,22 @@ def test_a_ball_whose_weight_is_more_than_its_drive_has_no_verdict():
     system = verdict_damper(found.scene, found.effects, point)
     pulled = replace(system, lateral_acceleration=(9.80665 * math.sin(math.radians(5)), 0.0))
     assert settled(pulled, own.peak_amplitude) < 0.1 * settled(system, own.peak_amplitude)
+
+
+def test_estimates_and_designs_know_of_the_weight():
+    """At the amplitude that a force leaves the drive is less than g, as at the least amplitude of a design's range."""
+    shaken = {"rotor__speeds": ["13 rpm", "20 rpm"], "damper__damping_ratio": 5e-3}
+    forced = changed(WIND, **shaken, excitation={"orders": [2], "force": ["3 kN"]})
+    found = workflows.run(forced)
+    (reduction,) = found.reductions
+    assert reduction.reason == Reason.WEIGHT
+    assert "weight, which is neglected, exceeds the load, or what drives them there" in " ".join(of_orders(found))
+    faster = {"structure__frequency": "10 Hz", "excitation__orders": [40]}
+    (reduction,) = workflows.run(changed(forced, **faster)).reductions
+    assert reduction.reason != Reason.WEIGHT
+    wanted = {"amplitude": ["20 mm", "60 mm"], "ball_diameter": ["60 mm", "100 mm"], "clearance": ["50 mm", "100 mm"]}
+    with pytest.raises(BadInput, match="weight, which is neglected, exceeds the load, or what drives"):
+        spindamp.design(changed(WIND, design=wanted))
 
 
 def test_a_weight_that_is_a_tenth_of_the_drive_is_in_the_headline():

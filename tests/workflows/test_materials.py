@@ -257,6 +257,10 @@ def test_hits_that_scatter_into_modes_beyond_those_simulated_are_remarked():
     )
     slipping = workflows.run(scene(4, restitution=0.6) | {"effects": {"ball_slip": True}})
     assert not [note for note in slipping.notes if "simulates the sliding" in note]
+    wide = {"count": 1, "radius": "3 mm", "cavity": ["8 mm", "8 mm"], "housing": "40 g"}
+    (rolls,) = workflows.run(scene(4, restitution=0.8, **wide)).speeds  # at its best it meets no wall
+    assert rolls.hits is None
+    assert 0 < rolls.damping_curve.peak_amplitude < 0.5 * rolls.damping_curve.folds[1]
     ball = damper.contact.Solid(210e9, 0.3), damper.contact.Solid(113.8e9, 0.342)
     mass, clearance = point.damper.ball_mass, 0.6e-3
     assert point.hits.duration == pytest.approx(

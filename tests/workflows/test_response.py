@@ -172,7 +172,7 @@ def test_the_last_line_says_what_the_table_shows(known):
     ("ratios", "expected", "said"),
     [
         ({8.0: 0.51, 10.0: 0.37, 30.0: 0.6, 100.0: 0.9}, (8.0, 30.0), "63 % less vibration at 10 N, at least half of"),
-        ({8.0: 0.9, 10.0: 0.37, 30.0: 0.9, 100.0: 0.6}, (10.0, 10.0), "63 % less vibration at 10 N. At 8 and 30 N"),
+        ({8.0: 0.9, 10.0: 0.37, 30.0: 0.9, 100.0: 0.6}, (10.0, 10.0), "63 % less vibration at 10 N. At 8 N the"),
         ({2.0: 0.995, 10.0: 1.0}, (math.nan, math.nan), "not useful at the levels followed, 2 and 10 N"),
     ],
 )
@@ -718,7 +718,7 @@ def test_a_verdict_holds_up_to_the_forces_that_the_plate_endures(known, monkeypa
     at_rest = 2 * math.pi * 200 * math.sqrt(1.01)  # rad/s without the ball, 200 Hz with it
     moves = 0.01 * (known.passages[0].crossing.omega ** 2 * 0.2) / (2 * math.pi * 200) ** 2  # w² A = a_c b / r
     force = 2 * 0.01 * at_rest * 2 * math.pi * 200 * moves  # c w A, c = 2 zeta w2 M2
-    said_force = re.search(r"At 2 N the load holds the balls at rest; they move from ([0-9.]+) N on\.$", said)
+    said_force = re.search(r"At 2 N the load holds the balls at rest; they move from ([0-9.]+) N on\.", said)
     assert float(said_force[1]) == pytest.approx(force, rel=0.03)
     assert added == (f"{best.force:g} N is evaluated too, near the largest reduction that free vibration predicts.")
     assert remarks.BEYOND not in report.text(known)

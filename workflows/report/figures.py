@@ -262,7 +262,11 @@ def _title(whole: Axes, part: Axes, lines: list[files.Curve], results: Results) 
         middle = (0.97, (low + high) / 2)
         whole.annotate("the paper’s range", middle, xycoords=("axes fraction", "data"), ha="right", va="center")
         top = max(top, high)
-    whole.set(ylim=(0, 1.12 * top or 1.0), title="All that is lost in a cycle", ylabel="specific damping capacity, %")
+    whole.set(
+        ylim=(0, 1.12 * top or 1.0),
+        title="All that a ring-down loses in a cycle",
+        ylabel="specific damping capacity, %",
+    )
     if part is not whole:
         part.set(title="Beyond the structure’s own damping")
 

@@ -26,7 +26,16 @@ from workflows.scene.damper import cavities_abreast
 from workflows.scene.materials import KGF, KNOWN, OSMIUM, is_too_dense
 from workflows.scene.scene import FINEST, Scene
 from workflows.solve import coupling, limits
-from workflows.solve.results import Damping, ErrorParts, Reason, Reduced, Results, SpeedPoint, leading_mode
+from workflows.solve.results import (
+    Damping,
+    ErrorParts,
+    HitFigures,
+    Reason,
+    Reduced,
+    Results,
+    SpeedPoint,
+    leading_mode,
+)
 
 Values: TypeAlias = dict[str, Any] | None
 """What a sentence says, by name; None where there is nothing to say."""
@@ -573,11 +582,9 @@ def long_hits(results: Results) -> Values:
 @remark
 def slides_after_hits(results: Results) -> Values:
     """That a ball slides after a hit for longer than a part of its flight, which the figures leave out."""
-    every = [
-        (h.sliding / h.flight, h, p) for p in results.speeds if (h := p.hits) is not None and h.sliding is not None
-    ]
+    every = [((h.sliding or 0.0) / h.flight, h, p) for p in results.speeds if (h := p.hits) is not None]
     share, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
-    if hit is None or share <= _BRIEF or results.effects["ball_slip"].on or results.scene.is_printed:
+    if hit is None or not share > _BRIEF or results.effects["ball_slip"].on or results.scene.is_printed:
         return None
     return {"share": share, "hit": hit, "point": point}
 
@@ -585,25 +592,31 @@ def slides_after_hits(results: Results) -> Values:
 _LITTLE = 0.1
 """What hits may scatter into modes that are not simulated, over what restitution takes, without a word."""
 
-
 _GROWS_BY = 0.6
 """Most that the damping of growing vibration gains, relatively, over what is scattered beside what restitution takes.
 
-Of 32 random dampers with a second mode to a seventh more, where it is 5 % or more; falling vibration loses 0.2 to 3.4
-times that (`tests/benchmarks/modes_needed.py`).
+Of 32 random dampers with a second mode to a seventh more, where it is 5 % or more; falling vibration mostly loses, up
+to 3.4 times that (`tests/benchmarks/modes_needed.py`).
 """
 
 
 @remark
 def scattering(results: Results) -> Values:
     """That hits scatter energy into modes of the structure that are not simulated."""
-    every = [(h.scattered, h, p) for p in results.speeds if (h := p.hits) is not None and h.scattered is not None]
-    scattered, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
-    if hit is None or point is None or scattered <= _LITTLE * hit.dissipated:
+    scene, switched = results.scene, results.effects["structural_modes"].on
+    every = [(scattered(h), h, p) for p in results.speeds if (h := p.hits) is not None]
+    share, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
+    if hit is None or point is None or not share > _LITTLE or scene.is_printed:
         return None
-    simulated = coupling.damper_modes(results.scene, point) if results.effects["structural_modes"].on else ()
-    more = _GROWS_BY * scattered / hit.dissipated if hit.dissipated > 0 else math.inf
-    return {"hit": hit, "point": point, "more": more, "simulated": len(simulated), "most": MODES}
+    simulated = coupling.damper_modes(scene, point) if switched else ()
+    return {"hit": hit, "point": point, "more": _GROWS_BY * share, "simulated": len(simulated), "most": MODES}
+
+
+def scattered(hit: HitFigures) -> float:
+    """What a hit scatters into modes that are not simulated, over what restitution takes; 0 where it is not known."""
+    if hit.scattered is None or not hit.scattered > 0:
+        return 0.0
+    return hit.scattered / hit.dissipated if hit.dissipated > 0 else math.inf
 
 
 @remark
@@ -808,9 +821,7 @@ def neglected_forces(results: Results) -> Values:
 
 @remark
 def modes_left_out(results: Results) -> Values:
-    """Modes that hits feed but for which there is no room, where `scattering` does not know of all."""
-    if any(point.hits is not None and point.hits.scattered is not None for point in results.speeds):
-        return None
+    """Modes that hits feed but for which there is no room, or that were not looked for."""
     target = results.scene.accuracy.damping
     left_out = (
         (reduced.M1 - reduced.M2) * math.hypot(*mode.shape) ** 2

@@ -356,6 +356,8 @@ def estimate(solver: StructureSolver, results: Results, met: Meeting, excitation
         known, amplitude = _over_levels(balance, limit, excitation.levels)
     if math.isfinite(amplitude):
         hertz = None if modes_at_crossing(at, crossing)[2] else crossing.frequency_hz
+        if limits.weight_at(results, at, amplitude, hertz) > 1:
+            return replace(none, reason=Reason.WEIGHT)
         if limits.slides(results, at, amplitude, hertz):
             return replace(none, reason=Reason.SLIP)
         known["friction_needed"] = limits.friction_needed(results, at, amplitude, hertz)

@@ -9,6 +9,7 @@ import numpy as np
 from damper.contact import hit_time
 from fem.reduction.pulse import spectrum
 from workflows.errors import present
+from workflows.scene.damper import Damper
 from workflows.solve import coupling, limits
 from workflows.solve.damper import verdict_damper
 from workflows.solve.results import HitFigures, Results, SpeedPoint
@@ -49,10 +50,24 @@ def _hit(results: Results, point: SpeedPoint) -> _Hit | None:
     damper, made_of, best = results.scene.damper, limits.solids(results.scene), limits.best(results, point)
     if damper is None or made_of is None or best is None or point.reduced is None:
         return None
+    if best.amplitude < _reaches(damper, point):
+        return None
     omega, ball = 2 * math.pi * point.reduced.f1_hz, (point.reduced.M1 - point.reduced.M2) / damper.count
     gap, jerk = damper.cavity[0] - 2 * damper.radius, 5 / 7 * abs(1 - point.tilt_share) * best.amplitude * omega**3
     flight = min(math.pi / omega, (6 * gap / jerk) ** (1 / 3))
     return _Hit(ball, gap / flight, hit_time(gap / flight, ball, damper.radius, *made_of), flight)
+
+
+_DRIFTS = 0.2
+"""Amplitude at which a ball that drifts reaches a wall, over that at which one that rolls about the middle does."""
+
+
+def _reaches(damper: Damper, point: SpeedPoint) -> float:
+    """Amplitude [m] below which growing vibration has a ball that rolls, or rests, without a hit."""
+    figures, left = present(point.damping_curve), abs(1 - point.tilt_share)
+    if figures.ways_differ:
+        return 0.97 * figures.folds[1]
+    return _DRIFTS * 7 / 5 * (damper.cavity[0] / 2 - damper.radius) / left if left > 0 else math.inf
 
 
 def _figures(state: StructureState, point: SpeedPoint, hit: _Hit, whole: float | None) -> HitFigures:

@@ -259,7 +259,14 @@ def weight_governs(point: SpeedPoint) -> bool:
 def weight_share(results: Results, point: SpeedPoint) -> float:
     """The ball's own weight over what drives it along the floor at the amplitude of largest damping; 0 without one."""
     most = best(results, point)
-    drive = 0.0 if most is None else _drive(point) * most.amplitude
+    return 0.0 if most is None else weight_at(results, point, most.amplitude)
+
+
+def weight_at(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
+    """The same at an amplitude; `hertz`: as of `friction_demand`. In a hollow floor the load holds the ball: 0."""
+    damper, drive = results.scene.damper, _drive(point, hertz) * amplitude
+    if damper is None or damper.floor_radius is not None:
+        return 0.0
     return results.scene.rotor.gravity / drive if drive > 0 else 0.0
 
 
@@ -273,8 +280,10 @@ def weight_over_hold(results: Results, point: SpeedPoint) -> float:
     return 1 / (slope * point.load_g) if slope > 0 else 0.0
 
 
-def _drive(point: SpeedPoint) -> float:
-    """What drives a ball along the floor, both axes together, over the amplitude [1/s²]."""
+def _drive(point: SpeedPoint, hertz: float | None = None) -> float:
+    """What drives a ball along the floor, both axes together, over the amplitude [1/s²]; `hertz`: of another mode."""
+    if hertz is not None:
+        return (2 * math.pi * hertz) ** 2
     return (2 * math.pi * present(point.reduced).f1_hz) ** 2 * point.drive_left
 
 
@@ -288,7 +297,7 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz
     damper = results.scene.damper
     if damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
-    drive = _drive(point) * amplitude if hertz is None else (2 * math.pi * hertz) ** 2 * amplitude
+    drive = _drive(point, hertz) * amplitude
     resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
     return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
 

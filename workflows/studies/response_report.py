@@ -19,7 +19,7 @@ from workflows.report import figures, plots, remarks, templates, verdict
 from workflows.report.templates import capital, in_percent
 from workflows.solve.engine_orders import Crossing
 from workflows.solve.excitation import HELPS, endured, half_way, neighbours
-from workflows.solve.limits import AIR, friction_needed, is_heavy
+from workflows.solve.limits import AIR, friction_needed, is_heavy, weight_at
 from workflows.solve.results import ForceLevel, Reason, VibrationReduction
 from workflows.studies import response as study
 from workflows.studies.response import Passage, Response, Row, best_level, is_beyond, peak, rows, shows
@@ -203,6 +203,8 @@ def confirmed(result: Response, passage: Passage) -> VibrationReduction:
     best = min(moved or borne, key=lambda each: each.ratio)
     hertz = None if passage.figures is not None else passage.crossing.frequency_hz
     needed = friction_needed(result.results, passage.at, best.amplitude, hertz)
+    if weight_at(result.results, passage.at, best.amplitude, hertz) > 1:
+        return replace(estimate, reason=Reason.WEIGHT)
     if damper is not None and damper.friction == 0 and needed > 0:
         return replace(estimate, reason=Reason.SLIP)
     enough = min(half_way(best.ratio), HELPS)

@@ -311,6 +311,8 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if space.has_to_fit and scene.blade is not None and out > 0:
         score, why = -objectives.BEYOND - math.log1p(1e3 * out), Obstacle("sticks_out", value=out)
         return Evaluation(0.0, score, why=why, **known)
+    if isinstance(space.goal, LeastDamping) and limits.weight_at(cases[0].results, cases[0].point, space.goal.low) > 1:
+        return Evaluation(0.0, -objectives.NONE, why=Obstacle("weight", cases[0].point.omega), **known)
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
@@ -325,6 +327,8 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
         met = min(of_order, key=lambda each: abs(each.omega - evaluation.speed))
         there = min(cases, key=lambda each: abs(each.point.omega - met.omega))
         hertz = None if excitation.modes_at_crossing(there.point, met)[2] else met.frequency_hz
+    if limits.weight_at(there.results, there.point, amplitude, hertz) > 1:
+        return Evaluation(0.0, -objectives.NONE, why=Obstacle("weight", there.point.omega), **known)
     known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude, hertz)
     return replace(evaluation, endured=endured, **known)
 

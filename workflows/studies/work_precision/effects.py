@@ -409,7 +409,7 @@ def draw(switches: EffectStudy) -> str:
         xlabel=f"dashed: the scene's own accuracy, {switches.target:g}",
     )
     left.axvline(switches.target, color=plots.MUTED, lw=0.8, ls=plots.DASHED)
-    right.set(title="share of the run's time with it, %")
+    right.set(title="time that it adds, % of a run with it")
     return plots.svg(figure, "effects", "What each effect changes and costs", whole)
 
 
