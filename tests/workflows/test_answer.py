@@ -954,6 +954,10 @@ def test_estimates_for_heavy_balls_are_rough():
     )
     assert [limits.is_heavy(found.speeds[0]) for found in (few, many)] == [False, True]
     assert [[each.loose for each in found.reductions] for found in (few, many)] == [[False], [True]]
+    lower = 1 - many.speeds[0].reduced.f1_hz / many.speeds[0].reduced.f2_hz
+    (note,) = (note for note in remarks.remarks(many) if "in their cavities the frequency is" in note)
+    assert f"{100 * lower:.2g} % lower than that of the plate without balls" in note
+    assert not any("in their cavities the frequency" in note for note in remarks.remarks(few))
     said = [" ".join(answer(found).sentences) for found in (few, many)]
     assert ["since these balls are heavy beside the structure" in each for each in said] == [False, True]
     assert "roughly up to" in answer(many).verdict

@@ -579,6 +579,18 @@ def long_hits(results: Results) -> Values:
     return None if longest is None or longest.duration <= _BRIEF * longest.flight else {"hit": longest, "point": point}
 
 
+_LOWERED = 0.03
+"""By how much balls at rest lower the frequency, relatively, that is worth a word."""
+
+
+@remark
+def lowered(results: Results) -> Values:
+    """That balls at rest lower the frequency that tables and diagram have without them."""
+    every = [(1 - p.reduced.f1_hz / p.reduced.f2_hz, p) for p in results.speeds if p.reduced is not None]
+    share, point = max(every, key=lambda each: each[0], default=(0.0, None))
+    return None if point is None or share <= _LOWERED or results.scene.given else {"share": share, "point": point}
+
+
 @remark
 def slides_after_hits(results: Results) -> Values:
     """That a ball slides after a hit for longer than a part of its flight, which the figures leave out."""
