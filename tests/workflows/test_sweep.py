@@ -493,8 +493,8 @@ def test_the_text_has_a_line_for_each_statement():
     assert said("sweep/text", spread=None, **known | {"error": 0.2})[1] == roughly
     assert said("sweep/text", spread=spread, **known) == [
         "T: 4 points (4 a)",
-        "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % in 90 % of the cases, with a median of 0.3 %; share of the"
-        " variance by parameter, interactions included: k 50 ± 10 %",
+        "At 1000 rpm the largest damping ratio is 0.1 to 0.5 % in 90 % of the cases, with a median of 0.3 %; share of"
+        " the variance by parameter, interactions included: k 50 ± 10 %",
         "1 point has no verdict: `spindamp run` of such a point gives the reason",
         "2 points have no answer:",
         "1 × too wide",
