@@ -21,11 +21,29 @@ NASTRAN = (".bdf", ".nas", ".fem")
 """Endings of Nastran's files."""
 
 _DATA = re.compile(
-    r"\s*(?P<keyword>\*\s*(?:INCLUDE|NODE|ELEMENT|NSET|ELSET))\b.*?(?P<option>,\s*INPUT\s*=(?P<file>[^,]+))",
+    r"\s*(?P<keyword>\*\s*(?:INCLUDE|NODE|ELEMENT|NSET|ELSET))\b.*?"
+    r"(?P<option>,\s*INPUT\s*=\s*(?P<file>\"[^\"]+\"|[^,\s][^,]*))",
     re.IGNORECASE,
 )
-_INCLUDE = re.compile(r"(?P<keyword>INCLUDE)\s+(?P<file>.+)", re.IGNORECASE)
+_INCLUDE = re.compile(
+    r"\s*(?P<keyword>INCLUDE)(?:\s*=\s*|\s+|(?=['\"]))(?P<file>'[^']+'|\"[^\"]+\"|[^\s'\"$=][^'\"$]*?)\s*(?:\$.*)?$",
+    re.IGNORECASE,
+)
 """Lines that name a file with data."""
+
+_NO_FILE = {
+    _DATA: re.compile(
+        r"\s*\*\s*(?:INCLUDE\b|(?:NODE|ELEMENT|NSET|ELSET)\s*,(?:.*,)?\s*INPUT\s*(?:=\s*)?(?:,|$))", re.IGNORECASE
+    ),
+    _INCLUDE: re.compile(r"\s*INCLUDE", re.IGNORECASE),
+}
+"""Lines that should name one."""
+
+_OPEN = re.compile(r"\s*INCLUDE\s*=?\s*(?:'[^']*|\"[^\"]*)", re.IGNORECASE)
+"""Lines of Nastran with a name in quotes that goes on."""
+
+_FLAGS = re.compile(r"\s*(?:GENERATE|UNSORTED|INTERNAL)\s*(?:,|$)", re.IGNORECASE)
+"""Lines that continue a keyword without a value."""
 
 _IN_FULL = "write the mesh in full, as cgx does by `send all abq` and Abaqus/CAE into its job's file"
 
@@ -162,8 +180,8 @@ def included_files(path: Path) -> list[Path]:
     names, seen, files = _DATA if path.suffix.lower() == ".inp" else _INCLUDE, {path.resolve()}, [path]
     for each in files:  # which grows on the way
         raw = each.read_bytes() if each.is_file() else b""
-        lines = _text(raw).splitlines() if re.search(rb"(?i)include|input", raw) else []
-        for named in filter(None, map(names.match, lines)):
+        lines = _joined(_text(raw), names) if re.search(rb"(?i)include|input", raw) else ()
+        for named in filter(None, (names.match(line) for _, line in lines)):
             other = _located(path, each, named)
             if other.is_file() and other.resolve() not in seen:
                 seen.add(other.resolve())
@@ -180,15 +198,45 @@ def _text(raw: bytes) -> str:
 
 def _located(deck: Path, path: Path, named: re.Match[str]) -> Path:
     """A file that a line names, from the folder of the main deck as for CalculiX and Abaqus, or else from its own."""
-    name = named["file"].strip(" '\"")
+    name = named["file"].strip().strip("'\"").strip()
     return deck.parent / name if (deck.parent / name).is_file() else path.parent / name
 
 
+def _joined(text: str, names: re.Pattern[str]) -> Iterator[tuple[int, str]]:
+    """Lines by their numbers, keywords that go on after a comma, and Nastran's names of files, on one line each."""
+    begun, first = "", 0
+    for number, line in enumerate(text.splitlines(), 1):
+        if names is _INCLUDE:
+            whole = begun + line.strip() if begun else line
+            more = _OPEN.fullmatch(whole) is not None
+        else:
+            if begun and (not line.strip() or line.lstrip().startswith("**")):
+                continue
+            if begun and (line.lstrip().startswith("*") or not ("=" in line or _FLAGS.match(line))):
+                yield first, begun
+                begun = ""
+            whole = begun + line.strip() if begun else line
+            more = re.match(r"\s*\*(?!\*).*,\s*$", whole) is not None
+        first = first if begun else number
+        begun = whole.rstrip() if more else ""
+        if not more:
+            yield first, whole
+    if begun:
+        yield first, begun
+
+
 def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) -> Lines:
-    """Lines of a deck and of the files that its lines name, each with where it stands."""
-    for number, line in enumerate(_text(path.read_bytes()).splitlines(), 1):
+    """Lines of a deck and of the files that its lines name, each with where it stands.
+
+    Raises:
+        MeshError: a line names no file, one that is not there, or one that includes it.
+    """
+    for number, line in _joined(_text(path.read_bytes()), names):
         where = f"{path.name}, line {number}" if outer else f"line {number}"
         named = names.match(line)
+        if named is None and _NO_FILE[names].match(line):
+            expected = "INCLUDE 'file'" if names is _INCLUDE else "INPUT=file"
+            raise MeshError(f"{where}: {line.strip()[:80]!r} names no file that can be read: expected {expected}")
         if named is None:
             yield where, line
             continue
@@ -203,17 +251,9 @@ def _included(path: Path, names: re.Pattern[str], outer: tuple[Path, ...] = ()) 
 
 def _keywords_and_data(path: Path) -> Lines:
     """Lines of a deck of Abaqus, those of included files too, without comments, blank ones and blanks around them."""
-    begun = ""
     for where, line in _included(path, _DATA):
-        if not line.strip() or line.lstrip().startswith("**"):
-            continue
-        if begun and ("=" not in line or line.lstrip().startswith("*")):
-            yield where, begun
-            begun = ""
-        line = begun + line.strip()
-        begun = line if line.startswith("*") and line.endswith(",") else ""  # a keyword may go on
-        if not begun:
-            yield where, line
+        if line.strip() and not line.lstrip().startswith("**"):
+            yield where, line.strip()
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Decks as they are met: files in files, sets of sets, Nastran's continuations; what would be misread is refused."""
 
+import re
+
 import meshlane
 import numpy as np
 import pytest
@@ -44,6 +46,11 @@ READ = {
     "mesh from a file": ["*HEADING", "a blade", "*INCLUDE, INPUT=mesh.inc", *ROOT],
     "nodes from a file": ["*NODE, INPUT=nodes.inc, NSET=NALL", *MESH[len(NODES) + 1 :], *ROOT],
     "files in files": ["*Include, input='outer.inc'", *ROOT],
+    "mesh from a file on the next line": ["*INCLUDE,", "** a comment", "INPUT=mesh.inc", *ROOT],
+    "nodes from a file on the next line": ["*NODE, NSET=NALL,", "INPUT=nodes.inc", *MESH[len(NODES) + 1 :], *ROOT],
+    "cells from a file on the next line": [*MESH[:-4], f"{MESH[-5]},", "INPUT=cells.inc", *ROOT],
+    "a tab after a file's name": ["*INCLUDE, INPUT=mesh.inc\t ", *ROOT],
+    "words of a heading that include": ["*HEADING", "include, input", *MESH, *ROOT],
     "set of a set": [*MESH, "*NSET,NSET=FACE", ",".join(FACE), "*NSET,NSET=NROOT", "FACE"],
     "set of a set and nodes": [
         *(*MESH, "*NSET,NSET=F", ",".join(FACE[:3]), "*NSET,NSET=NROOT", f"f,{','.join(FACE[3:])}"),
@@ -99,11 +106,12 @@ def test_decks_are_read_with_their_root(case, tmp_path):
     path = tmp_path / "blade.inp"
     (tmp_path / "mesh.inc").write_text("\n".join(MESH))
     (tmp_path / "nodes.inc").write_text("\n".join(NODES))
+    (tmp_path / "cells.inc").write_text("\n".join(MESH[-4:]))
     (tmp_path / "outer.inc").write_text("*INCLUDE,INPUT=mesh.inc\n")
     path.write_text("\n".join(READ[case]) + "\n", encoding="utf-8")
     mesh = read_volume(path)
-    inside = {"mesh from a file": "mesh", "nodes from a file": "nodes", "files in files": "outer mesh"}.get(case, "")
-    assert [each.name for each in files_of(path)] == ["blade.inp", *(f"{name}.inc" for name in inside.split())]
+    inside = re.findall(r"(\w+)\.inc", " ".join(READ[case])) + ["mesh"] * (case == "files in files")
+    assert [each.name for each in files_of(path)] == ["blade.inp", *(f"{name}.inc" for name in inside)]
     assert [(kind, len(nodes)) for kind, nodes in mesh.cells] == [("hexahedron20", 2)]
     offset = 0.5 if "moved" in case else 0.0
     np.testing.assert_allclose(np.sort(mesh.points[:, 0]), np.sort(DECK.points[:, 0]) + offset, atol=1e-12)
@@ -160,6 +168,11 @@ REFUSED = {
     "cut": (deck()[:-40], "line 36: element 2 has 7 nodes, and C3D20R has 20"),
     "cut at a comma": (deck(cells=[CELLS[0], CELLS[1][:-1]])[:-1] + ",", "line 36: element 2 has 19 nodes, and"),
     "no such file": (["*INCLUDE,INPUT=none.inc"], r"line 1: it includes 'none.inc', which is not a file"),
+    "no name of a file": (
+        ["*HEADING", "*INCLUDE,", "INPUT="],
+        r"line 2: '\*INCLUDE,INPUT=' names no file that can be read",
+    ),
+    "no name of a file with nodes": (["*NODE, INPUT, NSET=A"], r"line 1: '\*NODE, INPUT.*' names no file that can be"),
     "a ring": (["*INCLUDE,INPUT=blade.inp", "*NODE"], r"line 1: it includes 'blade.inp', which includes it"),
     "generated nodes": (["*NODE", "1,0,0,0", "9,1,0,0", "*NGEN", "1,9"], r"line 4: \*NGEN generates nodes, .* in full"),
     "copied nodes": ([*MESH, "*NCOPY,CHANGE NUMBER=100,OLD SET=NALL,SHIFT", "0,0,1"], r"\*NCOPY generates nodes"),
@@ -257,6 +270,41 @@ def test_nastran_from_two_files_and_in_other_systems(tmp_path):
             read_volume(path)
     path.write_text("\n".join([*lines[:-2], lines[-2][:24], "ENDDATA"]) + "\n")
     with pytest.raises(MeshError, match=r"line 71: CTETRA 12 has 8 nodes, expected 4 or 10"):
+        read_volume(path)
+
+
+INCLUDES = {
+    "quotes": ["INCLUDE 'all nodes.bdf'"],
+    "a leading blank": ["  include 'all nodes.bdf'"],
+    "no blank": ["INCLUDE'all nodes.bdf'"],
+    "an equals sign": ["INCLUDE=nodes.bdf"],
+    "blanks around it": ['INCLUDE = "all nodes.bdf"'],
+    "a comment": ["INCLUDE 'all nodes.bdf' $ it's the mesh", "$ INCLUDE 'none.bdf'"],
+    "a comment after a bare name": ["INCLUDE nodes.bdf $ 'mesh'"],
+    "two lines": ["INCLUDE 'all nod", "        es.bdf'"],
+}
+
+
+@pytest.mark.parametrize("case", INCLUDES)
+def test_nastran_and_optistruct_include_files_in_many_ways(case, tmp_path):
+    """They were dropped but for one way, and half of a blade with them."""
+    mesh, lines = bulk("tetra10", "blanks")
+    nodes = [line for line in lines if line.startswith("GRID")]
+    for name in ("nodes.bdf", "all nodes.bdf"):
+        (tmp_path / name).write_text("\n".join(nodes) + "\n")
+    path = tmp_path / "blade.fem"
+    path.write_text("\n".join([*lines[:3], *INCLUDES[case], *lines[3 + len(nodes) :]]) + "\n")
+    np.testing.assert_allclose(read_volume(path).points, mesh.points, atol=1e-9)
+    assert len(files_of(path)) == 2
+
+
+@pytest.mark.parametrize(
+    "line", ["INCLUDE", "INCLUDE 'nodes.bdf", "INCLUDE 'nodes.bdf' 'more.bdf'", "INCLUDEnodes.bdf"]
+)
+def test_a_line_of_nastran_that_includes_no_file_is_refused(line, tmp_path):
+    path, (_, lines) = tmp_path / "blade.bdf", bulk("tetra10", "blanks")
+    path.write_text("\n".join([*lines[:3], line, *lines[3:]]) + "\n")
+    with pytest.raises(MeshError, match=r"line 4: .INCLUDE.* names no file that can be read: expected INCLUDE 'file'"):
         read_volume(path)
 
 
