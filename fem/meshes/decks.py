@@ -103,6 +103,7 @@ class DeckContents:
         held: nodes, or sets of them, whose displacements *BOUNDARY holds.
         materials: Young's modulus, Poisson's ratio and density in the deck's units, as far as they are given.
         used: materials of solid sections.
+        sets: names of sets by those under which they are written.
     """
 
     labels: list[int] = field(default_factory=list)
@@ -111,6 +112,7 @@ class DeckContents:
     held: dict[str, None] = field(default_factory=dict)
     materials: dict[str, list[float | None]] = field(default_factory=dict)
     used: dict[str, None] = field(default_factory=dict)
+    sets: dict[str, str] = field(default_factory=dict)
 
     def missing(self) -> dict[str, str]:
         """What a blade lacks without elements that are not solid, by their type."""
@@ -127,11 +129,11 @@ class DeckContents:
 
     def note(self, key: str, material: str, line: str) -> None:
         """Take down a line of data of *BOUNDARY, or the first of *ELASTIC or *DENSITY."""
-        words = [word.strip() for word in line.split(",")]
+        words = _words(line)
         if key == "BOUNDARY":
             first = int(words[1]) if len(words) > 1 and words[1].isdigit() else 1  # or a name such as ENCASTRE
             if first <= 3:
-                self.held[words[0].strip('"').rpartition(".")[2]] = None
+                self.held[words[0]] = None
             return
         own, given = self.materials.setdefault(material, [None, None, None]), [_number(word) for word in words]
         if key == "DENSITY" and own[2] is None:
@@ -257,67 +259,132 @@ def _keywords_and_data(path: Path) -> Lines:
 
 
 @dataclass(frozen=True)
+class _Place:
+    """Where a set is given.
+
+    Attributes:
+        where: file and line.
+        owner: the part or instance there.
+        instance: the instance that a set of the assembly is of.
+        parts: those of the instances.
+    """
+
+    where: str
+    owner: str
+    instance: str
+    parts: Mapping[str, str]
+
+    @property
+    def before(self) -> str:
+        """What stands before numbers of an instance's nodes and elements."""
+        return f"{self.instance}." if self.instance else ""
+
+
+@dataclass(frozen=True)
 class _Sets:
-    """Sets of a deck, by their names in capital letters: these may differ in case.
+    """Sets of a deck by the part or instance that they are of, "": of none, and by their names in capital letters.
 
     Attributes:
         keyword: NSET or ELSET.
-        members: numbers of nodes or elements; of a part that has the same name as one before, its own.
+        members: numbers of nodes or elements; those of an assembly's sets after their instance and a dot.
         spelled: names as the deck spells them last.
-        here: sets of the part at hand, which are still to be written.
+        unwritten: sets that are still to be written.
+        aliases: names under which sets are written, which readers keep apart whatever the names hold.
     """
 
     keyword: str
-    members: dict[str, list[str]] = field(default_factory=dict)
+    members: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     spelled: dict[str, str] = field(default_factory=dict)
-    here: dict[str, None] = field(default_factory=dict)
+    unwritten: dict[tuple[str, str], None] = field(default_factory=dict)
+    aliases: dict[tuple[str, str], str] = field(default_factory=dict)
 
-    def of(self, name: str) -> list[str]:
-        """Members of a set of the part at hand, to be added to."""
+    def own(self, owner: str) -> dict[str, list[str]]:
+        """The sets of a part or instance."""
+        return self.members.setdefault(owner, {})
+
+    def of(self, owner: str, name: str) -> list[str]:
+        """Members of a set, to be added to."""
         key = name.upper()
         self.spelled[key] = name
-        if key not in self.here:
-            self.here[key] = None
-            self.members[key] = []
-        return self.members[key]
+        self.unwritten[owner, key] = None
+        self.aliases.setdefault((owner, key), f"{self.keyword}{len(self.aliases)}")
+        return self.own(owner).setdefault(key, [])
 
-    def listed(self, where: str, line: str, *, generate: bool) -> list[str]:
+    def listed(self, line: str, at: "_Place", *, generate: bool) -> list[str]:
         """What a line of data stands for."""
-        parts = [part.strip() for part in line.split(",") if part.strip()]
+        words = [word for word in _words(line) if word]
         if not generate:
-            return [each for part in parts for each in self._named(where, part)]
+            return [each for word in words for each in self.named(word, at)]
         try:
-            first, *rest = map(int, parts)
+            first, *rest = map(int, words)
             last, step = (*rest, first, 1)[:2] if len(rest) != 1 else (rest[0], 1)
-            return [str(number) for number in range(first, last + 1, step)]
+            return [f"{at.before}{number}" for number in range(first, last + 1, step)]
         except ValueError:
-            raise MeshError(f"{where}: expected the first and the last number and a step, not {line!r}") from None
+            raise MeshError(f"{at.where}: expected the first and the last number and a step, not {line!r}") from None
 
-    def _named(self, where: str, part: str) -> list[str]:
-        if part.isdigit():
-            return [part]
-        name = part.strip('"').upper()
-        for known in (name, name.rpartition(".")[2]):  # an instance's name before it
-            if known in self.members:
-                return self.members[known]
+    def named(self, word: str, at: "_Place") -> list[str]:
+        """Members of a set, or a number itself; either may follow an instance's name and a dot."""
+        if word.isdigit():
+            return [f"{at.before}{word}"]
+        own, name = self.own(at.owner), word.upper()
+        for whole in (at.before + name, name):
+            instance, _, short = whole.rpartition(".")
+            if instance not in at.parts:
+                continue
+            if short.isdigit():
+                return [f"{instance}.{short}"]
+            for other in (self.own(_instance(instance)), self.own(at.parts[instance])):
+                if short in other:
+                    return [f"{instance}.{number}" for number in other[short]]
+        for each in (name, name.rpartition(".")[2]):
+            if each in own:
+                return own[each]
         kind = "nodes" if self.keyword == "NSET" else "elements"
-        raise MeshError(f"{where}: a set of {kind} holds {part!r}, which is neither a number nor a set defined above")
+        raise MeshError(
+            f"{at.where}: a set of {kind} holds {word!r}, which is neither a number nor a set defined above"
+        )
 
-    def written(self) -> Iterator[str]:
-        """The sets of the part at hand, which ends here."""
-        for name in self.here:
-            if self.members[name]:
-                yield from (f"*{self.keyword}, {self.keyword}={self.spelled[name]}", ", ".join(self.members[name]))
-        self.here.clear()
+    def written(self, owner: str) -> Iterator[str]:
+        """The sets of a part, an instance or, with owner "", of none, where these end."""
+        for own, name in [key for key in self.unwritten if key[0] == owner]:
+            del self.unwritten[own, name]
+            by_instance: dict[str, list[str]] = {}
+            for member in self.members[own][name]:
+                instance, _, number = member.rpartition(".")
+                by_instance.setdefault(instance, []).append(number)
+            for instance, numbers in by_instance.items():
+                option = f", INSTANCE={_plain_name(instance)}" if instance else ""
+                yield f"*{self.keyword}, {self.keyword}={self.aliases[own, name]}{option}"
+                yield ", ".join(numbers)
+
+
+def _part(name: str) -> str:
+    return f"PART {name.upper()}"
+
+
+def _instance(name: str) -> str:
+    return f"INSTANCE {name.upper()}"
+
+
+def _plain_name(name: str) -> str:
+    """A name of a part or instance as readers take it."""
+    return re.sub("[,=]", "_", name.upper())
+
+
+def _words(line: str) -> list[str]:
+    """What stands between the commas of a line, without blanks and quotes; commas in quotes are none."""
+    return [word.strip().strip('"') for word in re.split(r',(?=(?:[^"]*"[^"]*")*[^"]*$)', line)]
 
 
 def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
     """A deck of Abaqus in plain form; what it holds is added to `found`."""
-    sets = {keyword: _Sets(keyword) for keyword in ("NSET", "ELSET")}
-    parts: dict[str, list[int]] = {}
-    of_cells: set[str] = set()  # sets of nodes by elements, which readers have as sets of elements
-    row, owner, labels, inline, generate = list[str](), list[str](), found.labels, False, False
-    key, kind, count, last, material = "", "", 0, "", ""
+    nsets, elsets = (_Sets(keyword) for keyword in ("NSET", "ELSET"))
+    sets, of_cells = {"NSET": nsets, "ELSET": elsets}, set[tuple[str, str]]()
+    labels_of: dict[str, list[int]] = {}
+    parts: dict[str, str] = {}  # of instances
+    rows: dict[str, dict[str, str]] = {}  # elements of parts and instances by their numbers
+    row, members, labels, generate, owner = list[str](), list[str](), found.labels, False, ""
+    key, kind, count, last, material, instance = "", "", 0, "", "", ""
     for where, line in lines:
         if line.startswith("*"):
             _check_nodes(last, row, kind, count)
@@ -325,42 +392,49 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
             key, options = _keyword(line)
             _refuse(where, key, options)
             found.keywords[key] += 1
-            owner, inline, generate = [], False, "GENERATE" in options
+            members, generate, instance = [], "GENERATE" in options, options.get("INSTANCE", "").upper()
             name = options.get({"NODE": "NSET", "ELEMENT": "ELSET"}.get(key, key), "")
             cells = options.get("ELSET", "") if key == "NSET" else ""
-            taken = {*sets["NSET"].here, *sets["ELSET"].here} - {cells.upper()} if cells else set()
-            if name.upper() in of_cells | taken:
+            other = nsets if key in ("ELEMENT", "ELSET") else elsets
+            by_cells = (owner, name.upper()) in of_cells and other is nsets
+            if by_cells or (cells and name.upper() != cells.upper() and name.upper() in elsets.own(owner)):
                 raise MeshError(f"{where}: another set is called {name.upper()}, one by *NSET, ELSET: use two names")
             if key.rpartition(" ")[2] in ("PART", "INSTANCE", "ASSEMBLY"):
-                yield from (*sets["NSET"].written(), *sets["ELSET"].written())
-                of_cells = set()  # sets of another part may have the same names
-                labels = parts.setdefault(options["NAME"].upper(), []) if key == "PART" else found.labels
-                if key == "INSTANCE":
-                    labels += parts.get(options.get("PART", "").upper(), [])
-                yield ", ".join([f"*{key}", *(f"{each}={options[each].upper()}" for each in _OWN if each in options)])
+                if key != "INSTANCE":  # sets of the assembly are written where it ends
+                    yield from (*nsets.written(owner), *elsets.written(owner))
+                if key == "PART":
+                    owner = _part(options["NAME"])
+                elif key == "INSTANCE":
+                    owner, part = _instance(options["NAME"]), _part(options.get("PART", ""))
+                    parts[options["NAME"].upper()] = part
+                    found.labels.extend(labels_of.get(part, []))
+                else:
+                    owner = ""
+                labels = labels_of.setdefault(owner, []) if key == "PART" else found.labels
+                own = (f"{each}={_plain_name(options[each])}" for each in _OWN if each in options)
+                yield ", ".join([f"*{key}", *own])
             elif key == "NODE":
-                owner = sets["NSET"].of(name) if name else []
+                members = nsets.of(owner, name) if name else []
                 yield "*NODE"
             elif key == "ELEMENT":
                 kind = options.get("TYPE", "").upper()
                 count, plain_kind = _family(where, kind)
-                owner = sets["ELSET"].of(name) if name else []
+                members = elsets.of(owner, name) if name else []
                 if count:
                     yield f"*ELEMENT, TYPE={plain_kind}"
             elif key in sets:
                 if not name:
                     raise MeshError(f"{where}: *{key} without the name of a set")
+                if instance and instance not in parts:
+                    raise MeshError(f"{where}: no instance above is called {instance}")
                 if cells:
                     if name.upper() != cells.upper():
-                        of_cells.add(name.upper())
-                        sets["ELSET"].of(name).extend(sets["ELSET"].listed(where, cells, generate=False))
+                        of_cells.add((owner, name.upper()))
+                        place = _Place(where, owner, instance, parts)
+                        nsets.of(owner, name).extend(_nodes(elsets.named(cells, place), place, rows))
                     key = ""
-                elif inline := "INSTANCE" in options:
-                    owner = sets[key].members.setdefault(name.upper(), [])
-                    spelled = sets[key].spelled.setdefault(name.upper(), name)
-                    yield f"*{key}, {key}={spelled}, INSTANCE={options['INSTANCE'].upper()}"
                 else:
-                    owner = sets[key].of(name)
+                    members = sets[key].of(owner, name)
             elif key == "MATERIAL":
                 material = options.get("NAME", "").upper()
             elif key == "SOLID SECTION":
@@ -371,32 +445,57 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
         elif key == "NODE":
             number = line.partition(",")[0].strip()
             labels.append(int(number) if number.isdigit() else -1)
-            owner.append(number)
+            members.append(number)
             yield _E.sub("E", line)
         elif key == "INSTANCE":
             yield _E.sub("E", line)
         elif key == "ELEMENT":
-            own = [part.strip() for part in line.split(",") if part.strip()]
-            if len(row) + len(own) > count + 1:  # lines continue an element as long as it lacks nodes
-                _check_nodes(*((last, row) if row else (where, own)), kind, count)
-            row, last = [*row, *own], where
+            own_row = [part.strip() for part in line.split(",") if part.strip()]
+            if len(row) + len(own_row) > count + 1:  # lines continue an element as long as it lacks nodes
+                _check_nodes(*((last, row) if row else (where, own_row)), kind, count)
+            row, last = [*row, *own_row], where
             if len(row) == count + 1 or not (count or line.endswith(",")):
-                owner.append(row[0])
+                members.append(row[0])
                 found.elements[kind] += 1
                 if count:
-                    yield ",".join(row)
+                    whole = rows.setdefault(owner, {})[row[0]] = ",".join(row)
+                    yield whole
                 row = []
         elif key in sets:
-            own = sets[key].listed(where, line, generate=generate)
-            owner += own
-            if inline:
-                yield ", ".join(own)
+            members += sets[key].listed(line, _Place(where, owner, instance, parts), generate=generate)
         elif key in ("BOUNDARY", "ELASTIC", "DENSITY"):
             found.note(key, material, line)
     _check_nodes(last, row, kind, count)
-    yield from (*sets["NSET"].written(), *sets["ELSET"].written())
+    yield from (*nsets.written(owner), *elsets.written(owner))
     if not found.labels:  # parts without an instance
-        found.labels.extend(number for own in parts.values() for number in own)
+        found.labels.extend(number for each in labels_of.values() for number in each)
+    _name_sets(found, nsets, elsets, parts)
+
+
+def _nodes(elements: list[str], at: _Place, rows: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
+    """The nodes of elements, each once; of those of instances after these and a dot."""
+    every: dict[str, None] = {}
+    for element in elements:
+        instance, dot, number = element.rpartition(".")
+        for own in (_instance(instance), at.parts[instance]) if dot else (at.owner,):
+            for node in rows.get(own, {}).get(number, "").split(",")[1:]:
+                every[f"{instance}{dot}{node}"] = None
+    yield from every
+
+
+def _name_sets(found: DeckContents, nsets: _Sets, elsets: _Sets, parts: Mapping[str, str]) -> None:
+    """Give sets that are written their names: a part's or instance's after its own where the assembly has it, too."""
+    outer = {*nsets.own(""), *elsets.own("")}
+    for sets in (nsets, elsets):
+        for (owner, name), alias in sets.aliases.items():
+            before = f"{owner.partition(' ')[2]}." if owner and name in outer else ""
+            found.sets[alias] = before + sets.spelled[name]
+    for held in [each for each in found.held if "." in each and each.upper() not in outer]:
+        instance, _, name = held.upper().rpartition(".")
+        own = (each for each in (_instance(instance), parts.get(instance, "")) if name in nsets.own(each))
+        owner = next(own, "").partition(" ")[2]
+        del found.held[held]
+        found.held[f"{owner}.{name}" if owner and name in outer else name] = None
 
 
 _OWN = ("NAME", "PART")
@@ -430,7 +529,7 @@ def _family(where: str, kind: str) -> tuple[int, str]:
 
 def _keyword(line: str) -> tuple[str, dict[str, str]]:
     """A keyword of Abaqus, and its options by name; capital letters."""
-    key, *options = (part.strip() for part in line.strip().lstrip("*").split(","))
+    key, *options = _words(line.strip().lstrip("*"))
     pairs = (option.partition("=") for option in options)
     return " ".join(key.upper().split()), {name.strip().upper(): value.strip().strip('"') for name, _, value in pairs}
 

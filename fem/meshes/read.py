@@ -15,7 +15,7 @@ import io
 import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +106,8 @@ def raw_mesh(path: Path) -> Any:
         with _plain(path) as (deck, found), contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
             raw = meshlane.read(deck)
             raw.deck = found
+            if found.sets:
+                _name_sets(raw, found.sets)
             return raw
     except MeshError:
         raise
@@ -124,6 +126,22 @@ def raw_mesh(path: Path) -> Any:
         if "gmsh:physical" in str(error):
             why = "not all of its cells are in physical groups: save it as text (Mesh.Binary = 0)"
         raise MeshError(deck_fault(path) or why) from None
+
+
+def _name_sets(raw: Any, names: Mapping[str, str]) -> None:
+    """Give sets the names of their file; those of two parts that have the same are one."""
+    for own in (raw.point_sets, raw.cell_sets):
+        given, named = dict(own), dict[str, Any]()
+        for alias, members in given.items():
+            name = names.get(alias, alias)
+            if name not in named:
+                named[name] = members
+            elif own is raw.point_sets:
+                named[name] = np.concatenate([named[name], members])
+            else:
+                named[name] = [np.concatenate(pair) for pair in zip(named[name], members, strict=True)]
+        own.clear()
+        own.update(named)
 
 
 _DAMAGED = "damaged or truncated, or its cells lack some of their nodes"

@@ -130,6 +130,9 @@ def test_decks_that_include_each_other_are_followed_once(tmp_path):
     assert [each.name for each in files_of(tmp_path / "deck" / "a.inp")] == ["a.inp", "b.inp"]
 
 
+WITHIN = [*PART[:-3], ASSEMBLY[3]]
+"""A part and its instance, up to the sets of the assembly."""
+
 REFUSED = {
     "empty": ("", "no cells with a volume"),
     "no mesh": ("these are\nwords\n", "no cells with a volume"),
@@ -180,7 +183,15 @@ REFUSED = {
     "cylindrical": (["*NODE,SYSTEM=C", *MESH[1:]], r"line 1: \*NODE, SYSTEM=C: expected nodes in rectangular"),
     "a system": (["*SYSTEM", "1,0,0,0,1,0", *MESH], r"line 1: \*SYSTEM moves nodes"),
     "no such set": ([*MESH, "*NSET,NSET=NROOT", "FACE"], r"a set of nodes holds 'FACE', which is neither a number"),
-    "a set in two ways": ([*MESH, *ROOT, "*NSET,NSET=NROOT,ELSET=EALL"], r"line 41: another set is called NROOT"),
+    "two sets, elements first": (
+        [*MESH, "*ELSET,ELSET=X", "1", "*NSET,NSET=X,ELSET=EALL"],
+        r"line \d+: another set is called X",
+    ),
+    "no such instance": ([*WITHIN, "*NSET,NSET=X,INSTANCE=C-1", "1"], r"line \d+: no instance above is called C-1"),
+    "a part's set without its instance": (
+        [*WITHIN, "*NSET,NSET=X", "NROOT"],
+        r"line \d+: a set of nodes holds 'NROOT', which is neither a number nor a set defined above",
+    ),
     "two sets": ([*MESH, "*NSET,NSET=X,ELSET=EALL", "*ELSET,ELSET=X", "1"], r"line \d+: another set is called X"),
     "an element of its own": ([*MESH, "*ELEMENT,TYPE=C3D27", "9,1,2"], r"line \d+: elements C3D27 are not read"),
     **{
@@ -209,11 +220,103 @@ def test_a_set_of_elements_gives_a_set_of_their_nodes(part, tmp_path):
     np.testing.assert_array_equal(read_volume(path).sets["INNER"], np.sort(CELLS[0][1:]) - 1)
 
 
+ALL = range(1, 33)
+FIRST = sorted(int(node) for node in CELLS[0][1:])
+SETS = {
+    "a part's and the assembly's": (
+        [*WITHIN, "*NSET,NSET=nroot,INSTANCE=B-1", "7,9", "*NSET,NSET=NROOT,INSTANCE=B-1", "11"],
+        {"NROOT": [7, 9, 11], "B.NROOT": map(int, FACE)},
+    ),
+    "the assembly's of elements, the part's of nodes": (
+        [*WITHIN, "*ELSET,ELSET=NROOT,INSTANCE=B-1", "1"],
+        {"NROOT": FIRST, "B.NROOT": map(int, FACE)},
+    ),
+    "an instance's and the assembly's": (
+        [*PART[:-3], "*NSET,NSET=Own", "3", ASSEMBLY[3], "*NSET,NSET=OWN,INSTANCE=B-1", "5"],
+        {"OWN": [5], "B-1.OWN": [3], "NROOT": map(int, FACE)},
+    ),
+    "an instance's in one of the assembly": (
+        [*WITHIN, "*NSET,NSET=X", "B-1.NROOT, b-1.20", "*NSET,NSET=Y", "X"],
+        {"X": sorted({*map(int, FACE), 20}), "Y": sorted({*map(int, FACE), 20})},
+    ),
+    "a set of a part in one of its instance": (
+        [*WITHIN, "*NSET,NSET=X,INSTANCE=B-1", "NROOT,20", "*NSET,NSET=Y,INSTANCE=B-1,ELSET=EALL"],
+        {"X": sorted({*map(int, FACE), 20}), "Y": ALL},
+    ),
+    "a set of an instance, generated": (
+        [*WITHIN, "*NSET,NSET=X,INSTANCE=B-1,GENERATE", "1,9,4", "*NSET,NSET=Y,INSTANCE=B-1", "X"],
+        {"X": [1, 5, 9], "Y": [1, 5, 9]},
+    ),
+    "elements of an instance": (
+        [*WITHIN, "*ELSET,ELSET=E,INSTANCE=B-1", "1", "*NSET,NSET=X,ELSET=E", "*NSET,NSET=Y,ELSET=B-1.EALL"],
+        {"X": FIRST, "Y": ALL},
+    ),
+    "a set by elements in a set": (
+        [*MESH, "*ELSET,ELSET=E", "1", "*NSET,NSET=X,ELSET=E", "*NSET,NSET=Y", "X,32"],
+        {"X": FIRST, "Y": sorted({*FIRST, 32})},
+    ),
+    "elements added to nodes": (
+        [*MESH, *ROOT, "*ELSET,ELSET=E", "1", "*NSET,NSET=X", "32", "*NSET,NSET=X,ELSET=E"],
+        {"X": sorted({*FIRST, 32})},
+    ),
+    "elements added to elements": (
+        [*MESH, "*ELSET,ELSET=A", "1", "*ELSET,ELSET=B", "2", "*NSET,NSET=X,ELSET=A", "*NSET,NSET=X,ELSET=B"],
+        {"X": ALL},
+    ),
+    "words on lines of their own": (
+        [
+            *MESH,
+            "*NSET, NSET=G,",
+            "GENERATE",
+            "1,9,4",
+            "*NSET, NSET=H, UNSORTED,",
+            "INTERNAL",
+            "9,1",
+            "*NSET,NSET=I,",
+            "2",
+        ],
+        {"G": [1, 5, 9], "H": [1, 9], "I": [2]},
+    ),
+    "a name with a comma": (
+        [*MESH, '*NSET,NSET="a,b=c"', "1,2", '*NSET,NSET="a,d"', "3", "*NSET,NSET=X", '"a,b=c",4'],
+        {"a,b=c": [1, 2], "a,d": [3], "X": [1, 2, 4]},
+    ),
+    "a part's name with a comma": (
+        [line.replace("=B-1", '="B,1"').replace("=B", '="B,x"', "PART" in line) for line in WITHIN],
+        {"NROOT": map(int, FACE)},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SETS)
+def test_sets_are_those_of_the_deck(case, tmp_path):
+    """Those of an assembly and of its parts were merged; others were refused, or left out."""
+    lines, expected = SETS[case]
+    path = tmp_path / "blade.inp"
+    path.write_text(
+        "\n".join([*(line.format("") for line in lines), *ASSEMBLY[-1:] * ("*PART,NAME=B" in lines)]) + "\n"
+    )
+    mesh = read_volume(path)
+    for name, numbers in expected.items():
+        np.testing.assert_array_equal(mesh.labels[mesh.sets[name]], list(numbers), err_msg=name)
+    assert len({name.upper() for name in mesh.sets}) == len(mesh.sets)
+
+
+@pytest.mark.parametrize(
+    ("more", "held"), [([], ["NROOT", "NALL"]), (["*NSET,NSET=NROOT,INSTANCE=B-1", "7"], ["B.NROOT", "NALL"])]
+)
+def test_a_support_on_an_instances_set_is_on_that_of_its_part(more, held, tmp_path):
+    path = tmp_path / "blade.inp"
+    lines = [*WITHIN, *more, ASSEMBLY[-1], "*STEP", "*BOUNDARY", "B-1.NROOT,1,3", "b-1.NALL,3", "*END STEP"]
+    path.write_text("\n".join(line.format("") for line in lines) + "\n")
+    assert sorted(read_volume(path).deck.held) == sorted(held)
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_would_be_misread_is_one_line(case, tmp_path):
     given, problem = REFUSED[case]
     path = tmp_path / "blade.inp"
-    path.write_text(given if isinstance(given, str) else "\n".join(given) + "\n")
+    path.write_text(given if isinstance(given, str) else "\n".join(given).replace("{}", "") + "\n")
     with pytest.raises(MeshError, match=problem) as refused:
         read_volume(path)
     assert str(refused.value).startswith(f"{path}: ")
