@@ -100,7 +100,7 @@ class DeckContents:
         labels: numbers of its nodes in the order in which readers have them.
         elements: how many there are of each type.
         keywords: how often each occurs; of Nastran, cards.
-        held: nodes, or sets of them, whose displacements *BOUNDARY holds.
+        held: nodes, or sets of them, whose displacements *BOUNDARY, or SPC and SPC1 of Nastran, hold.
         materials: Young's modulus, Poisson's ratio and density in the deck's units, as far as they are given.
         used: materials of solid sections.
         sets: names of sets by those under which they are written.
@@ -125,7 +125,12 @@ class DeckContents:
 
     def unused(self) -> dict[str, int]:
         """Constraints and anisotropy by their keywords, and how often each occurs."""
-        return {key: count for key, count in self.keywords.items() if _UNUSED.fullmatch(key)}
+        isotropic = not any(key.startswith("ELASTIC, TYPE=") for key in self.keywords)
+        return {
+            key: count
+            for key, count in self.keywords.items()
+            if _UNUSED.fullmatch(key) and not (isotropic and key == "ORIENTATION")
+        }
 
     def note(self, key: str, material: str, line: str) -> None:
         """Take down a line of data of *BOUNDARY, or the first of *ELASTIC or *DENSITY."""
@@ -139,7 +144,7 @@ class DeckContents:
         if key == "DENSITY" and own[2] is None:
             own[2] = given[0]
         elif key == "ELASTIC" and own[0] is None:
-            own[:2] = given[:2]
+            own[:2] = given[0], given[1] if len(given) > 1 and words[1] else 0.0
 
 
 _LOST = {
@@ -151,7 +156,8 @@ _LOST = {
 
 _UNUSED = re.compile(
     r"EQUATION|MPC|TIE|RIGID BODY|(?:KINEMATIC |DISTRIBUTING )?COUPLING|CONTACT PAIR|CYCLIC SYMMETRY MODEL|ORIENTATION"
-    r"|PRE-TENSION SECTION|EMBEDDED ELEMENT|ELASTIC, TYPE=.*|RBE\d|RBAR|RROD|MAT(?:2|3|8|9|11)|PCOMP\w*"
+    r"|PRE-TENSION SECTION|EMBEDDED ELEMENT|ELASTIC, TYPE=.*|FOUNDATION|NONSTRUCTURAL MASS"
+    r"|RBE\d|RBAR|RROD|RSPLINE|MAT(?:2|3|8|9|11)|PCOMP\w*|NSML?1?"
 )
 """Keywords of Abaqus and CalculiX and cards of Nastran that change a blade, and are not used."""
 
@@ -601,7 +607,7 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
     """Cards of a Nastran file, those of included files too: where each stands, its name and its fields.
 
     A card is in free format, or in fields of 8 or, where its name has a star, 16 columns; lines that begin with blanks,
-    +, * or a comma continue it.
+    +, * or a comma continue it. Meshio writes second-order cells as CHEXA_ and the like.
     """
     where, name, fields, bulk = "", "", list[str](), False
     for place, line in _included(path, _INCLUDE):
@@ -622,7 +628,7 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
         if first.strip() and first[0] not in "+*":
             if name:
                 yield where, name, fields
-            where, name, fields = place, first.strip().rstrip("*").upper(), own
+            where, name, fields = place, first.strip().rstrip("*_").upper(), own
         else:
             fields = [*fields, *own]
     if name:
@@ -631,6 +637,8 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
 
 def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -> Iterator[str]:
     """The nodes and cells of a Nastran file, in free format; what it holds is added to `found`."""
+    properties, materials, held = set[str](), dict[str, str](), list[range]()
+    weight = 1.0
     yield "BEGIN BULK"
     for where, name, fields in cards:
         (found.elements if name.startswith("C") else found.keywords)[name] += 1
@@ -642,11 +650,13 @@ def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -
                 )
             if name == "GRID":
                 found.labels.append(int(fields[0]) if fields[0].isdigit() else -1)
-                yield ",".join([name, fields[0], "", *(each or "0." for each in fields[2:5])])
+                yield ",".join([name, fields[0], "", *(_E.sub("E", each) or "0." for each in fields[2:5])])
         elif name in _CARDS:
             counts, nodes = _CARDS[name], [each for each in fields[2:] if each]
             if len(counts) == 1:  # others have thicknesses behind them
                 nodes = [each for each in fields[2 : 2 + counts[0]] if each]
+            else:
+                properties.add(fields[1] or fields[0])
             if len(nodes) not in counts:
                 expected = " or ".join(map(str, counts))
                 raise MeshError(f"{where}: {name} {fields[0]} has {len(nodes)} nodes, expected {expected}")
@@ -658,5 +668,32 @@ def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -
         elif name == "MAT1":
             found.materials[fields[0]] = [_number(fields[k]) for k in (1, 3, 4)]
         elif name == "PSOLID":
-            found.used[fields[1]] = None
+            materials[fields[0]] = fields[1]
+        elif name == "PARAM" and fields[0].upper() == "WTMASS":
+            weight = _number(fields[1]) or 1.0
+        elif name in ("SPC", "SPC1"):
+            held += _supports(name, fields)
+    for material in found.materials.values():
+        material[2] = None if material[2] is None else weight * material[2]
+    found.used.update({material: None for number, material in materials.items() if number in properties})
+    labels = set(found.labels)
+    for span in held:
+        found.held.update(
+            {str(label): None for label in (span if len(span) == 1 else [each for each in labels if each in span])}
+        )
     yield "ENDDATA"
+
+
+def _supports(name: str, fields: list[str]) -> Iterator[range]:
+    """Numbers of nodes that an SPC or SPC1 holds in a direction, not in rotations alone."""
+    if name == "SPC":
+        pairs = [(fields[k], fields[k + 1]) for k in (1, 4)]
+    else:
+        pairs = [(each, fields[1]) for each in fields[2:]]
+        if fields[3].upper() == "THRU" and fields[2].isdigit() and fields[4].isdigit():
+            pairs = []
+            if {*fields[1]} & {*"123"}:
+                yield range(int(fields[2]), int(fields[4]) + 1)
+    for node, directions in pairs:
+        if node.isdigit() and {*directions} & {*"123"}:
+            yield range(int(node), int(node) + 1)

@@ -149,7 +149,7 @@ _DAMAGED = "damaged or truncated, or its cells lack some of their nodes"
 GEOMETRY = {".step": "STEP", ".stp": "STEP", ".iges": "IGES", ".igs": "IGES", ".brep": "BREP"}
 """Geometry that is to be meshed, by the ending of its files."""
 
-_BULK = b"BEGIN BULK"
+_BULK = re.compile(rb"(?i)BEGIN[ \t]+BULK")
 
 
 def _check_kind(path: Path) -> None:
@@ -161,7 +161,7 @@ def _check_kind(path: Path) -> None:
         raise MeshError(f"{kind} is geometry without a mesh: mesh the mid-surface, or the volume (with Gmsh, say)")
     if path.name.lower().endswith((".frd", ".frd.gz", ".npz", ".op2", ".rst")):
         raise MeshError("a file of modes or results, not a mesh: use it in a scene as [structure] modes = 'blade.frd'")
-    if path.suffix.lower() in NASTRAN and _BULK not in path.read_bytes().upper():
+    if path.suffix.lower() in NASTRAN and not _BULK.search(path.read_bytes()):
         raise MeshError("a Nastran file without BEGIN BULK: put that line above the GRID lines, ENDDATA below")
 
 

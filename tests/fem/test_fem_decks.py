@@ -376,6 +376,27 @@ def test_nastran_from_two_files_and_in_other_systems(tmp_path):
         read_volume(path)
 
 
+@pytest.mark.parametrize("kind", ORDER)
+def test_second_order_cells_of_meshio_are_read(kind, tmp_path):
+    """They are called CHEXA_ and the like there, and were refused."""
+    mesh, path = box(kind, (2, 1, 1), (0.2, 0.04, 0.02)), tmp_path / "blade.bdf"
+    meshlane.write(path, meshlane.Mesh(mesh.points, list(mesh.cells)))
+    assert f"{ORDER[kind][0]}_" in path.read_text()
+    found = read_volume(path)
+    ((name, cells),) = found.cells
+    assert name == kind
+    np.testing.assert_allclose(found.points[cells], mesh.points[mesh.cells[0][1]], atol=1e-9)
+
+
+def test_nastran_has_exponents_of_fortran_and_blanks_within_begin_bulk(tmp_path):
+    """Both were refused."""
+    mesh, lines = bulk("tetra10", "free")
+    lines[2:4] = "begin  bulk", "GRID,1,,0.0D-3,-0.d0,0.+0"
+    path = tmp_path / "blade.bdf"
+    path.write_text("\n".join(lines) + "\n")
+    np.testing.assert_allclose(read_volume(path).points, mesh.points, atol=1e-9)
+
+
 INCLUDES = {
     "quotes": ["INCLUDE 'all nodes.bdf'"],
     "a leading blank": ["  include 'all nodes.bdf'"],

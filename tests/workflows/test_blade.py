@@ -314,6 +314,19 @@ UNUSED = {
         [*TITANIUM, SECTION.format("AL"), "*MATERIAL,NAME=AL", "*DENSITY", "2800.,", "*ELASTIC", "7.D10,0.33"],
         "a material of 70 GPa, 2800 kg/m³, ν = 0.33",
     ),
+    "no Poisson's ratio": (
+        [SECTION.format("AL"), "*MATERIAL,NAME=AL", "*ELASTIC", "7.D10", "*DENSITY", "2800."],
+        "a material of 70 GPa, 2800 kg/m³, ν = 0",
+    ),
+    "none behind a comma": (
+        [SECTION.format("AL"), "*MATERIAL,NAME=AL", "*ELASTIC", "7.D10,", "*DENSITY", "2800."],
+        "a material of 70 GPa, 2800 kg/m³, ν = 0",
+    ),
+    "bedding and paint": (
+        ["*FOUNDATION", "EALL,F1,1.E9", "*NONSTRUCTURAL MASS,ELSET=EALL,UNITS=TOTAL MASS", "0.1"],
+        "FOUNDATION (1); NONSTRUCTURAL MASS (1)",
+    ),
+    "oriented, and isotropic": ([*TITANIUM, f"{SECTION.format('TI')},ORIENTATION=O", "*ORIENTATION,NAME=O"], None),
     "materials": ([*TITANIUM, SECTION.format("TI"), SECTION.format("AL")], "the materials TI and AL"),
     "orthotropic": (
         [
@@ -339,6 +352,53 @@ def test_what_a_deck_says_and_a_blade_has_not_is_remarked(tmp_path, case):
     )
     notes = pipeline.structure(on_bricks(tmp_path), QUIET, shapes=False).source.remarks
     assert [note.removesuffix(" alone.") for note in notes] == ([] if unused is None else [remark])
+
+
+CARDS = ["MAT1,1,1.138+11,,.342,4430.", "PSOLID,1,1"]
+UNUSED_CARDS = {
+    "the same": ([*CARDS, "SPC1,1,123,1,THRU,3", "SPC,2,90,456"], None),
+    "supports": (
+        [*CARDS, "SPC1,1,13,1,THRU,90000", "SPC,2,90,1,,91,456"],
+        "SPC on {free} nodes not clamped here (by number)",
+    ),
+    "a node": ([*CARDS, "SPC1,1,123456,80", "SPC1,1,456,81,82"], "SPC on 1 node not clamped here (by number)"),
+    "a weight density": (["PARAM,WTMASS,.1", "MAT1,1,1.138+11,,.342,44300.", "PSOLID,1,1"], None),
+    "a mass density": ([*CARDS, "PARAM,WTMASS,.5"], "a material of 113.8 GPa, 2215 kg/m³, ν = 0.342"),
+    "a material of no element": ([*CARDS, "MAT1,2,7.+10,,.3,2700.", "PSOLID,2,2"], None),
+    "two materials": (
+        ["PSOLID,2,2", *CARDS, "MAT1,2,7.+10,,.3,2700.", "CHEXA,900,2,{cell}"],
+        "the materials 2 and 1",
+    ),
+    "splines and paint": (
+        [*CARDS, "RSPLINE,903,.1,1,2,3", "NSM1,1,PSOLID,1,.1", "NSML,1,PSOLID,1,.1"],
+        "RSPLINE (1); NSM1 (1); NSML (1)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UNUSED_CARDS)
+def test_what_cards_of_nastran_say_and_a_blade_has_not_is_remarked(tmp_path, case):
+    """The root is x = 50 mm, of the nodes 1 to 3 too; cells are of property 1, the last of two."""
+    mesh = flat(tmp_path, (4, 2, 1), "flat.inp", 3.0)
+    cards, unused = UNUSED_CARDS[case]
+    cells = [",".join(map(str, cell[[*range(12), *range(16, 20), *range(12, 16)]] + 1)) for cell in mesh.cells[0].data]
+    lines = [f"GRID,{n},,{','.join(map(repr, at))}" for n, at in enumerate(mesh.points.tolist(), 1)]
+    rows = [f"CHEXA,{n},1,{own}" for n, own in enumerate(cells[: -1 if "{cell}" in cards[-1] else None], 1)]
+    rows += [card.replace("{cell}", cells[-1]) for card in cards]
+    for row in rows:
+        words = row.split(",")
+        lines += [
+            ",".join([words[0], *words[1:9]]),
+            *(",".join(["", *words[k : k + 8]]) for k in range(9, len(words), 8)),
+        ]
+    (tmp_path / "flat.bdf").write_text("\n".join(["BEGIN  BULK", *lines, "ENDDATA"]) + "\n")
+    free = np.count_nonzero(mesh.points[:, 0] > 0.0501)
+    structure = pipeline.structure(on_bricks(tmp_path, "flat.inp", "flat.bdf"), QUIET, shapes=False)
+    remark = (
+        f"flat.bdf has more that is not used: {(unused or '').format(free=free)}. The blade is solved without this,"
+    )
+    notes = structure.source.remarks
+    assert [note[: len(remark)] for note in notes] == ([] if unused is None else [remark])
 
 
 def test_cells_with_fewer_points_are_said_to_be_solved_as_others(tmp_path):

@@ -354,7 +354,8 @@ def _unused(source: SceneFile, blade: Blade) -> Iterator[str]:
         supports["by number"] = np.flatnonzero(np.isin(mesh.labels, numbers))
     for name, rows in supports.items():
         if free := np.setdiff1d(rows, blade.held).size:
-            parts.append(f"BOUNDARY on {free} node{'s' * (free > 1)} not clamped here ({name})")
+            card = "BOUNDARY" if "BOUNDARY" in deck.keywords else "SPC"
+            parts.append(f"{card} on {free} node{'s' * (free > 1)} not clamped here ({name})")
     names = list(deck.used or deck.materials)
     if len(names) > 1:
         parts.append(f"the materials {listed(names)}")
