@@ -680,6 +680,29 @@ def uneven_mass(model: ModalModel, modes: ModesAtSpeed) -> float:
     return float(np.abs(integrals[0] / np.outer(sizes, sizes) - np.eye(len(sizes))).max())
 
 
+def uneven_stiffness(model: ModalModel, modes: ModesAtSpeed, densities: Array) -> bool:
+    """Whether densities (k,) that the modes imply come from the scale of their shapes, and not from point masses.
+
+    The scale changes the modulus that each mode's frequency and strains imply by the same factor as its density; masses
+    leave it. So the moduli differ from mode to mode by more than their ratios to the densities.
+    """
+    energies = np.zeros(modes.frequencies_hz.size)
+    for _, kind, chunk in model.chunks(3):
+        points, weights = kind.rule
+        slopes, sizes = kind.gradients(model.points[chunk], points)
+        for k, shape in enumerate(modes.shapes):
+            strain = symmetric(np.einsum("cpnj,cni->cpij", slopes, shape[chunk], optimize=True))
+            trace = np.trace(strain, axis1=2, axis2=3)
+            density = (strain**2).sum(axis=(2, 3)) + _POISSON / (1.0 - 2.0 * _POISSON) * trace**2
+            energies[k] += float(np.sum(density * np.abs(sizes) * weights))
+    moduli = modes.frequencies_hz**2 / energies
+    return bool(np.ptp(np.log(moduli)) > np.ptp(np.log(moduli / densities)))
+
+
+_POISSON = 0.3
+"""Poisson's ratio of a material that is not known."""
+
+
 def _integrals(model: ModalModel, modes: ModesAtSpeed) -> tuple[Array, Array] | None:
     """Integrals of products of two shapes (k, k) and of the shapes (k, 3) over the volume.
 

@@ -235,13 +235,18 @@ def test_a_static_step_after_the_modes_is_none_of_theirs(files):
     np.testing.assert_array_equal(after.static, before.static)
 
 
-def loaded(text, mass):
-    """The modes with a point mass where the first moves most, in the space of the four: normalised to mass, too."""
+def loaded(text, mass, still=None):
+    """The modes with a point mass where the first moves most, in the space of all: normalised to mass, too.
+
+    still: mode that does not move the mass.
+    """
     every = []
     shapes_of(text, lambda values: every.append(values) or values)
     hertz = np.array([float(number) for number in re.findall(r"(?m)^  100CL.{5}(.{12}).*\n -4  DISP", text)])
     shapes = np.array(every)
-    at = shapes[:, np.linalg.norm(shapes[0], axis=1).argmax()]
+    sizes = np.linalg.norm(shapes, axis=2)
+    there = np.full(len(sizes[0]), True) if still is None else sizes[still] < 1e-3 * sizes[still].max()
+    at = shapes[:, (sizes[0] * there).argmax()]
     squares, mixing = scipy.linalg.eigh(np.diag((2 * np.pi * hertz) ** 2), np.eye(len(hertz)) + mass * at @ at.T)
     changed_shapes = iter(np.einsum("ij,inc->jnc", mixing, shapes))
     blocks = re.split(r"(?m)^(?=    1PSTEP)", shapes_of(text, lambda _: next(changed_shapes)))
@@ -261,6 +266,19 @@ def test_modes_with_a_point_mass_are_normalised_to_mass(spindamp, files):
     assert re.search(
         r"# By its shapes rest.frd has densities from .*: parts of different density, or point masses\.", said
     )
+
+
+@pytest.mark.parametrize("mass", [0.5, 30.0])
+def test_so_are_two_modes_with_a_point_mass_where_one_of_them_does_not_move(spindamp, files, mass):
+    """Orthogonal in a uniform mass, but of one modulus, they were refused. A heavy mass is no heavy material."""
+    text = (files / "rest.frd").read_text()
+    two = "".join(re.split(r"(?m)^(?=    1PSTEP)", text)[:3]) + " 9999\n"
+    (files / "rest.frd").write_text(loaded(two, mass, still=1))
+    said = spindamp("check", SCENE).out
+    assert re.search(
+        r"# By its shapes rest.frd has densities from 7850 to .*: parts of different density, or point m", said
+    )
+    assert ", of 7850 kg/m³ by the scale of their modes" in said
 
 
 def test_millimetres_and_tonnes_are_asked_for(spindamp, files):

@@ -280,7 +280,7 @@ def _structure(request: Request) -> SpaceStructure:
     names = ", ".join(dict.fromkeys(known.files.values()))
     described = f"{len(model.points)} nodes, {sum(len(cells) for _, cells in model.cells)} cells of {names}"
     fits = modal_model.densities(model, model.speeds[0])
-    density = None if fits is None else float(np.median(fits))
+    density = None if fits is None else _density(fits)
     if density is not None:
         described += f", of {significant(density)} kg/m³ by the scale of their modes"
     root = np.flatnonzero(modal_model.held(model.speeds[0].shapes))
@@ -319,7 +319,7 @@ def _model(source: SceneFile, known: KnownModes) -> tuple[ModalModel, list[str],
         if omega is not None:
             model = replace(model, speeds=(replace(model.speeds[0], omega=omega),))
         models.append(model)
-        remarks += _uneven_density(name, model)
+        remarks += _uneven_density(name, model, solved=raw.solved)
         remarks += _copies(source, name, model)
     with source.blaming("[structure] modes", None, ModesFileError):
         model = joined(models)
@@ -458,16 +458,31 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         _without_density(source, known, name, raw, model)
         return model
     every = np.concatenate([each for each in fits if each is not None])
-    if every.max() > _UNLIKE * every.min() and not (
-        raw.solved and modal_model.uneven_mass(model, model.speeds[0]) > _MIXED
-    ):
+    if every.max() > _UNLIKE * every.min() and not (raw.solved and _uneven_mass(model, solved=True)):
         ends = f"from {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3"
         problem = f"its shapes are not normalised to mass: for modal masses of 1 the modes would need densities {ends}"
         raise source.wrong(f"{name}: {problem}: {_NORMALISED}", "[structure] modes")
-    density = float(np.median(every))
+    density = _density(every)
     if not _LIGHTEST <= density <= OSMIUM or model.size > _LARGE:
         raise source.wrong(_units(name, raw, model.size, density), "[structure] unit, mass_unit")
     return model
+
+
+def _density(fits: Floats) -> float:
+    """That of a structure by those that its modes imply [kg/m³]: point masses add to them."""
+    return float(fits.min() if fits.max() > _UNLIKE * fits.min() else np.median(fits))
+
+
+def _uneven_mass(model: ModalModel, *, solved: bool) -> bool:
+    """Whether modes imply different densities since the mass is not uniform, and not by the scale of their shapes.
+
+    They are not orthogonal in a uniform mass; or are so by symmetry, were normalised by a solver, and have one modulus.
+    """
+    modes = model.speeds[0]
+    fits = modal_model.densities(model, modes)
+    if fits is None or modal_model.uneven_mass(model, modes) > _MIXED:
+        return fits is not None
+    return solved and not modal_model.uneven_stiffness(model, modes, fits)
 
 
 def _units(name: str, raw: Raw, size: float, density: float) -> str:
@@ -516,15 +531,14 @@ _MIXED = 0.05
 """Cosine between modes by the volume from which on their mass is not uniform: 0.02 by C3D8R, 0.1 with two materials."""
 
 
-def _uneven_density(name: str, model: ModalModel) -> Iterator[str]:
+def _uneven_density(name: str, model: ModalModel, *, solved: bool) -> Iterator[str]:
     """A remark where the mass that the shapes say the structure has is not that of one density."""
     fits = modal_model.densities(model, model.speeds[0])
     if fits is not None and fits.max() > _UNEVEN * fits.min():
-        mixed = modal_model.uneven_mass(model, model.speeds[0]) > _MIXED
         why = (
             "parts of different density, or point masses. What follows from the mass of its cells, such as the motion"
             " by an acceleration of the root, is approximate"
-            if mixed
+            if _uneven_mass(model, solved=solved)
             else "parts of different density, or shapes that are not normalised to mass"
         )
         yield (
