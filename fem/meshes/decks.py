@@ -42,6 +42,9 @@ _NO_FILE = {
 _OPEN = re.compile(r"\s*INCLUDE\s*=?\s*(?:'[^']*|\"[^\"]*)", re.IGNORECASE)
 """Lines of Nastran with a name in quotes that goes on."""
 
+_LONGEST = 1000
+"""Length up to which a name in quotes may go on."""
+
 _FLAGS = re.compile(r"\s*(?:GENERATE|UNSORTED|INTERNAL)\s*(?:,|$)", re.IGNORECASE)
 """Lines that continue a keyword without a value."""
 
@@ -138,7 +141,7 @@ class DeckContents:
         if key == "BOUNDARY":
             first = int(words[1]) if len(words) > 1 and words[1].isdigit() else 1  # or a name such as ENCASTRE
             if first <= 3:
-                self.held[words[0]] = None
+                self.held[words[0].strip('"')] = None
             return
         own, given = self.materials.setdefault(material, [None, None, None]), [_number(word) for word in words]
         if key == "DENSITY" and own[2] is None:
@@ -216,7 +219,7 @@ def _joined(text: str, names: re.Pattern[str]) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(text.splitlines(), 1):
         if names is _INCLUDE:
             whole = begun + line.strip() if begun else line
-            more = _OPEN.fullmatch(whole) is not None
+            more = len(whole) < _LONGEST and _OPEN.fullmatch(whole) is not None
         else:
             if begun and (not line.strip() or line.lstrip().startswith("**")):
                 continue
@@ -332,7 +335,7 @@ class _Sets:
         """Members of a set, or a number itself; either may follow an instance's name and a dot."""
         if word.isdigit():
             return [f"{at.before}{word}"]
-        own, name = self.own(at.owner), word.upper()
+        own, name = self.own(at.owner), word.strip('"').upper()
         for whole in (at.before + name, name):
             instance, _, short = whole.rpartition(".")
             if instance not in at.parts:
@@ -378,8 +381,10 @@ def _plain_name(name: str) -> str:
 
 
 def _words(line: str) -> list[str]:
-    """What stands between the commas of a line, without blanks and quotes; commas in quotes are none."""
-    return [word.strip().strip('"') for word in re.split(r',(?=(?:[^"]*"[^"]*")*[^"]*$)', line)]
+    """What stands between the commas of a line, without blanks around it; commas in quotes are none."""
+    parts = line.split('"')
+    parts[1:-1:2] = [part.replace(",", "\0") for part in parts[1:-1:2]]
+    return [word.strip().replace("\0", ",") for word in '"'.join(parts).split(",")]
 
 
 def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:

@@ -281,6 +281,7 @@ SETS = {
         [*MESH, '*NSET,NSET="a,b=c"', "1,2", '*NSET,NSET="a,d"', "3", "*NSET,NSET=X", '"a,b=c",4'],
         {"a,b=c": [1, 2], "a,d": [3], "X": [1, 2, 4]},
     ),
+    "a number as a name": ([*MESH, '*NSET,NSET="12"', "1,2", "*NSET,NSET=X", '"12",4'], {"12": [1, 2], "X": [1, 2, 4]}),
     "a part's name with a comma": (
         [line.replace("=B-1", '="B,1"').replace("=B", '="B,x"', "PART" in line) for line in WITHIN],
         {"NROOT": map(int, FACE)},

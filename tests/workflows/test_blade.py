@@ -391,7 +391,7 @@ def test_what_cards_of_nastran_say_and_a_blade_has_not_is_remarked(tmp_path, cas
             ",".join([words[0], *words[1:9]]),
             *(",".join(["", *words[k : k + 8]]) for k in range(9, len(words), 8)),
         ]
-    (tmp_path / "flat.bdf").write_text("\n".join(["BEGIN  BULK", *lines, "ENDDATA"]) + "\n")
+    (tmp_path / "flat.bdf").write_text("\n".join(["BEGIN BULK", *lines, "ENDDATA"]) + "\n")
     free = np.count_nonzero(mesh.points[:, 0] > 0.0501)
     structure = pipeline.structure(on_bricks(tmp_path, "flat.inp", "flat.bdf"), QUIET, shapes=False)
     remark = (
