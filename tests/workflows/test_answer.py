@@ -1104,7 +1104,7 @@ def test_estimates_and_designs_know_of_the_weight():
     faster = {"structure__frequency": "10 Hz", "excitation__orders": [40]}
     (reduction,) = workflows.run(changed(forced, **faster)).reductions
     assert reduction.reason != Reason.WEIGHT
-    wanted = {"amplitude": ["20 mm", "60 mm"], "ball_diameter": ["60 mm", "100 mm"], "clearance": ["50 mm", "100 mm"]}
+    wanted = {"amplitude": ["50 mm", "90 mm"], "ball_diameter": ["60 mm", "100 mm"], "clearance": ["50 mm", "100 mm"]}
     with pytest.raises(BadInput, match="weight, which is neglected, exceeds the load, or what drives"):
         spindamp.design(changed(WIND, design=wanted))
 

@@ -62,10 +62,10 @@ def test_damping_has_the_curves_pale_beyond_what_the_structure_endures(coarse):
             limit, shown = limits.endured(strained, point.omega), line.y > 0
             curve = np.column_stack([1e3 * line.x, 100 * line.y])[shown]
             within = curve[:, 0] <= 1e3 * limit
-            assert any(np.array_equal(curve[within], each) for each in full)
-            rest = curve[max(int(within.sum()) - 1, 0) :] if not within.all() else curve[:0]
-            assert any(np.array_equal(rest, each) for each in pale)
-        assert any(each.size for each in pale) == (strain == 1.0)
+            rest = curve[max(int(within.sum()) - 1, 0) :]
+            assert not within.any() or any(np.array_equal(curve[within], each) for each in full)
+            assert within.all() or any(np.array_equal(rest, each) for each in pale)
+        assert (pale != []) == (strain == 1.0)
 
 
 def test_ringdown_and_mesh_are_axes(coarse):

@@ -314,8 +314,9 @@ def damping_ratio(results: Results, target: Target = PAGE) -> Figure | None:
     for line, figures, end, colour in zip(lines, ranges, ends, plots.shades(len(lines)), strict=True):
         borne = line.x <= end
         beyond = ~borne | np.append(~borne[1:], False)  # from the last point within the limit on
-        plots.damping_curve(axes, line.x[borne], line.y[borne], color=colour, lw=1.3, label=line.label)
-        plots.damping_curve(axes, line.x[beyond], line.y[beyond], color=colour, lw=1.3, alpha=_PALE)
+        parts = [(part, alpha) for part, alpha in ((borne, None), (beyond, _PALE)) if (line.y[part] > 0).any()]
+        for (part, alpha), label in zip(parts, (line.label, None), strict=False):
+            plots.damping_curve(axes, line.x[part], line.y[part], color=colour, lw=1.3, alpha=alpha, label=label)
         axes.plot(1e3 * figures.peak_amplitude, 100 * figures.peak, "o", color=colour, ms=4)
         for way, style in _OTHER_WAYS.items() if figures.ways_differ else ():
             other: Figures = getattr(figures, way)

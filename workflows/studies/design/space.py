@@ -311,8 +311,6 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
     if space.has_to_fit and scene.blade is not None and out > 0:
         score, why = -objectives.BEYOND - math.log1p(1e3 * out), Obstacle("sticks_out", value=out)
         return Evaluation(0.0, score, why=why, **known)
-    if isinstance(space.goal, LeastDamping) and limits.weight_at(cases[0].results, cases[0].point, space.goal.low) > 1:
-        return Evaluation(0.0, -objectives.NONE, why=Obstacle("weight", cases[0].point.omega), **known)
     evaluation = space.goal.screened(cases)
     if evaluation is None and quick is not None:
         evaluation = space.goal.worth(cases, quick=quick)
@@ -320,14 +318,15 @@ def _one(space: Space, cases: list[DamperCase], quick: bool | None) -> Evaluatio
         return None
     endured = limits.endured(fastest.results)
     there, amplitude, hertz = cases[0], evaluation.value, None
+    least = amplitude
     if isinstance(space.goal, LeastDamping):
-        amplitude = min(space.goal.high, endured)
+        least, amplitude = space.goal.low, min(space.goal.high, endured)
     elif evaluation.order:
         of_order = [met for met in space.goal.crossings if met.order == evaluation.order]
         met = min(of_order, key=lambda each: abs(each.omega - evaluation.speed))
         there = min(cases, key=lambda each: abs(each.point.omega - met.omega))
         hertz = None if excitation.modes_at_crossing(there.point, met)[2] else met.frequency_hz
-    if limits.weight_at(there.results, there.point, amplitude, hertz) > 1:
+    if evaluation.works and limits.weight_at(there.results, there.point, least, hertz) > 1:
         return Evaluation(0.0, -objectives.NONE, why=Obstacle("weight", there.point.omega), **known)
     known["friction_needed"] = limits.friction_needed(there.results, there.point, amplitude, hertz)
     return replace(evaluation, endured=endured, **known)
