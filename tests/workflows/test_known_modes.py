@@ -268,6 +268,13 @@ def test_modes_with_a_point_mass_are_normalised_to_mass(spindamp, files):
     )
 
 
+def test_shapes_scaled_to_one_are_not_normalised_to_mass_whatever_their_mass(spindamp, files):
+    """Nor is their modulus one: with a point mass they are not orthogonal in a uniform mass either."""
+    text = loaded((files / "rest.frd").read_text(), 0.5)
+    (files / "rest.frd").write_text(shapes_of(text, lambda values: values / np.linalg.norm(values, axis=1).max()))
+    refused(spindamp("check", SCENE), "scene.toml: [structure] modes: rest.frd: its shapes are not normalised to mass")
+
+
 @pytest.mark.parametrize("mass", [0.5, 30.0])
 def test_so_are_two_modes_with_a_point_mass_where_one_of_them_does_not_move(spindamp, files, mass):
     """Orthogonal in a uniform mass, but of one modulus, they were refused. A heavy mass is no heavy material."""
