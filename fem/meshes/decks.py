@@ -396,6 +396,7 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
     rows: dict[str, dict[str, str]] = {}  # elements of parts and instances by their numbers
     row, members, labels, generate, owner = list[str](), list[str](), found.labels, False, ""
     key, kind, count, last, material, instance = "", "", 0, "", "", ""
+    moves = 0  # lines that place an instance
     for where, line in lines:
         if line.startswith("*"):
             _check_nodes(last, row, kind, count)
@@ -417,7 +418,7 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
                     owner = _part(options["NAME"])
                 elif key == "INSTANCE":
                     owner, part = _instance(options["NAME"]), _part(options.get("PART", ""))
-                    parts[options["NAME"].upper()] = part
+                    parts[options["NAME"].upper()], moves = part, 0
                     found.labels.extend(labels_of.get(part, []))
                 else:
                     owner = ""
@@ -459,7 +460,8 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
             members.append(number)
             yield _E.sub("E", line)
         elif key == "INSTANCE":
-            yield _E.sub("E", line)
+            moves += 1
+            yield _move(where, line, moves)
         elif key == "ELEMENT":
             own_row = [part.strip() for part in line.split(",") if part.strip()]
             if len(row) + len(own_row) > count + 1:  # lines continue an element as long as it lacks nodes
@@ -481,6 +483,24 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
     if not found.labels:  # parts without an instance
         found.labels.extend(number for each in labels_of.values() for number in each)
     _name_sets(found, nsets, elsets, parts)
+
+
+def _move(where: str, line: str, place: int) -> str:
+    """A line that places an instance in full, the first a translation and the second a rotation; blanks are zeros.
+
+    Raises:
+        MeshError: it is another.
+    """
+    words, count = _words(line), {1: 3, 2: 7}.get(place, 0)
+    values = [_number(word or "0") for word in words] + [0.0] * (count - len(words))
+    numbers = [value for value in values[:count] if value is not None and math.isfinite(value)]
+    turned = place == 2 and len(numbers) == 7 and numbers[6] != 0.0
+    if len(numbers) < count or any(words[count:]) or not count or (turned and numbers[:3] == numbers[3:6]):
+        raise MeshError(
+            f"{where}: an instance is placed by a line of three numbers (0, 0, 0 where it is only turned), then one of"
+            f" seven, two points of an axis and an angle; not by {line!r}"
+        )
+    return ", ".join(map(repr, numbers))
 
 
 def _nodes(elements: list[str], at: _Place, rows: Mapping[str, Mapping[str, str]]) -> Iterator[str]:

@@ -133,6 +133,37 @@ def test_decks_that_include_each_other_are_followed_once(tmp_path):
 WITHIN = [*PART[:-3], ASSEMBLY[3]]
 """A part and its instance, up to the sets of the assembly."""
 
+
+def placed(*lines):
+    """A part, and an instance of it after lines that place it."""
+    return [*PART[:-4], *lines, ASSEMBLY[3], ASSEMBLY[5]]
+
+
+PLACED = {
+    "one number": (["0.5,"], [0.5, 0.0, 0.0]),
+    "two numbers": (["0.5, 0."], [0.5, 0.0, 0.0]),
+    "a blank before": ([",0.5,0."], [0.0, 0.5, 0.0]),
+    "a comma behind": (["0.5,0.,0.,"], [0.5, 0.0, 0.0]),
+    "turned by nothing": (["5.D-1,,", "0.,0.,0.,0.,0.,1.,"], [0.5, 0.0, 0.0]),
+}
+
+
+@pytest.mark.parametrize("case", PLACED)
+def test_blanks_where_an_instance_is_placed_are_zeros(case, tmp_path):
+    """The instance was left where its part is, or moved along another axis."""
+    lines, offset = PLACED[case]
+    path = tmp_path / "blade.inp"
+    path.write_text("\n".join(placed(*lines)) + "\n")
+    np.testing.assert_allclose(read_volume(path).points, DECK.points + offset, atol=1e-12)
+
+
+def test_an_instance_is_turned_by_the_line_below_its_translation(tmp_path):
+    path = tmp_path / "blade.inp"
+    path.write_text("\n".join(placed("0.5,", ",,,,,1.,90.")) + "\n")
+    x, y, z = np.add(DECK.points, [0.5, 0.0, 0.0]).T
+    np.testing.assert_allclose(read_volume(path).points, np.transpose([-y, x, z]), atol=1e-12)
+
+
 REFUSED = {
     "empty": ("", "no cells with a volume"),
     "no mesh": ("these are\nwords\n", "no cells with a volume"),
@@ -207,6 +238,13 @@ REFUSED = {
         [line.format("") for line in (*PART[:-1], "*INSTANCE,NAME=B-2,PART=B", "1,0,0", "*END INSTANCE", PART[-1])],
         "the mesh is in 2 pieces",
     ),
+    "turned, not moved": (
+        placed("0,0,0,0,0,1,90"),
+        r"line \d+: an instance is placed by a line of three numbers \(0, 0",
+    ),
+    "turned about a point": (placed("0,0,0", "1,0,0,1,0,0,90"), "an instance is placed by .* not by '1,0,0,1,0,0,90'$"),
+    "moved by a word": (placed("0,0,a"), "an instance is placed by .* not by '0,0,a'$"),
+    "moved and turned thrice": (placed("0,0,0", ",,,,,1.,90.", "1"), "an instance is placed by .* not by '1'$"),
 }
 
 
