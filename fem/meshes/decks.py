@@ -396,7 +396,7 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
     rows: dict[str, dict[str, str]] = {}  # elements of parts and instances by their numbers
     row, members, labels, generate, owner = list[str](), list[str](), found.labels, False, ""
     key, kind, count, last, material, instance = "", "", 0, "", "", ""
-    moves = 0  # lines that place an instance
+    moves, outside = 0, False  # lines that place an instance; in an assembly, between instances
     for where, line in lines:
         if line.startswith("*"):
             _check_nodes(last, row, kind, count)
@@ -421,7 +421,7 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
                     parts[options["NAME"].upper()], moves = part, 0
                     found.labels.extend(labels_of.get(part, []))
                 else:
-                    owner = ""
+                    owner, outside = "", key in ("ASSEMBLY", "END INSTANCE")
                 labels = labels_of.setdefault(owner, []) if key == "PART" else found.labels
                 own = (f"{each}={_plain_name(options[each])}" for each in _OWN if each in options)
                 yield ", ".join([f"*{key}", *own])
@@ -432,6 +432,8 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
                 kind = options.get("TYPE", "").upper()
                 count, plain_kind = _family(where, kind)
                 members = elsets.of(owner, name) if name else []
+                if count and outside and not owner:
+                    raise MeshError(f"{where}: cells of an assembly are not read: put them into a part")
                 if count:
                     yield f"*ELEMENT, TYPE={plain_kind}"
             elif key in sets:

@@ -238,6 +238,10 @@ REFUSED = {
         [line.format("") for line in (*PART[:-1], "*INSTANCE,NAME=B-2,PART=B", "1,0,0", "*END INSTANCE", PART[-1])],
         "the mesh is in 2 pieces",
     ),
+    "cells of an assembly": (
+        [*WITHIN, "*ELEMENT,TYPE=C3D8", "9,B-1.1,B-1.2,B-1.3,B-1.4,B-1.5,B-1.6,B-1.7,B-1.8"],
+        r"line \d+: cells of an assembly are not read: put them into a part",
+    ),
     "turned, not moved": (
         placed("0,0,0,0,0,1,90"),
         r"line \d+: an instance is placed by a line of three numbers \(0, 0",
