@@ -127,7 +127,7 @@ class DeckContents:
         }
 
     def unused(self) -> dict[str, int]:
-        """Constraints and anisotropy by their keywords, and how often each occurs."""
+        """Constraints, anisotropy and removed elements by their keywords, and how often each occurs."""
         isotropic = not any(key.startswith("ELASTIC, TYPE=") for key in self.keywords)
         return {
             key: count
@@ -159,7 +159,7 @@ _LOST = {
 
 _UNUSED = re.compile(
     r"EQUATION|MPC|TIE|RIGID BODY|(?:KINEMATIC |DISTRIBUTING )?COUPLING|CONTACT PAIR|CYCLIC SYMMETRY MODEL|ORIENTATION"
-    r"|PRE-TENSION SECTION|EMBEDDED ELEMENT|ELASTIC, TYPE=.*|FOUNDATION|NONSTRUCTURAL MASS"
+    r"|MODEL CHANGE, REMOVE|PRE-TENSION SECTION|EMBEDDED ELEMENT|ELASTIC, TYPE=.*|FOUNDATION|NONSTRUCTURAL MASS"
     r"|RBE\d|RBAR|RROD|RSPLINE|MAT(?:2|3|8|9|11)|PCOMP\w*|NSML?1?"
 )
 """Keywords of Abaqus and CalculiX and cards of Nastran that change a blade, and are not used."""
@@ -456,6 +456,8 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
             elif key == "ELASTIC" and not options.get("TYPE", "ISO").upper().startswith("ISO"):
                 key = f"ELASTIC, TYPE={options['TYPE'].upper()}"
                 found.keywords[key] += 1
+            elif key == "MODEL CHANGE" and "REMOVE" in options and options.get("TYPE", "ELEMENT").upper() == "ELEMENT":
+                found.keywords["MODEL CHANGE, REMOVE"] += 1
         elif key == "NODE":
             number = line.partition(",")[0].strip()
             labels.append(int(number) if number.isdigit() else -1)

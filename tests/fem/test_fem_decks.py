@@ -355,6 +355,14 @@ def test_a_support_on_an_instances_set_is_on_that_of_its_part(more, held, tmp_pa
     assert sorted(read_volume(path).deck.held) == sorted(held)
 
 
+def test_elements_that_are_removed_are_not_passed_over(tmp_path):
+    path = tmp_path / "blade.inp"
+    steps = ["*STEP", "*MODEL CHANGE, TYPE=ELEMENT, REMOVE", "2", "*Model change, remove", "2"]
+    steps += ["*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE", "A,B", "*MODEL CHANGE, ADD=STRAIN FREE", "2", "*END STEP"]
+    path.write_text("\n".join([*MESH, *ROOT, *steps]) + "\n")
+    assert read_volume(path).deck.unused() == {"MODEL CHANGE, REMOVE": 2}
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_would_be_misread_is_one_line(case, tmp_path):
     given, problem = REFUSED[case]
