@@ -327,9 +327,13 @@ class _Sets:
         try:
             first, *rest = map(int, words)
             last, step = (*rest, first, 1)[:2] if len(rest) != 1 else (rest[0], 1)
-            return [f"{at.before}{number}" for number in range(first, last + 1, step)]
+            if first <= last and step > 0:
+                return [f"{at.before}{number}" for number in range(first, last + 1, step)]
         except ValueError:
-            raise MeshError(f"{at.where}: expected the first and the last number and a step, not {line!r}") from None
+            pass
+        raise MeshError(
+            f"{at.where}: expected the first and the last number, which is not below it, and a step, not {line!r}"
+        )
 
     def named(self, word: str, at: "_Place") -> list[str]:
         """Members of a set, or a number itself; either may follow an instance's name and a dot."""

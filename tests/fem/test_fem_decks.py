@@ -232,6 +232,12 @@ REFUSED = {
     "no kind": (deck(more=["*ELEMENT", "9,1,2,3,4"]), "line 37: elements without a type are not read"),
     "a set without a name": ([*MESH, "*NSET", "1,2"], r"line 39: \*NSET without the name of a set"),
     "a step of nought": ([*MESH, "*NSET,NSET=A,GENERATE", "1,9,0"], "line 40: expected the first and the last number"),
+    "numbers that fall": (
+        [*MESH, "*NSET,NSET=A,GENERATE", "20,1,-1"],
+        "40: expected .* not below it, .* not '20,1,-1'",
+    ),
+    "a last number below the first": ([*MESH, "*ELSET,ELSET=A,GENERATE", "2,1"], "line 40: expected .* not '2,1'$"),
+    "a negative step": ([*MESH, "*NSET,NSET=A,GENERATE", "1,20,-1"], "line 40: expected .* not '1,20,-1'$"),
     "no such set of elements": ([*MESH, "*ELSET,ELSET=A", "1,B"], "a set of elements holds 'B', which is neither a"),
     "without middles": ([*MESH[:-1], "0,0,0,0,0"], r"line \d+: element 2 names node 0, which is not"),
     "twice in place": (
