@@ -478,8 +478,8 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
             if len(row) == count + 1 or not (count or line.endswith(",")):
                 members.append(row[0])
                 found.elements[kind] += 1
+                whole = rows.setdefault(owner, {})[row[0]] = ",".join(row)
                 if count:
-                    whole = rows.setdefault(owner, {})[row[0]] = ",".join(row)
                     yield whole
                 row = []
         elif key in sets:
@@ -517,7 +517,9 @@ def _nodes(elements: list[str], at: _Place, rows: Mapping[str, Mapping[str, str]
     for element in elements:
         instance, dot, number = element.rpartition(".")
         for own in (_instance(instance), at.parts[instance]) if dot else (at.owner,):
-            for node in rows.get(own, {}).get(number, "").split(",")[1:]:
+            for node in rows.get(own, {}).get(number, "").upper().replace('"', "").split(",")[1:]:
+                if "." in node and node.rpartition(".")[0] not in at.parts:
+                    raise MeshError(f"{at.where}: element {number} names node {node} of no instance above")
                 every[f"{instance}{dot}{node}"] = None
     yield from every
 

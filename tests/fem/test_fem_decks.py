@@ -238,6 +238,10 @@ REFUSED = {
     ),
     "a last number below the first": ([*MESH, "*ELSET,ELSET=A,GENERATE", "2,1"], "line 40: expected .* not '2,1'$"),
     "a negative step": ([*MESH, "*NSET,NSET=A,GENERATE", "1,20,-1"], "line 40: expected .* not '1,20,-1'$"),
+    "a mass on no instance": (
+        [*WITHIN, "*ELEMENT,TYPE=MASS,ELSET=M", "1,C-1.32", "*NSET,NSET=A,ELSET=M"],
+        r"line \d+: element 1 names node C-1.32 of no instance above",
+    ),
     "no such set of elements": ([*MESH, "*ELSET,ELSET=A", "1,B"], "a set of elements holds 'B', which is neither a"),
     "without middles": ([*MESH[:-1], "0,0,0,0,0"], r"line \d+: element 2 names node 0, which is not"),
     "twice in place": (
@@ -310,6 +314,24 @@ SETS = {
     "elements added to elements": (
         [*MESH, "*ELSET,ELSET=A", "1", "*ELSET,ELSET=B", "2", "*NSET,NSET=X,ELSET=A", "*NSET,NSET=X,ELSET=B"],
         {"X": ALL},
+    ),
+    "a mass and an element": (
+        [*MESH, "*ELEMENT,TYPE=MASS,ELSET=M", "900,32", "*ELSET,ELSET=MM", "1,M", "*NSET,NSET=TIP,ELSET=MM"],
+        {"TIP": sorted({*FIRST, 32})},
+    ),
+    "a mass alone, a spring": (
+        [
+            *(*MESH, "*ELEMENT,TYPE=MASS,ELSET=M", "900,32", "*NSET,NSET=TIP,ELSET=M"),
+            *("*ELEMENT,TYPE=SPRINGA,ELSET=S", "901,3,4", "*NSET,NSET=X,ELSET=S", "*NSET,NSET=Y", "X,TIP"),
+        ],
+        {"TIP": [32], "X": [3, 4], "Y": [3, 4, 32]},
+    ),
+    "a mass of a part, and one of the assembly": (
+        [
+            *(*PART[:-7], "*ELEMENT,TYPE=MASS,ELSET=M", "900,32", *PART[-7:-3], ASSEMBLY[3]),
+            *("*NSET,NSET=X,ELSET=B-1.M", "*ELEMENT,TYPE=MASS,ELSET=M", "1,b-1.31", "*NSET,NSET=Y,ELSET=M"),
+        ],
+        {"X": [32], "Y": [31]},
     ),
     "words on lines of their own": (
         [
