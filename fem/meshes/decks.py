@@ -466,7 +466,7 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
             number = line.partition(",")[0].strip()
             labels.append(int(number) if number.isdigit() else -1)
             members.append(number)
-            yield _E.sub("E", line)
+            yield _E.sub("E", line.rstrip(", "))
         elif key == "INSTANCE":
             moves += 1
             yield _move(where, line, moves)

@@ -73,6 +73,8 @@ READ = {
     ],
     "commas after whole elements": [*MESH[: len(NODES) + 2], *(f"{line.rstrip(',')}," for line in MESH[-4:]), *ROOT],
     "no commas within elements": [*MESH[: len(NODES) + 2], *(line.rstrip(",") for line in MESH[-4:]), *ROOT],
+    "commas after nodes": ["*NODE", *(f"{line} ," for line in NODES), *MESH[len(NODES) + 1 :], *ROOT],
+    "commas after nodes of a part": [f"{line},," if line in NODES else line.format("") for line in PART],
     "blanks before and in keywords": [line.replace("*", "  * ") for line in (*MESH, *ROOT)],
     "a keyword on two lines": [
         *(line.replace("D,ELSET", "D,\nELSET") for line in MESH),
