@@ -642,7 +642,8 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
     """Cards of a Nastran file, those of included files too: where each stands, its name and its fields.
 
     A card is in free format, or in fields of 8 or, where its name has a star, 16 columns; lines that begin with blanks,
-    +, * or a comma continue it. Meshio writes second-order cells as CHEXA_ and the like.
+    +, * or a comma continue it. It has eight fields at least, blank where the deck has none. Meshio writes second-order
+    cells as CHEXA_ and the like.
     """
     where, name, fields, bulk = "", "", list[str](), False
     for place, line in _included(path, _INCLUDE):
@@ -662,12 +663,12 @@ def _cards(path: Path) -> Iterator[tuple[str, str, list[str]]]:
         own += [""] * ((4 if wide else 8) - len(own))
         if first.strip() and first[0] not in "+*":
             if name:
-                yield where, name, fields
+                yield where, name, fields + [""] * (8 - len(fields))
             where, name, fields = place, first.strip().rstrip("*_").upper(), own
         else:
             fields = [*fields, *own]
     if name:
-        yield where, name, fields
+        yield where, name, fields + [""] * (8 - len(fields))
 
 
 def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -> Iterator[str]:

@@ -552,6 +552,20 @@ def test_nastran_in_fields_of_16_columns_and_what_is_no_cell(tmp_path):
             read_volume(path)
 
 
+def test_cards_of_16_columns_may_lack_their_second_line(tmp_path):
+    """They ended with an internal error, nodes with two coordinates."""
+    mesh, lines = bulk("tetra10", "free")
+    lines[3] = f"GRID*   {1:>16}{'':16}{'0.':>16}{'0.':>16}"
+    cards = [f"MAT1*   {1:>16}{'2.1+11':>16}{'':16}{'.3':>16}", "MAT1*,2,2.1+11,,.3", "PSOLID*,1,1"]
+    cards += [f"SPC*    {1:>16}{1:>16}{123:>16}{'0.':>16}", "SPC1*,1,123,2,3", "SPC*,1,4,3"]
+    path = tmp_path / "blade.bdf"
+    path.write_text("\n".join([*lines[:-1], *cards, "ENDDATA"]) + "\n")
+    found = read_volume(path)
+    np.testing.assert_allclose(found.points, mesh.points, atol=1e-9)
+    assert found.deck.materials == {"1": [2.1e11, 0.3, None], "2": [2.1e11, 0.3, None]}
+    assert list(found.deck.held) == ["1", "2", "3", "4"]
+
+
 def gmsh(mesh, labels, grouped):
     """A box of tetrahedra in Gmsh's format 4.1, its faces at the ends in x two surfaces: the first is the root.
 
