@@ -141,7 +141,7 @@ class DeckContents:
         if key == "BOUNDARY":
             first = int(words[1]) if len(words) > 1 and words[1].isdigit() else 1  # or a name such as ENCASTRE
             if first <= 3:
-                self.held[words[0].strip('"')] = None
+                self.held[words[0].replace('"', "")] = None
             return
         own, given = self.materials.setdefault(material, [None, None, None]), [_number(word) for word in words]
         if key == "DENSITY" and own[2] is None:
@@ -339,7 +339,7 @@ class _Sets:
         """Members of a set, or a number itself; either may follow an instance's name and a dot."""
         if word.isdigit():
             return [f"{at.before}{word}"]
-        own, name = self.own(at.owner), word.strip('"').upper()
+        own, name = self.own(at.owner), word.replace('"', "").upper()
         for whole in (at.before + name, name):
             instance, _, short = whole.rpartition(".")
             if instance not in at.parts:
@@ -446,10 +446,11 @@ def _abaqus(lines: Lines, found: DeckContents) -> Iterator[str]:
                 if instance and instance not in parts:
                     raise MeshError(f"{where}: no instance above is called {instance}")
                 if cells:
+                    place = _Place(where, owner, instance, parts)
+                    of_them = _nodes(elsets.named(cells, place), place, rows)
                     if name.upper() != cells.upper():
                         of_cells.add((owner, name.upper()))
-                        place = _Place(where, owner, instance, parts)
-                        nsets.of(owner, name).extend(_nodes(elsets.named(cells, place), place, rows))
+                    nsets.of(owner, elsets.spelled.get(name.upper(), name)).extend(of_them)
                     key = ""
                 else:
                     members = sets[key].of(owner, name)

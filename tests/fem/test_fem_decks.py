@@ -335,6 +335,21 @@ SETS = {
         ],
         {"X": [32], "Y": [31]},
     ),
+    "nodes and elements of one name": (
+        [
+            *(*MESH, "*ELSET,ELSET=A", "1", "*NSET,NSET=a,ELSET=A", "*NSET,NSET=X", "A,32"),
+            *("*ELEMENT,TYPE=MASS,ELSET=M", "900,32", "*NSET,NSET=M,ELSET=M", "*NSET,NSET=Y", "M"),
+        ],
+        {"A": FIRST, "X": sorted({*FIRST, 32}), "M": [32], "Y": [32]},
+    ),
+    "nodes of a part's elements of the same name": (
+        [*WITHIN, "*NSET,NSET=EALL,ELSET=EALL,INSTANCE=B-1", "*NSET,NSET=X", "EALL"],
+        {"EALL": ALL, "X": ALL},
+    ),
+    "an instance's set in quotes": (
+        [*PART[:-7], '*NSET,NSET="my set"', "1,2", *PART[-7:-3], ASSEMBLY[3], "*NSET,NSET=X", 'B-1."my set",B-1.4'],
+        {"X": [1, 2, 4]},
+    ),
     "words on lines of their own": (
         [
             *MESH,
