@@ -7,6 +7,7 @@ know: they would pass over these and be left with another mesh.
 
 import math
 import re
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -26,7 +27,7 @@ _DATA = re.compile(
     re.IGNORECASE,
 )
 _INCLUDE = re.compile(
-    r"\s*(?P<keyword>INCLUDE)(?:\s*=\s*|\s+|(?=['\"]))(?P<file>'[^']+'|\"[^\"]+\"|[^\s'\"$=][^'\"$]*?)\s*(?:\$.*)?$",
+    r"\s*(?P<keyword>INCLUDE)(?:\s*=\s*|\s+|(?=['\"]))(?P<file>'[^']+'|\"[^\"]+\"|[^\s'\"$=](?:[^'\"$]*[^\s'\"$])?)\s*(?:\$.*)?$",
     re.IGNORECASE,
 )
 """Lines that name a file with data."""
@@ -713,11 +714,14 @@ def _nastran(cards: Iterator[tuple[str, str, list[str]]], found: DeckContents) -
     for material in found.materials.values():
         material[2] = None if material[2] is None else weight * material[2]
     found.used.update({material: None for number, material in materials.items() if number in properties})
-    labels = set(found.labels)
-    for span in held:
-        found.held.update(
-            {str(label): None for label in (span if len(span) == 1 else [each for each in labels if each in span])}
-        )
+    labels, done = sorted(found.labels), 0
+    for span in sorted(held, key=lambda span: span.start):
+        if len(span) == 1:
+            found.held[str(span.start)] = None
+            continue
+        first, behind = (bisect_left(labels, end) for end in (max(span.start, done), span.stop))
+        found.held.update({str(label): None for label in labels[first:behind]})
+        done = max(done, span.stop)
     yield "ENDDATA"
 
 

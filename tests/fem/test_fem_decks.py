@@ -1,6 +1,7 @@
 """Decks as they are met: files in files, sets of sets, Nastran's continuations; what would be misread is refused."""
 
 import re
+import time
 
 import meshlane
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from fem_cases import box
 
 from fem import MeshError
+from fem.meshes.decks import plain
 from fem.meshes.read import files_of
 from fem.meshes.volume import read_volume
 
@@ -516,6 +518,39 @@ def test_nastran_and_optistruct_include_files_in_many_ways(case, tmp_path):
     path.write_text("\n".join([*lines[:3], *INCLUDES[case], *lines[3 + len(nodes) :]]) + "\n")
     np.testing.assert_allclose(read_volume(path).points, mesh.points, atol=1e-9)
     assert len(files_of(path)) == 2
+
+
+@pytest.mark.parametrize(
+    ("cards", "held"),
+    [
+        (["SPC1,1,3,5,THRU,9", "SPC1,1,3,4,THRU,6", "SPC1,1,3,8,THRU,7", "SPC1,1,3,2"], [2, 4, 5, 6, 7, 8, 9]),
+        (
+            ["SPC1,1,3,5,THRU,5", "SPC1,1,3,1,THRU,2", "SPC1,1,4,20,THRU,22", "SPC1,1,3,40,THRU,999"],
+            [1, 2, 5, *range(40, 46)],
+        ),
+        (["SPC1,1,3,1,THRU,45", "SPC1,1,3,7,THRU,9", "SPC1,1,3,9,THRU,70"], range(1, 46)),
+    ],
+)
+def test_supports_of_ranges_of_nodes(cards, held, tmp_path):
+    path, (_, lines) = tmp_path / "blade.bdf", bulk("tetra10", "free")
+    path.write_text("\n".join([*lines[:-1], *cards, "ENDDATA"]) + "\n")
+    assert sorted(map(int, read_volume(path).deck.held)) == list(held)
+
+
+def test_many_ranges_and_long_lines_take_no_time(tmp_path):
+    """Each range was sought in all labels, each blank of a line with a file's name in all that follow."""
+    path = tmp_path / "blade.bdf"
+    nodes = [f"GRID,{n},,0.,0.,0." for n in range(1, 40001)]
+    path.write_text(
+        "\n".join(["BEGIN BULK", *nodes, *(f"SPC1,1,3,{n},THRU,40000" for n in range(1, 10001)), "ENDDATA"])
+    )
+    begun = time.process_time()
+    assert len(plain(path)[1].held) == 40000
+    for name in ("a" + " " * 50000, "a " * 25000):
+        path.write_text(f'BEGIN BULK\nINCLUDE {name}"\n')
+        with pytest.raises(MeshError, match=r"line 2: .* names no file"):
+            plain(path)
+    assert time.process_time() - begun < 4.0
 
 
 @pytest.mark.parametrize(
