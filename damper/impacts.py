@@ -15,10 +15,10 @@ import numpy as np
 
 from damper.compiled import inlined, kernel, part
 from damper.events import departure
-from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK
+from damper.state import GRIP, HIT, REVERSAL, ROLLING, SLIPPING, SPIN_UP, START, STUCK, balls_of
 
 if TYPE_CHECKING:
-    from damper.model import Floats, Record
+    from damper.model import Floats, Parameters, Record
 
 
 @part
@@ -41,6 +41,13 @@ def restitutions(speeds: Floats, ball: Record, ratios: Floats) -> None:
     """The same of many hits, into `ratios`."""
     for k in range(len(speeds)):
         ratios[k] = restitution(speeds[k], ball)
+
+
+def restitution_of(rows: Parameters, speeds: Floats) -> Floats:
+    """Ratios (n,) of the normal relative speeds after and before hits at speeds (n,) [m/s], by a damper's row."""
+    ratios = np.empty(len(speeds))
+    restitutions(speeds, balls_of(rows, np.zeros(1))[0], ratios)
+    return ratios
 
 
 @part

@@ -17,7 +17,7 @@ from damper.curves import BINS, TINY
 from damper.equations import structures_by
 from damper.model import alike, half_gap, lateral_pull
 from damper.motion import COUPLED, Outcome, RingDown, kinds
-from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED, balls_of
+from damper.state import HIT, LOCKED, PERIODIC, RUB, STUCK, TIRED
 
 if TYPE_CHECKING:
     from damper.curves import DampingCurve
@@ -279,10 +279,9 @@ def check_hits(run: RingDown, rows: Records) -> None:
     def where(index: tuple[int, ...]) -> str:
         return f"a ring-down at {rows['time'][index[0]]:.6g} s"
 
-    from damper.impacts import restitutions
+    from damper.impacts import restitution_of
 
-    e = np.empty(len(before))
-    restitutions(np.asarray(before, np.float64), balls_of(run.damper.parameters, np.zeros(1))[0], e)
+    e = restitution_of(run.damper.parameters, np.asarray(before, np.float64))
     error = np.where((kind == HIT) & ~rests, abs(after - e * before), 0.0)
     require("a hit leaves e times the speed", "error of the speed [m/s]", error, EXACT * before, where)
     require("wall friction slows the ball", "speed [m/s]", np.where(kind == RUB, w, 0.0), before, where)

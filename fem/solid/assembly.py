@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,9 @@ from fem.meshes.cells import cell
 from fem.modes import Modes
 from fem.rotor import Effects, across, turning
 from fem.solid.blade import Blade
+
+if TYPE_CHECKING:
+    from fem.modal_model import Place
 
 Rule = tuple[Array, Array]
 
@@ -315,6 +318,12 @@ class SolidOperators:
         free = self.pattern.number >= 0
         moved[free] = unknowns.reshape(-1, 3, *unknowns.shape[1:])[self.pattern.number[free]]
         return moved
+
+    def force_at(self, at: Place, force: Array) -> Array:
+        """The load (n,) of a force (3,) at a place."""
+        nodal = np.zeros((self.nodes, 3))
+        nodal[at.nodes] = np.outer(at.value, force)
+        return self.gathered(nodal)
 
     def gathered(self, nodal: Array) -> Array:
         """The unknowns (n,) of nodes' vectors (nnode, 3)."""

@@ -598,11 +598,10 @@ class SolvedBlade:
         for number in numbers:
             state = sweep.states[number]
             if step is None or not linear:
-                force, moved = np.zeros((operators.nodes, 3)), operators.spread(state)[at.nodes]
-                point = at.point if linear else at.point + at.value @ moved
-                force[at.nodes] = np.outer(at.value, (point - blade.origin) @ across(blade.axis))
+                point = at.point if linear else at.point + at.value @ operators.spread(state)[at.nodes]
+                load = operators.force_at(at, (point - blade.origin) @ across(blade.axis))
                 omega = 0.0 if linear else float(sweep.squares[number]) ** 0.5
-                step = operators.factorise(_about(operators, omega, state)).solve(operators.gathered(force))
+                step = operators.factorise(_about(operators, omega, state)).solve(load)
             small.append(operators.bending(state, step, sweep.shapes[number]))
         return sweep.squares[numbers], np.array(small)
 

@@ -257,6 +257,8 @@ def test_hits_that_scatter_into_modes_beyond_those_simulated_are_remarked():
     )
     slipping = workflows.run(scene(4, restitution=0.6) | {"effects": {"ball_slip": True}})
     assert not [note for note in slipping.notes if "simulates the sliding" in note]
+    (dents,) = workflows.run(scene(4, restitution=[["0.1 m/s", 0.9]])).speeds  # above its last pair the law falls
+    assert dents.hits.dissipated == pytest.approx(1 - 0.81 * (0.1 / (0.6e-3 / dents.hits.flight)) ** 0.5)
     wide = {"count": 1, "radius": "3 mm", "cavity": ["8 mm", "8 mm"], "housing": "40 g"}
     (rolls,) = workflows.run(scene(4, restitution=0.8, **wide)).speeds  # at its best it meets no wall
     assert rolls.hits is None

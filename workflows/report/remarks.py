@@ -574,9 +574,15 @@ _BRIEF = 0.1
 @remark
 def long_hits(results: Results) -> Values:
     """That hits, which the model takes as instantaneous, last long beside the flights between them."""
-    every = [(p, p.hits) for p in results.speeds if p.hits is not None]
-    point, longest = max(every, key=lambda pair: pair[1].duration / pair[1].flight, default=(None, None))
-    return None if longest is None or longest.duration <= _BRIEF * longest.flight else {"hit": longest, "point": point}
+    most = _most_of_hits(results, lambda hit: hit.duration / hit.flight)
+    return most if most is not None and most["share"] > _BRIEF else None
+
+
+def _most_of_hits(results: Results, share: Callable[[HitFigures], float]) -> Values:
+    """The hits of which a share is largest, the share, and their speed; None without any."""
+    every = [(share(point.hits), point) for point in results.speeds if point.hits is not None]
+    most, at = max(every, key=lambda pair: pair[0], default=(0.0, None))
+    return None if at is None else {"share": most, "hit": at.hits, "point": at}
 
 
 _LOWERED = 0.03
@@ -594,11 +600,10 @@ def lowered(results: Results) -> Values:
 @remark
 def slides_after_hits(results: Results) -> Values:
     """That a ball slides after a hit for longer than a part of its flight, which the figures leave out."""
-    every = [((h.sliding or 0.0) / h.flight, h, p) for p in results.speeds if (h := p.hits) is not None]
-    share, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
-    if hit is None or not share > _BRIEF or results.effects["ball_slip"].on or results.scene.is_printed:
+    if results.effects["ball_slip"].on or results.scene.is_printed:
         return None
-    return {"share": share, "hit": hit, "point": point}
+    most = _most_of_hits(results, lambda hit: (hit.sliding or 0.0) / hit.flight)
+    return most if most is not None and most["share"] > _BRIEF else None
 
 
 _LITTLE = 0.1
@@ -616,12 +621,11 @@ to 3.4 times that (`tests/benchmarks/modes_needed.py`).
 def scattering(results: Results) -> Values:
     """That hits scatter energy into modes of the structure that are not simulated."""
     scene, switched = results.scene, results.effects["structural_modes"].on
-    every = [(scattered(h), h, p) for p in results.speeds if (h := p.hits) is not None]
-    share, hit, point = max(every, key=lambda each: each[0], default=(0.0, None, None))
-    if hit is None or point is None or not share > _LITTLE or scene.is_printed:
+    most = _most_of_hits(results, scattered)
+    if most is None or not most["share"] > _LITTLE or scene.is_printed:
         return None
-    simulated = coupling.damper_modes(scene, point) if switched else ()
-    return {"hit": hit, "point": point, "more": _GROWS_BY * share, "simulated": len(simulated), "most": MODES}
+    simulated = coupling.damper_modes(scene, most["point"]) if switched else ()
+    return most | {"more": _GROWS_BY * most["share"], "simulated": len(simulated), "most": MODES}
 
 
 def scattered(hit: HitFigures) -> float:

@@ -117,9 +117,7 @@ def _inverse_mass(solved: SolvedBlade, seat: Seat, durations: Sequence[float]) -
 
     operators, at = solved.operators, seat.place
     axis = floor(solved.model, at, solved.model.speeds[0], seat.direction, seat.normal).axes[0]
-    force = np.zeros((operators.nodes, 3))
-    force[at.nodes] = np.outer(at.value, axis)
-    return inverse_mass(operators, operators.gathered(force), np.array(durations))
+    return inverse_mass(operators, operators.force_at(at, axis), np.array(durations))
 
 
 def _check_balls(source: SceneFile, operators: SolidOperators) -> None:

@@ -140,8 +140,9 @@ def shortening(point: SpeedPoint) -> float:
     A pull through a place at R - c u²/2 stiffens the structure by Omega² (R c - outwards²) a kilogram.
     """
     reduced = point.reduced
-    known = reduced is not None and point.omega != 0 and reduced.pull != 0
-    return (present(reduced).pull + point.outwards**2) / point.radius if known else 0.0
+    if reduced is None or point.omega == 0 or reduced.pull == 0:
+        return 0.0
+    return (reduced.pull + point.outwards**2) / point.radius
 
 
 def resting_share(system: ParticleDamper, point: SpeedPoint) -> float:

@@ -76,10 +76,11 @@ def _figures(state: StructureState, point: SpeedPoint, hit: _Hit, whole: float |
     `whole`: twice the energy that a pulse as long leaves in all modes, over the square of its impulse [1/kg]; None: not
     known. The impulse is (1 + e) v / (1 / m + whole).
     """
+    from damper.impacts import restitution_of
+
     scene, reduced = state.source.scene, present(point.reduced)
     system = verdict_damper(scene, state.effects, point)
-    speeds, ratios = np.array(system.restitution_by_speed or ((hit.speed, system.restitution),)).T
-    e = float(np.interp(math.log(hit.speed), np.log(speeds), ratios))
+    e = float(restitution_of(system.parameters, np.array([hit.speed]))[0])
     braked = present(scene.damper).friction * point.omega**2 * point.pressing
     sliding = 2 / 7 * (1 + e) * hit.speed / braked if braked > 0 else None
     figures = HitFigures(hit.duration, hit.flight, sliding, None, 1 - e**2)

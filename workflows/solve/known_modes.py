@@ -458,9 +458,10 @@ def _in_si(source: SceneFile, known: KnownModes, name: str, raw: Raw) -> ModalMo
         _without_density(source, known, name, raw, model)
         return model
     every = np.concatenate([each for each in fits if each is not None])
-    pairs = zip(model.speeds, fits, strict=True)
-    scaled = any(fit is not None and modal_model.uneven_stiffness(model, modes, fit) for modes, fit in pairs)
-    if every.max() > _UNLIKE * every.min() and (not raw.solved or scaled):
+    known_fits = ((modes, fit) for modes, fit in zip(model.speeds, fits, strict=True) if fit is not None)
+    if every.max() > _UNLIKE * every.min() and (
+        not raw.solved or any(modal_model.uneven_stiffness(model, *each) for each in known_fits)
+    ):
         ends = f"from {significant(float(every.min()))} to {significant(float(every.max()))} kg/m^3"
         problem = f"its shapes are not normalised to mass: for modal masses of 1 the modes would need densities {ends}"
         raise source.wrong(f"{name}: {problem}: {_NORMALISED}", "[structure] modes")

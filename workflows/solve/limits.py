@@ -151,7 +151,8 @@ def verdict(results: Results, point: SpeedPoint) -> Verdict:
         return Verdict.without_figures(Grade.INADMISSIBLE, reason)
     most = best(results, point)
     reason = Reason.NONE if most is not None else _idle(results, point)
-    if (weight_governs(point) and reason != Reason.FILLED) or (most is not None and weight_share(results, point) > 1):
+    undriven = most is not None and weight_at(results, point, most.amplitude) > 1
+    if undriven or (weight_governs(point) and reason != Reason.FILLED):
         return Verdict.without_figures(Grade.UNKNOWN, Reason.WEIGHT)
     if reason == Reason.SIDEWAYS:
         return Verdict.without_figures(Grade.UNKNOWN, reason)
@@ -271,12 +272,12 @@ def weight_at(results: Results, point: SpeedPoint, amplitude: float, hertz: floa
 
 
 def weight_over_hold(results: Results, point: SpeedPoint) -> float:
-    """The ball's own weight over what holds it at rest along the floor: rolling resistance, dent; 0 without either."""
-    damper, effects = results.scene.damper, results.effects
-    if damper is None or point.load_g == 0:
+    """The ball's own weight over what holds it at rest on a flat floor: rolling resistance, dent; 0 without either."""
+    damper = results.scene.damper
+    if damper is None or damper.floor_radius is not None or point.load_g == 0:
         return 0.0
-    slope = lever(results.scene, point) / damper.radius if effects["rolling_resistance"].on else 0.0
-    slope += rim_slope(results.scene, point) if effects["indentation"].on else 0.0
+    slope = _rolling_slope(results, point)
+    slope += rim_slope(results.scene, point) if results.effects["indentation"].on else 0.0
     return 1 / (slope * point.load_g) if slope > 0 else 0.0
 
 
@@ -287,6 +288,12 @@ def _drive(point: SpeedPoint, hertz: float | None = None) -> float:
     return (2 * math.pi * present(point.reduced).f1_hz) ** 2 * point.drive_left
 
 
+def _rolling_slope(results: Results, point: SpeedPoint) -> float:
+    """Slope that rolling resistance holds a ball on, μ_r / r."""
+    on = results.effects["rolling_resistance"].on
+    return lever(results.scene, point) / present(results.scene.damper).radius if on else 0.0
+
+
 def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
     """Friction on the floor that pure rolling needs at an amplitude, over the normal load; 0 without a load.
 
@@ -294,12 +301,10 @@ def friction_demand(results: Results, point: SpeedPoint, amplitude: float, hertz
     holds it against 5/7 of the rolling resistance. `hertz`: of another mode than that which leads along axis 1, with
     which the floor is taken not to tilt.
     """
-    damper = results.scene.damper
-    if damper is None or point.reduced is None or point.load_g == 0:
+    if results.scene.damper is None or point.reduced is None or point.load_g == 0:
         return 0.0
     drive = _drive(point, hertz) * amplitude
-    resistance = lever(results.scene, point) / damper.radius if results.effects["rolling_resistance"].on else 0.0
-    return (2 * drive / (point.omega**2 * point.pressing) + 5 * resistance) / 7
+    return (2 * drive / (point.omega**2 * point.pressing) + 5 * _rolling_slope(results, point)) / 7
 
 
 def friction_needed(results: Results, point: SpeedPoint, amplitude: float, hertz: float | None = None) -> float:
