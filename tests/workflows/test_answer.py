@@ -850,7 +850,7 @@ def test_a_ball_that_slides_supplies_no_best():
     assert [point.verdict.grade for point in found.speeds] == ["unknown", "unknown", "yes"]
     said = answer(found)
     assert said.verdict == (
-        "Useful from 3500 rpm (2740 g) on; no verdict up to 100 rpm (2.24 g): there the balls would slide, since"
+        "Useful at 3500 rpm (2740 g); no verdict up to 100 rpm (2.24 g): there the balls would slide, since"
         f" rolling requires a friction coefficient of {needed(found, 1):.2g} to {needed(found, 0):.2g} at the amplitude"
         " of largest damping"
     )
@@ -864,8 +864,8 @@ def test_a_middle_of_speeds_has_both_its_ends():
     """Slow enough to slide, then weak at one speed, then good, then too fast for as much."""
     verdict = answer(at(100, 700, 1000, 3500, 17500)).verdict
     assert verdict.startswith(
-        "Of little use at 700 rpm (110 g), useful from 1000 rpm (224 g) to 3500 rpm (2740 g), of little use from"
-        " 17500 rpm (68492 g) on"
+        "Of little use at 700 rpm (110 g), useful from 1000 rpm (224 g) to 3500 rpm (2740 g), of little use at"
+        " 17500 rpm (68492 g)"
     )
     assert "; no verdict at 100 rpm" in verdict
 
@@ -875,12 +875,11 @@ def test_a_verdict_ends_where_the_contact_yields():
     found = at(1000, 17500, 20000)
     end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.INADMISSIBLE, Reason.CONTACT))
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict.startswith(
-        "Useful up to 1000 rpm (224 g), of little use at 17500 rpm (68492 g); no verdict at 20000 rpm"
+        "Useful at 1000 rpm (224 g), of little use at 17500 rpm (68492 g); no verdict at 20000 rpm"
     )
     end = replace(found.speeds[2], verdict=Verdict.without_figures(Grade.LOCKED, Reason.OUT_OF_REACH, 0.0))
     assert answer(replace(found, speeds=(*found.speeds[:2], end))).verdict == (
-        "Useful up to 1000 rpm (224 g), of little use at 17500 rpm (68492 g); the balls are locked at 20000 rpm"
-        " (89460 g)"
+        "Useful at 1000 rpm (224 g), of little use at 17500 rpm (68492 g); the balls are locked at 20000 rpm (89460 g)"
     )
 
 
@@ -1132,7 +1131,7 @@ def test_a_stretch_of_speeds():
     found = at(400, 600, 3500, 5000).speeds
     for chosen, said in (
         ((0, 1), "up to 600 rpm (80.5 g)"),
-        ((2, 3), "from 3500 rpm (2740 g) on"),
+        ((2, 3), "from 3500 rpm (2740 g) to 5000 rpm (5591 g)"),
         ((1, 2), "from 600 rpm (80.5 g) to 3500 rpm (2740 g)"),
         ((0,), "at 400 rpm (35.8 g)"),
         ((0, 3), "at 400 rpm (35.8 g) and 5000 rpm (5591 g)"),

@@ -473,7 +473,7 @@ def test_the_text_has_a_line_for_each_statement():
     values = {"best_damping_ratio": 1e-3, "best_amplitude": 2e-3, "friction_needed": None, "sticks_out": None}
     reasons = [{"points": 1, "reason": "too wide"}, {"points": 1, "reason": "too heavy"}]
     result = {"title": "T", "points": 4, "dimensions": {"a": 4}, "best": {"values": values}, "reasons": reasons}
-    result |= {"without_verdict": 1, "without_answer": 2, "without_friction": 0, "best_at_end": []}
+    result |= {"without_verdict": 1, "without_answer": 2, "without_friction": 0, "best_at_end": [], "as_good": 0}
     spread = {
         "judged": 1.0,
         "rpm": 1000.0,
@@ -483,9 +483,10 @@ def test_the_text_has_a_line_for_each_statement():
     best = "The best point is a = 1 mm: a damping ratio of 0.1 % at an amplitude of 2 mm"
     known = {"result": result, "best": {"a": "1 mm"}, "error": 0.01}
     assert said("sweep/text", spread=None, **known)[:2] == ["T: 4 points (4 a)", best]
-    held = {"best": {"values": values | {"sticks_out": 1.3e-3}}, "best_at_end": ["a"]}
+    held = {"best": {"values": values | {"sticks_out": 1.3e-3}}, "best_at_end": ["a"], "as_good": 1}
     assert said("sweep/text", spread=None, **known | {"result": result | held})[1] == (
-        f"{best}, provided that the cavity fits: it sticks out of the structure by up to 1.3 mm; it lies at an end of a"
+        f"{best}, provided that the cavity fits: it sticks out of the structure by up to 1.3 mm; it lies at an end of"
+        " a; within the stated errors 1 other point is as good"
     )
     half = said("sweep/text", spread=spread | {"judged": 0.375}, **known)[1]
     assert "a median of 0.3 %, of the 38 % of the sample that have a verdict; share of" in half
@@ -519,6 +520,9 @@ def test_a_point_that_rests_on_more_friction_than_it_has_says_so(here):
     assert report.document(rising)["best_at_end"] == ["damper.friction"]
     assert report.document(rising.isel({"damper.friction": [2, 1, 0]}))["best_at_end"] == ["damper.friction"]
     assert "; it lies at an end of damper.friction" in report.text(rising)
+    assert report.document(rising)["as_good"] == 0
+    unsure = rising.assign(working_error=rising.working_error.copy(data=[[0.04], [0.05], [0.05]]))
+    assert report.document(unsure)["as_good"] == 1, "1.1 of 1.2 within 5 % of each, 1.0 not within 4 %"
     alone = found.isel({"damper.friction": [0]})
     needed = report.document(alone)["best"]["values"]["friction_needed"]
     says = f"which requires a friction coefficient of {needed:.2g} there, more than the point has"

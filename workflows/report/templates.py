@@ -97,22 +97,17 @@ def at_speed(point: SpeedPoint) -> str:
     return f"{formatting.turning(point.omega)} ({formatting.whole(point.load_g)} g)"
 
 
-def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint], *, goes_on: bool = False) -> str:
-    """Where some of the points lie among all, in few words: up to, from, from ... to; both with rising load.
-
-    `goes_on`: beyond the first point or the last, too, where that is the only one.
-    """
+def stretch(chosen: Sequence[SpeedPoint], points: Sequence[SpeedPoint]) -> str:
+    """Where some of the points lie among all, in few words: at, up to, from ... to; both with rising load."""
     places = sorted(points, key=lambda point: point.load_g)
     at = sorted(places.index(point) for point in chosen)
     first, last = (at_speed(places[k]) for k in (at[0], at[-1]))
-    if first == last and not (goes_on and (at[0] == 0 or at[-1] == len(places) - 1)):
+    if first == last:
         return f"at {first}"
     if at[-1] - at[0] >= len(at):
         among = f"at {len(at)} of {len(places)} speeds from {first} to {last}"
         return f"at {first} and {last}" if len(at) == 2 else among
-    if len(at) == len(places) or (at[0] > 0 and at[-1] < len(places) - 1):
-        return f"from {first} to {last}"
-    return f"up to {last}" if at[0] == 0 else f"from {first} on"
+    return f"up to {last}" if at[0] == 0 and len(at) < len(places) else f"from {first} to {last}"
 
 
 def capital(text: str) -> str:

@@ -294,7 +294,7 @@ def _verdict(results: Results, points: list[SpeedPoint]) -> list[str]:
     elif len(known) > _STEPS_AT_MOST:
         main = f"{_WORDS[most]} at some speeds"
     else:
-        main = ", ".join(f"{_WORDS[rank]} {stretch(run, points, goes_on=True)}" for rank, run in known)
+        main = ", ".join(f"{_WORDS[rank]} {stretch(run, points)}" for rank, run in known)
     nothing = [point for point in points if _rank(point) == 0]
     locked = [point for point in nothing if point.verdict and point.verdict.grade == Grade.LOCKED]
     idle = [point for point in nothing if point not in locked]

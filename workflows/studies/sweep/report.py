@@ -213,6 +213,13 @@ def _best(data: xr.Dataset) -> dict[str, int]:
     return {str(name): int(k) for name, k in zip(table.dims, place, strict=True)}
 
 
+def _as_good(data: xr.Dataset) -> int:
+    """How many other points reach, within the stated errors, as much as the best."""
+    values, errors = data[HEADLINE].values, np.nan_to_num(data["working_error"].values)
+    best = values[tuple(_best(data).values())] / (1 + errors[tuple(_best(data).values())])
+    return int((values * (1 + errors) >= best).sum()) - 1
+
+
 def _ends(data: xr.Dataset) -> list[str]:
     """Keys of a grid, of three numbers and more, at an end of which it is best by over a percent; not the speeds."""
     best, ends = _best(data), list[str]()
@@ -286,15 +293,24 @@ def _curves(data: xr.Dataset, quantity: str, x: str, series: str | None) -> str:
     count = 1 if series is None else data.sizes[series]
     places = sorted({round(k) for k in np.linspace(0, count - 1, min(count, _CURVES))})
     fixed = {name: k for name, k in best.items() if name not in (x, series)}
+    bars = list[tuple[Floats, Floats, str]]()
     for number, k in enumerate(places):
-        values = factor * data[quantity].isel(fixed | ({series: k} if series else {})).values
+        point = data.isel(fixed | ({series: k} if series else {}))
+        values = factor * point[quantity].values
         look: dict[str, Any] = {"color": plots.CATEGORIES[number], "marker": plots.MARKERS[number]}
         label = _at(data, series, k) or None
-        axes.plot(_along(data, x), np.where(values > 0, values, np.nan), label=label, **look)
+        shown = np.where(values > 0, values, np.nan)
+        axes.plot(_along(data, x), shown, label=label, **look)
+        error = 1 + point["working_error"].values
+        bars.append((shown / error, shown * error, plots.CATEGORIES[number]))
     if quantity == HEADLINE:
         plots.air(axes)
     axes.set(xlabel=_label(data, x), ylabel=named, xscale=scale(_along(data, x)))
     axes.set_yscale(_value_scale(data[quantity].isel(fixed).values))
+    if quantity == HEADLINE:
+        axes.set_ylim(axes.get_ylim())  # an error without bound must not set them
+        for low, high, colour in bars:
+            axes.vlines(_along(data, x), low, high, color=colour, lw=1.0)
     if series is not None:
         plots.legend(figure, axes)
     return plots.svg(figure, f"curves-{quantity}", f"{named} over {x}")
@@ -360,6 +376,7 @@ def document(data: xr.Dataset) -> dict[str, Any]:
         "reasons": [{"reason": text, "points": count} for text, count in reasons.most_common(20)],
         "best": _point(data, _best(data)) if (flat > 0).any() else None,
         "best_at_end": _ends(data) if (flat > 0).any() else [],
+        "as_good": _as_good(data) if (flat > 0).any() else 0,
     }
     return entries | ({"uncertain": _uncertain(data)} if "ST" in data else {})
 
