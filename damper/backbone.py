@@ -133,6 +133,7 @@ class Backbone:
         Args:
             force: heights at the cavity along x, shape (n,) [N].
         """
+        force = np.asarray(force, dtype=float)
         largest = np.zeros(len(force))
         for branch in self.branches:
             scans = [self._scan(branch, each, None) for each in (float(force.min()), float(force.max()))]

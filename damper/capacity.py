@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from damper.model import ParticleDamper
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Capacity:
     """Damping cycle by cycle; a cycle runs from one velocity maximum V to the one a vibration period later.
 

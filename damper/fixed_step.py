@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from damper.model import Floats, ParticleDamper
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SteppedRingDown:
     """What the fixed-step algorithm gives.
 

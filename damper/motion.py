@@ -39,7 +39,7 @@ APART, COUPLED = 0, 1
 """How a damper flies: along x and along y, each for itself, or along both together."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Flights:
     """Runs of n ring-downs alike, dtype `damper.state.FLYING`, and the systems that they share.
 
@@ -144,7 +144,7 @@ class Outcome(StrEnum):
 Value = TypeVar("Value", float, Floats)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EnergyBooks(Generic[Value]):
     """Where the energy went [J], of one ring-down or of each of many.
 
@@ -167,7 +167,7 @@ class EnergyBooks(Generic[Value]):
         return self.initial - self.final - self.structure - self.rolling - self.impact - self.slip + self.work
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RingDown(Counts[int]):
     """What a ring-down left, with the counters of `damper.state.Counts`.
 

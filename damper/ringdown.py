@@ -162,7 +162,7 @@ def _roomier(table: npt.NDArray[_Scalar], used: int) -> npt.NDArray[_Scalar]:
     return table if used < len(table) else np.concatenate([table, np.zeros_like(table)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class History:
     """Motion at given times; the columns of the (n, 2) arrays are the axes x and y.
 

@@ -61,7 +61,7 @@ def usual_starts(damper: ParticleDamper) -> tuple[Start, ...]:
     return tuple(Start) if damper.floor_radius is not None else (Start.UP, Start.DOWN, Start.RANDOM)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motions:
     """Runs of n motions, dtype `damper.state.DRIVEN`, and what is known of their linear answers, of length n too.
 

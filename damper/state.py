@@ -112,7 +112,7 @@ CYCLE = record(
 Count = TypeVar("Count")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Counts(Generic[Count]):
     """What a run counts at its events (`damper.engine.count`): in its clock, of one ring-down, of each of many.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -148,7 +148,7 @@ _BLOCK = 4
 
 def forced(
     damper: ParticleDamper | Sequence[ParticleDamper],
-    harmonics: Sequence[Harmonic],
+    harmonics: Iterable[Harmonic],
     starts: Sequence[Start] | None = None,
     *,
     probe: Sequence[float] | int = 0,
@@ -181,6 +181,7 @@ def forced(
     """
     if isinstance(harmonics, Harmonic):
         raise TypeError("forced takes a sequence of harmonics: put this one into a list")
+    harmonics = list(harmonics)
     dampers = [damper] * len(harmonics) if isinstance(damper, ParticleDamper) else list(damper)
     if len(dampers) != len(harmonics) or not dampers:
         raise ValueError(f"dampers must be as many as harmonics, at least one; got {len(dampers)} and {len(harmonics)}")
