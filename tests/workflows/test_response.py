@@ -305,7 +305,10 @@ def test_closing_lines_are_of_what_the_headline_calls_useful(known, with_rows):
         with_rows(every)
         assert report.best_rows(known) == []
         assert "additional damping ratio" not in report.text(known)
+        assert "Locked, with a ratio below 1" not in report.text(known)
     with_rows([*others, locked])
+    assert locked.ratio < 0.98
+    assert "Locked, with a ratio below 1: the largest amplitude is at a speed beside" in report.text(known)
     assert report.best_rows(known) == [locked], "set off nearer to the resonance, where the amplitude is less"
 
 

@@ -260,12 +260,18 @@ def legend(result: Response, table: list[Row]) -> list[str]:
 
 
 def captions(result: Response) -> list[str]:
-    """Where estimated ratios are rough, and where amplitudes are along axis 2."""
+    """Where balls at rest leave less, where estimated ratios are rough, and where amplitudes are along axis 2."""
     passages = [each for each in result.passages if each.reduction.loose]
     loose, heavy = [each.crossing for each in passages], any(is_heavy(each.at) for each in passages)
     across, balls = [each.crossing for each in result.passages if each.axis == 1], result.results.scene.ball_count
     said = templates.said("response/rough", balls, crossings=loose, heavy=heavy) if loose else []
+    held = [row for row in rows(result) if row.regime == Regime.LOCKED and row.force >= row.passage.least_force]
+    said += templates.said("response/held", balls) if any(row.ratio < _LESS for row in held) else []
     return said + (templates.said("response/across", crossings=across) if across else [])
+
+
+_LESS = 0.98
+"""Ratio of amplitudes below which it takes a word why there is one although the ball is at rest."""
 
 
 def best_rows(result: Response) -> list[Row]:
