@@ -126,7 +126,7 @@ def figures(found: Tally, cutoff: float) -> DampingCurve | None:
 def at_bin(curve: DampingCurve, best: int) -> DampingCurve:
     """The same curve with its peak at one of its points."""
     amplitude, ratio = curve.amplitude, curve.damping_ratio
-    half = _half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)
+    half = (_half(amplitude, ratio, best, -1), _half(amplitude, ratio, best, 1)) if ratio[best] > 0 else (math.nan,) * 2
     return replace(curve, peak=float(ratio[best]), peak_amplitude=float(amplitude[best]), half=half)
 
 

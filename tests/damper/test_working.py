@@ -23,7 +23,7 @@ from damper import (
     work_bound,
 )
 from damper.curve_measurement import STAY, samples_of, swinging, undamped
-from damper.curves import BINS, Down, at_bin, folded, grown, resolved
+from damper.curves import BINS, Down, at_bin, at_peak, folded, grown, resolved
 from tests.damper.digits import ramp
 from tests.damper.ramps import led
 from tests.damper.scenes import paper
@@ -230,6 +230,11 @@ def test_a_curve_on_the_way_down_ends_where_most_sweeps_fall_off(leaves: tuple[f
     bounces = found.descending.damping_ratio == 1e-2
     assert bounces[amplitude > 1.005e-3 * first].all()
     assert not bounces[(amplitude > 0.95e-3) & (amplitude < 0.995e-3 * first)].any()
+
+
+def test_a_curve_without_damping_has_no_range():
+    idle = at_peak(DampingCurve(np.array([1.0, 2.0, 3.0]), np.zeros(3), 0.0))
+    assert np.isnan(idle.half).all()
 
 
 def test_a_falling_curve_has_no_points_that_it_does_not_show() -> None:
