@@ -17,10 +17,12 @@ import numpy as np
 
 from damper.curve_measurement import damping_curve, in_one_mode, in_wide_cavity, rolling, swinging, undamped
 from damper.curves import DampingCurve
-from damper.model import number
+from damper.model import number, table
 from damper.ringdown import ringdown
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from damper.model import Floats, ParticleDamper
     from damper.motion import RingDown
 
@@ -125,27 +127,30 @@ class Backbone:
             found += zip(amplitudes.tolist(), branch.at(amplitudes)[1].tolist(), strict=True)
         return tuple(sorted(found))
 
-    def peaks(self, force: Floats) -> Floats:
+    def peaks(self, force: npt.ArrayLike) -> Floats:
         """The largest amplitude that forces keep up at any frequency [m], shape (n,).
 
         At resonance an amplitude takes least force: whatever takes no more there than a force gives is met beside it.
 
         Args:
             force: heights at the cavity along x, shape (n,) [N].
+
+        Raises:
+            ValueError: they are not numbers.
         """
-        force = np.asarray(force, dtype=float)
-        largest = np.zeros(len(force))
+        forces = table("force", force)
+        largest = np.zeros(len(forces))
         for branch in self.branches:
-            scans = [self._scan(branch, each, None) for each in (float(force.min()), float(force.max()))]
+            scans = [self._scan(branch, each, None) for each in (float(forces.min()), float(forces.max()))]
             ends = [end for end in branch.range if 0 < end < math.inf]
             scan = np.unique(np.concatenate([*scans, branch.amplitude, ends]))
             scan = scan[(scan >= branch.range[0]) & (scan <= branch.range[1])]
             needed = self.force(branch, scan)
             least = np.minimum.accumulate(needed[::-1])[::-1]  # that this amplitude or a larger one takes
-            last = np.searchsorted(least, force, side="right") - 1
+            last = np.searchsorted(least, forces, side="right") - 1
             after = np.minimum(last + 1, len(scan) - 1)
             with np.errstate(divide="ignore", invalid="ignore"):
-                share = np.log(force / needed[last]) / np.log(needed[after] / needed[last])
+                share = np.log(forces / needed[last]) / np.log(needed[after] / needed[last])
             share = np.where(after > last, np.clip(share, 0.0, 1.0), 0.0)
             amplitude = scan[last] * (scan[after] / scan[last]) ** share
             largest = np.maximum(largest, np.where(last >= 0, amplitude, 0.0))

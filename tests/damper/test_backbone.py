@@ -34,6 +34,11 @@ def test_a_resting_ball_is_the_textbook_s_oscillator() -> None:
         assert turns == damper.stuck_frequency
 
 
+def test_forces_may_be_a_list() -> None:
+    found = backbone(paper(damping_ratio=ZETA))
+    assert np.array_equal(found.peaks([1.0, 2.0]), found.peaks(np.array([1.0, 2.0])))
+
+
 def test_a_ball_that_rolls_to_and_fro() -> None:
     """Its path from turn to turn is 2 (5/7) u there; resistance takes its share of each, the structure is lighter."""
     light = paper(mass_ratio=1e-6, cavity=(60e-3, 60e-3))

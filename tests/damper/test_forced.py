@@ -93,6 +93,19 @@ def test_one_harmonic_is_asked_for_in_a_list() -> None:
         forced(paper(), Harmonic(1.0, (1.0, 0.0)))  # type: ignore[arg-type]
 
 
+def test_harmonics_may_come_from_a_generator() -> None:
+    damper = paper(damping_ratio=1e-3)
+    driven = [Harmonic(0.9 * damper.stuck_frequency, (force, 0.0)) for force in (1e-3, 2e-3)]
+    assert np.array_equal(forced(damper, driven).mean, forced(damper, (each for each in driven)).mean)
+
+
+def test_motions_are_compared_by_identity() -> None:
+    """Numbers of events alone, which they share with others, would not tell them apart."""
+    one, other = (ringdown(paper(), (1e-3, 0.0), 3) for _ in range(2))
+    assert one in [other, one]
+    assert one not in [other]
+
+
 @pytest.mark.parametrize(("left", "factor"), [(1e-3, 1e3), (0.0, math.inf)])
 def test_a_tilt_that_cancels_the_drive_lets_no_force_move_the_ball(left: float, factor: float) -> None:
     """At the stuck structure's resonance all of the drive is in that ratio; what rounding leaves of it moved balls."""

@@ -215,9 +215,9 @@ def _best(data: xr.Dataset) -> dict[str, int]:
 
 def _as_good(data: xr.Dataset) -> int:
     """How many other points reach, within the stated errors, as much as the best."""
-    values, errors = data[HEADLINE].values, np.nan_to_num(data["working_error"].values)
-    best = values[tuple(_best(data).values())] / (1 + errors[tuple(_best(data).values())])
-    return int((values * (1 + errors) >= best).sum()) - 1
+    values, width = data[HEADLINE].values, 1 + np.nan_to_num(data["working_error"].values)
+    best = tuple(_best(data).values())
+    return int((values * width >= values[best] / width[best]).sum()) - 1
 
 
 def _ends(data: xr.Dataset) -> list[str]:
