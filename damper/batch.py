@@ -79,7 +79,7 @@ _AT_ONCE = 64 * BLOCK
 """Runs prepared together: 12 kB each."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Batch(Counts[Integers], EnergyBooks[Floats]):
     """What n ring-downs left, with `damper.state.Counts` and `damper.EnergyBooks`; every array has shape (n,).
 

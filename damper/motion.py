@@ -144,7 +144,7 @@ class Outcome(StrEnum):
 Value = TypeVar("Value", float, Floats)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class EnergyBooks(Generic[Value]):
     """Where the energy went [J], of one ring-down or of each of many.
 

@@ -266,11 +266,11 @@ def captions(result: Response) -> list[str]:
     across, balls = [each.crossing for each in result.passages if each.axis == 1], result.results.scene.ball_count
     said = templates.said("response/rough", balls, crossings=loose, heavy=heavy) if loose else []
     held = [row for row in rows(result) if row.regime == Regime.LOCKED and row.force >= row.passage.least_force]
-    said += templates.said("response/held", balls) if any(row.ratio < _LESS for row in held) else []
+    said += templates.said("response/held", balls) if any(row.ratio < _UNCHANGED for row in held) else []
     return said + (templates.said("response/across", crossings=across) if across else [])
 
 
-_LESS = 0.98
+_UNCHANGED = 0.98
 """Ratio of amplitudes below which it takes a word why there is one although the ball is at rest."""
 
 
